@@ -1,0 +1,56 @@
+// Joint angles, as the limits define them (INTERFACE.md, model files). All in the PARENT's own
+// frame, never in the world's; radians.
+//
+// hinge: one angle, the right-hand turn of the child about `axis` from the straight continuation of
+//   the parent bone; > 0 for a bent elbow or knee. Named <joint>_<x|y|z> by the axis's largest
+//   part.
+// cone, planes: three angles of the turn R of the child part in the parent part since the rest
+// pose,
+//   R = Ry(y) Rx(x) Rz(z): for a limb that hangs down flexion about y, then abduction about x, then
+//   twist about the limb itself, the order of the joint coordinate system [GroodSuntay1983] which
+//   locks only at x = +-90 deg. Named <joint>_x, _y, _z. y and z in (-pi, pi], x in [-pi/2, pi/2].
+// Ragdolls after the first prefix "<ragdoll>/".
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ragdoll_sim/body/frames.h"
+
+namespace ragdoll {
+
+/// Turn about `axis` that takes the straight continuation of `parent` to `child` (unit vectors of
+/// one frame, axis unit). In (-pi, pi]; the parts of the bones along the axis do not count.
+double hingeAngle(const Vec3& axis, const Vec3& parent, const Vec3& child);
+
+/// x, y, z of R = Ry(y) Rx(x) Rz(z).
+Vec3 jointEuler(const Quat& child_in_parent);
+Quat fromJointEuler(const Vec3& xyz);
+
+/// A hinge in the rest pose's axes; unit vectors.
+struct HingeGeometry {
+  Vec3 axis;      ///< fixed in the parent
+  Vec3 straight;  ///< fixed in the parent: where `child` points at angle 0
+  Vec3 child;     ///< fixed in the child: its bone, or any direction for a group
+};
+HingeGeometry hingeGeometry(const Skeleton& skeleton, const Joint& joint);
+
+/// All joint angles of a world.
+class JointAngles {
+ public:
+  JointAngles(const Model& model, const FrameTracker& tracker);
+  const std::vector<std::string>& names() const { return names_; }
+  /// One value per name.
+  void compute(const Posture& posture, std::vector<double>& angles) const;
+
+ private:
+  struct Entry {
+    bool hinge;
+    int parent, child;  ///< parts of the posture
+    HingeGeometry geometry;
+  };
+  std::vector<Entry> entries_;
+  std::vector<std::string> names_;
+};
+
+}  // namespace ragdoll

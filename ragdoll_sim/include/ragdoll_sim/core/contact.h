@@ -1,0 +1,29 @@
+// A point of one body against a half-space (an obstacle's tangent plane), or against another body.
+//
+// gap = n . (sum_k w_k x_k) - offset >= 0. Against an obstacle the weights sum to one and the plane
+// is tangent to a convex obstacle, so a point that satisfies it is outside; between bodies they sum
+// to zero.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "ragdoll_sim/core/model.h"
+
+namespace ragdoll {
+
+struct Contact {
+  std::array<int, 4> particle{};  ///< columns of the state
+  std::array<double, 4> weight{};
+  int count = 0;                ///< how many of the four are used
+  Vec3 normal = Vec3::UnitZ();  ///< unit, out of the obstacle (of the second body)
+  double offset = 0;            ///< [m]
+  double friction = 0, restitution = 0;
+  Vec3 surface_motion = Vec3::Zero();  ///< [m] of the obstacle at the contact during the step
+  int ragdoll = 0, other = -1;  ///< other: the second ragdoll; -1: an obstacle or the same ragdoll
+  std::array<bool, 2> moves{true, true};  ///< ragdoll, other: false while it sleeps
+  int obstacle = -1;                      ///< of the model; -1: another body
+  double gap_start = 0;                   ///< [m] at the step's start
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,31 @@
+// What the outside does to the world during one step. Applied at the step's beginning, never
+// within.
+#pragma once
+
+#include <vector>
+
+#include "ragdoll_sim/core/model.h"
+#include "ragdoll_sim/core/state.h"
+
+namespace ragdoll {
+
+struct Inputs {
+  std::vector<Poke> pokes;  ///< forces to apply; step() uses those active at its step
+  std::vector<Pose>
+      obstacles;           ///< pose at the END of the step, one per obstacle; empty: none moves
+  std::vector<Vec3> pins;  ///< target at the END of the step, one per pin; empty: none moves
+};
+
+/// The scene's scripted pokes, nothing else moving: what a run starts with.
+Inputs startInputs(const Model& model);
+
+/// True while the step that begins at `time` and lasts `h` belongs to the poke: start and duration
+/// are rounded to whole steps, at least one.
+bool isActive(const Poke& poke, double time, double h);
+
+/// Spreads force and moment of one poke over the particles of its body: the smallest forces (least
+/// squares) with the right sum and moment about the body's own point. A single particle takes no
+/// moment, a bone none about itself. Adds to forces (3 x N) [N].
+void addForce(const Poke& poke, const State& state, Points& forces);
+
+}  // namespace ragdoll

@@ -1,0 +1,56 @@
+// The joint limits of a state as one-sided rows C(X) >= 0 with exact gradients: what every solver
+// projects on. Geometry: limit.h, and plane_limits.h: a `planes` joint has a row only where its
+// child has left the regions, C = minus the angle back to its last allowed direction.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "ragdoll_sim/core/limit.h"
+#include "ragdoll_sim/core/model.h"
+#include "ragdoll_sim/core/state.h"
+
+namespace ragdoll {
+
+/// C and its gradient at one state. Sum of gradients and sum of x cross gradient are zero.
+struct LimitRow {
+  static constexpr int kMaxParticles = 8;
+  int ragdoll = 0;
+  int limit = 0;  ///< of the skeleton: Skeleton::limits, or -1 - k of Skeleton::plane_limits
+  int joint = 0;  ///< of the skeleton
+  int count = 0;  ///< how many of the particles are used, each once
+  std::array<int, kMaxParticles> particle;   ///< columns of the state
+  std::array<Vec3, kMaxParticles> gradient;  ///< [rad/m]
+  double value = 0;                          ///< [rad] C; < 0: violated by that angle
+  Vec3 allowed = Vec3::Zero();               ///< planes: the direction to return to
+  double compliance = 0;                     ///< [rad/(N m)]; 0: hard
+  double damping = 0;                        ///< [N m s/rad], soft limits only
+};
+
+/// Rows of all awake ragdolls with a value < margin [rad] at the positions x (3 x N).
+void findLimits(const Model& model, const Points& x, const State& state, double margin,
+                std::vector<LimitRow>& rows);
+
+/// Appends the rows of one ragdoll: of hinges and cones as above, of planes where they forbid x.
+void appendLimits(const Model& model, const Points& x, const State& state, int ragdoll,
+                  double margin, std::vector<LimitRow>& rows);
+
+/// Appends a row for every planes joint of the awake ragdolls, to be evaluated.
+void listPlanes(const Model& model, const State& state, std::vector<LimitRow>& rows);
+
+/// The same row at other positions. Of planes: 0, without particles, where they allow these.
+void evaluateLimit(const Model& model, const Points& x, LimitRow& row);
+
+/// Keeps the directions that the planes allow now in state.allowed: once at the end of a step.
+void keepAllowed(const Model& model, State& state);
+
+/// State::allowed at the start: where the children point, or the rest pose if that is forbidden.
+Points startAllowed(const Model& model);
+
+/// [rad] C alone of one limit; x: coordinates of the body's first particle.
+double limitValue(const Limit& limit, const double* x);
+
+/// [rad] by how much the worst limit of the ragdoll, of any type, is violated; >= 0.
+double limitViolation(const Model& model, const Points& x, int ragdoll);
+
+}  // namespace ragdoll

@@ -1,0 +1,67 @@
+// One-sided constraints and friction of one body beside its sticks: the Schur complement.
+//
+// The sticks are eliminated exactly, A = J_c W J_c^T - K^T (J_s W J_s^T)^-1 K with K = J_s W J_c^T,
+// and projected Gauss-Seidel [Moreau1988], [Cottle1992, ch. 5] finds impulses p of w = b + A p with
+//   normal and limit rows:  p >= 0, w >= 0, p w = 0;
+//   tangent rows:           |p_t| <= mu p_n, against the slip: the isotropic Coulomb disc, no
+//   pyramid.
+// Works on displacements (b: gaps [m], slips [m]) and on velocities (b: rates) alike.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "ragdoll_sim/core/contact.h"
+#include "ragdoll_sim/core/limits.h"
+#include "ragdoll_sim/core/stick_solver.h"
+
+namespace ragdoll {
+
+class Schur {
+ public:
+  static constexpr int kMaxParticles = LimitRow::kMaxParticles;
+
+  struct Row {
+    enum class Kind { kLimit, kNormal, kTangent };
+    Kind kind;
+    int source;  ///< index of its contact or limit
+    int count;
+    std::array<int, kMaxParticles> particle;  ///< of the body
+    std::array<Vec3, kMaxParticles> gradient;
+    Vec3 direction = Vec3::Zero();  ///< contact: of the impulse, unit
+    double compliance = 0;          ///< added to A's diagonal
+    double friction = 0;            ///< normal rows: of the two tangent rows that follow
+  };
+
+  /// first: the body's first column of the state.
+  void start(int first);
+  void addContact(const Contact& contact, int source);
+  void addLimit(const LimitRow& limit, int source, double compliance);
+  bool empty() const { return rows_.empty(); }
+  int size() const { return static_cast<int>(rows_.size()); }
+  const Row& row(int i) const { return rows_[i]; }
+  auto matrix() const { return A_.leftCols(size()); }
+
+  /// A at the pose of `sticks`.
+  void assemble(const StickRows& constants, const StickSolver& sticks, const Eigen::MatrixXd& W);
+
+  /// p from b, starting at p. Returns whether it settled.
+  bool solve(const Eigen::VectorXd& b, Eigen::VectorXd& p);
+
+  /// out (3 x n, columns) += what the impulses p, and the sticks' answer to them, do.
+  void move(const StickRows& constants, StickSolver& sticks, const Eigen::MatrixXd& W,
+            const Eigen::VectorXd& p, double* out);
+
+  /// gradient of row i times x, the body's first coordinates.
+  double along(int i, const double* x) const;
+
+ private:
+  int first_ = 0, columns_ = 0;
+  std::vector<Row> rows_;
+  PaddedRows K_, Z_;                   ///< s x padded rows
+  PaddedRows A_;                       ///< rows x padded rows
+  Eigen::VectorXd free_, w_, lambda_;  ///< free_: A's diagonal without the sticks' answer
+  Points impulse_, answer_;
+};
+
+}  // namespace ragdoll

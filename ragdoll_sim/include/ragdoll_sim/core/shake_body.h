@@ -1,0 +1,34 @@
+// What one body's SHAKE step works with. Private to the core.
+#pragma once
+
+#include <vector>
+
+#include "ragdoll_sim/core/runge_kutta.h"
+#include "ragdoll_sim/core/schur.h"
+#include "ragdoll_sim/core/stick_solver.h"
+
+namespace ragdoll {
+
+/// Sticks at the step's start and end; kept from step to step so that the factors at the end serve
+/// as those at the next start.
+struct ShakeBody {
+  StickSolver start, end;
+};
+
+/// Scratch shared by all bodies.
+struct ShakeScratch {
+  Points dx, acceleration, saved_x, saved_v;
+  std::vector<double> saved_multipliers;
+  PaddedRows D1;
+  Eigen::VectorXd lambda, residual, b, p;
+  Eigen::VectorXd total;                            ///< impulses so far
+  std::vector<Contact> contacts, touching, missed;  ///< near; touching at the step's end
+  std::vector<LimitRow> limits, touching_limits;
+  std::vector<double> warm;    ///< impulses at which the velocity stage starts
+  std::vector<Press> presses;  ///< of the last motion
+  Points v1;
+  RungeKuttaScratch stages;
+  Schur schur;
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,18 @@
+// Named settings of the solver: a `preset` in a scene is one of these, and every other key of its
+// `solver:` section changes a single knob of it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ragdoll_sim/core/scene.h"
+
+namespace ragdoll {
+
+/// thesis, draft, balanced, precise, reference: from the source's own to the most accurate.
+const std::vector<std::string>& presetNames();
+
+/// Throws Error that lists the names.
+SolverSpec preset(const std::string& name);
+
+}  // namespace ragdoll

@@ -1,0 +1,56 @@
+// One body's sticks at one pose, solved directly: J W J^T lambda = rhs with J W J^T = G o (D^T D).
+//
+// An impulse lambda moves the body by D diag(lambda) (B W). For a skeleton of n particles and s
+// sticks a factorisation costs s^3 / 3 multiply-adds on padded rows; no ordering, no fill, one path
+// for lumped masses, segment inertia and rigid groups (docs/equations.md#dense-rows).
+#pragma once
+
+#include "ragdoll_sim/core/model.h"
+#include "ragdoll_sim/core/stick_kernels.h"
+
+namespace ragdoll {
+
+/// A DirectSystem laid out in padded rows. Built once per system.
+struct StickRows {
+  explicit StickRows(const DirectSystem& system);
+
+  int n, s;                 ///< particles, sticks
+  int width;                ///< padded s
+  int columns;              ///< padded n
+  PaddedRows BT;            ///< n x width
+  PaddedRows G;             ///< s x width
+  PaddedRows BW;            ///< s x columns
+  Eigen::VectorXd length2;  ///< [m^2] width, zero beyond the last stick
+};
+
+/// The sticks of one body at one pose.
+class StickSolver {
+ public:
+  void resize(const StickRows& rows);
+
+  /// D = X B^T and the factors of G o (D^T D). x: first particle's coordinates. Does nothing if it
+  /// holds that very pose already.
+  void setPose(const StickRows& rows, const double* x);
+
+  const double* D() const { return D_.data(); }
+  const double* U() const { return S_.data(); }
+  const double* inverse() const { return inverse_.data(); }
+
+  /// lambda <- (J W J^T)^-1 lambda; width values.
+  void solve(const StickRows& rows, double* lambda) const {
+    kernels::solve(S_.data(), inverse_.data(), rows.s, rows.width, lambda);
+  }
+
+  /// Moves x (3 x n, columns) by scale D diag(lambda) (B W).
+  void move(const StickRows& rows, const double* lambda, double scale, double* x);
+
+  /// Removes from velocities v (3 x n, columns) what would stretch the sticks.
+  void projectVelocities(const StickRows& rows, double* v);
+
+ private:
+  PaddedRows D_, S_, moved_, rates_;
+  Eigen::VectorXd inverse_, lambda_, pose_;
+  bool valid_ = false;
+};
+
+}  // namespace ragdoll

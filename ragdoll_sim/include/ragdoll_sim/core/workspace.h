@@ -1,0 +1,38 @@
+// Scratch of a step, sized by the first one. Private to the core: users hold it as Workspace.
+#pragma once
+
+#include <vector>
+
+#include "ragdoll_sim/core/contact.h"
+#include "ragdoll_sim/core/detect.h"
+#include "ragdoll_sim/core/limit_projection.h"
+#include "ragdoll_sim/core/pair_detect.h"
+#include "ragdoll_sim/core/projection.h"
+#include "ragdoll_sim/core/shake_body.h"
+#include "ragdoll_sim/core/shake_pairs.h"
+#include "ragdoll_sim/core/step.h"
+
+namespace ragdoll {
+
+struct Workspace::Impl {
+  Points force;                       ///< [N] 3 x N of pokes
+  bool forced = false;                ///< any poke this step
+  std::vector<std::uint8_t> pressed;  ///< per ragdoll: something pressed on it in this step
+  Points x0;                          ///< positions at the step's start
+  Points x1, v1;                      ///< after free motion
+  Points acceleration;                ///< of one ragdoll
+  std::vector<Contact> contacts;
+  PairDetector pairs;
+  LimitProjection limits;
+  ContactProjection projection;
+
+  // Direct methods.
+  std::vector<SweptObstacle> obstacles;
+  std::vector<ShakeBody> bodies;  ///< per ragdoll
+  std::vector<int> first_stick;   ///< per ragdoll: its first multiplier in the state
+  ShakeScratch shake;
+  ShakePairs together;
+  std::vector<Press> presses;  ///< of this step
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,65 @@
+// What a run did, in numbers: watched from outside, step by step, and written as JSON.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "ragdoll_sim/core/inputs.h"
+#include "ragdoll_sim/core/model.h"
+#include "ragdoll_sim/core/state.h"
+#include "ragdoll_sim/core/step.h"
+
+namespace ragdoll {
+
+/// How often the step guard did what; a step counts once however many ragdolls it was for.
+struct GuardCounts {
+  std::uint64_t guarded = 0;     ///< steps in which the method or the step was changed
+  std::uint64_t limited = 0;     ///< steps in which energy was limited after a contact
+  std::uint64_t unresolved = 0;  ///< steps whose constraints did not converge
+  int max_substeps = 1;
+};
+
+struct Summary {
+  std::uint64_t steps = 0;
+  double seconds = 0;                       ///< [s] simulated
+  double wall_seconds = 0;                  ///< [s] spent in step() alone
+  double max_stick_error = 0;               ///< relative, largest of all steps
+  double max_penetration = 0;               ///< [m] largest of all steps
+  double max_limit_violation = 0;           ///< [rad] largest of all steps
+  double energy_start = 0, energy_end = 0;  ///< [J] kinetic and potential
+  double work = 0;                          ///< [J] done by pokes (force times way, step by step)
+  double max_energy_rise = 0;               ///< [J] largest of energy - (energy_start + work), >= 0
+  GuardCounts guard;
+  int asleep = 0;          ///< ragdolls asleep at the end
+  std::uint64_t hash = 0;  ///< of the last state
+  bool finite = true;      ///< every position and velocity was a number
+};
+
+/// {"steps": ..., ..., "hash": "<16 hex digits>"}, ending in a newline.
+std::string toJson(const Summary& summary);
+
+/// Runs a world and keeps its Summary.
+class WatchedRun {
+ public:
+  explicit WatchedRun(const Model& model);
+
+  /// One step, timed and measured.
+  void step();
+
+  const State& state() const { return state_; }
+  double time() const;  ///< [s] steps times step length
+  Summary summary() const;
+
+ private:
+  void measure();
+  double energy() const;
+
+  const Model& model_;
+  Inputs inputs_;
+  Workspace workspace_;
+  State state_;
+  Points before_, force_;
+  Summary summary_;
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,61 @@
+// Obstacles and pins that follow frames of others: turns poses that are heard now and then into one
+// for every step.
+//
+// A frame glides from where it was to what was heard last within kGlide, so that what it carries
+// has a steady velocity; when nothing more is heard it stays there. What is heard first is a jump
+// for an obstacle; a particle is drawn from where it is to its frame within kDraw. Knows nothing of
+// ROS.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "ragdoll_sim/core/inputs.h"
+#include "ragdoll_sim/core/model.h"
+#include "ragdoll_sim/core/state.h"
+
+namespace ragdoll {
+
+class Follow {
+ public:
+  static constexpr double kGlide = 0.02;  ///< [s] about twice as long as between two that are heard
+  static constexpr double kDraw = 0.25;   ///< [s] a particle takes to reach the frame that holds it
+
+  static constexpr double kAway = -1e4;  ///< [m] on z
+
+  /// Begins anew with the frames that the model names; puts the obstacles where they are.
+  void restart(const Model& model, State& state);
+  /// Other pins; those that stay go on.
+  void setPins(const Model& model);
+
+  std::vector<std::string> frames() const;
+  bool empty() const { return frames_.empty(); }
+
+  /// pose: of the frame in the world, now.
+  void hear(const std::string& frame, const Pose& pose);
+
+  /// Where obstacles and pins are to be at the end of the next step, which lasts h.
+  void apply(const Model& model, double h, State& state, Inputs& inputs);
+
+ private:
+  struct Frame {
+    std::string name;
+    bool heard = false, fresh = true;  ///< fresh: a jump, not yet applied
+    Pose from, to, now;
+    double age = 0;  ///< [s] of simulated time since `to` was heard
+  };
+  struct Held {
+    int frame = -1;  ///< -1: held where Pin::target says
+    int particle = 0;
+    Vec3 offset = Vec3::Zero();  ///< [m] from the frame when it was first heard
+    double age = -1;             ///< [s] since then; < 0: not yet
+  };
+  int use(const std::string& frame);  ///< index, -1 for ""
+  Pose poseOf(const Obstacle& obstacle, int frame) const;
+
+  std::vector<Frame> frames_;
+  std::vector<int> obstacle_frame_;  ///< per obstacle, -1: fixed
+  std::vector<Held> held_;           ///< per pin
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,50 @@
+// What rviz shows: the coat, the sticks, obstacles and the pokes that act, in one MarkerArray.
+// Fixed namespaces and ids, so that each message overwrites the last; short lifetimes, so that
+// nothing stays behind when the node ends.
+#pragma once
+
+#include <ros/publisher.h>
+#include <ros/time.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ragdoll_sim/body/coat.h"
+#include "ragdoll_sim/ros/simulation.h"
+
+namespace ragdoll {
+
+class MarkerPublisher {
+ public:
+  /// coat: overrides the scene's unless empty.
+  MarkerPublisher(ros::NodeHandle& nh, const std::string& world_frame, const std::string& coat);
+
+  bool wanted() const { return publisher_.getNumSubscribers() > 0; }
+
+  /// Does nothing while nobody listens, and more often than kRate.
+  void publish(const Snapshot& world, const Posture& posture);
+
+ private:
+  void startScene(const Snapshot& world);
+  visualization_msgs::Marker marker(const std::string& ns, int id, double lifetime) const;
+  void moveBodies(const Snapshot& world, const Posture& posture);
+  void addObstacles(const Snapshot& world, bool all);
+  void addPokes(const Snapshot& world, const Posture& posture);
+
+  std::string world_frame_, coat_;
+  std::atomic<bool> newcomer_{true};
+  ros::Publisher publisher_;
+  std::shared_ptr<const Scene> scene_;
+  std::vector<Coat> coats_;
+  std::vector<visualization_msgs::Marker> obstacles_;
+  std::vector<Poke> pokes_;  ///< that acted since the last message
+  std::vector<Pose> shown_obstacles_;
+  Simulation::Clock::time_point next_, next_obstacles_;
+  visualization_msgs::MarkerArray message_;
+  std::size_t body_markers_ = 0;  ///< the sticks and the coats, first in message_
+};
+
+}  // namespace ragdoll

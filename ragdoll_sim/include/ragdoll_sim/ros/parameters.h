@@ -1,0 +1,28 @@
+// The node's private parameters, read once and checked at start.
+#pragma once
+
+#include <ros/ros.h>
+
+#include <string>
+
+namespace ragdoll {
+
+struct Parameters {
+  std::string scene = "stairs";  ///< name, path or package://PACKAGE/FILE
+  std::string world_frame = "world";
+  double publish_rate = 60;    ///< [Hz] in (0, 1000]
+  double realtime_factor = 1;  ///< simulated time per clock time, > 0; -1: as fast as it goes
+  bool start_paused = false;
+  bool publish_clock = false;
+  double wrench_timeout = 0.2;  ///< [s] in (0, 60]
+  std::string coat;             ///< empty: what the scene says
+};
+
+/// Throws Error that names the parameter, its value and what would be right. Warns of parameters
+/// that mean nothing to this node.
+Parameters readParameters(const ros::NodeHandle& nh);
+
+/// "package://PACKAGE/FILE" as a path; anything else as it is. Throws Error for an unknown package.
+std::string resolvePackage(const std::string& path);
+
+}  // namespace ragdoll

@@ -1,0 +1,71 @@
+// Tells what listens: a thread of its own ticks at ~publish_rate, copies the world between two
+// steps, and publishes from the copy.
+#pragma once
+
+#include <ros/node_handle.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ragdoll_sim/body/angles.h"
+#include "ragdoll_sim/ros/markers.h"
+#include "ragdoll_sim/ros/metrics.h"
+#include "ragdoll_sim/ros/parameters.h"
+#include "ragdoll_sim/ros/ros_clock.h"
+#include "ragdoll_sim/ros/simulation.h"
+
+namespace ragdoll {
+
+class Publisher {
+ public:
+  /// missing: frames of others that are wanted but not heard.
+  Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock,
+            const Parameters& parameters, std::function<std::vector<std::string>()> missing);
+  ~Publisher();
+
+  /// Returns once the present state has been published, whatever the tick.
+  void publishNow();
+
+ private:
+  void run();
+  void tick(bool demanded);
+  const Posture& posture();  ///< what is shown at this moment, from world_
+  void publishModel(const ros::Time& now);
+  void publishTf(const Posture& posture, const ros::Time& now);
+  void publishState(const ros::Time& now, bool demanded);
+  void publishEvents(const ros::Time& now);
+  void publishJoints(const Posture& posture, const ros::Time& now);
+
+  Simulation& simulation_;
+  const RosClock& clock_;
+  const Parameters parameters_;
+  ros::Publisher model_, state_, pokes_, joints_;
+  tf2_ros::TransformBroadcaster tf_;
+  MarkerPublisher markers_;
+  Metrics metrics_;
+
+  Snapshot world_;
+  Posture between_;
+  std::shared_ptr<const Scene> told_scene_;
+  std::uint64_t told_revision_ = 0;
+  std::optional<JointAngles> angles_;
+  std::shared_ptr<const Scene> angles_scene_;
+  ros::Time last_stamp_;
+  std::atomic<bool> newcomer_{false};  ///< someone new listens to ~state
+
+  std::mutex mutex_;
+  std::condition_variable wake_, done_;
+  std::uint64_t asked_ = 0, answered_ = 0;  ///< publishNow
+  bool stopping_ = false;
+  std::thread thread_;  // last
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,32 @@
+// dynamic_reconfigure: the solver's settings and gravity, while the simulation runs.
+#pragma once
+
+#include <dynamic_reconfigure/server.h>
+#include <ragdoll_sim/SolverConfig.h>
+#include <ros/node_handle.h>
+
+#include <memory>
+
+#include "ragdoll_sim/ros/simulation.h"
+
+namespace ragdoll {
+
+using ragdoll_sim::SolverConfig;
+
+class Reconfigure {
+ public:
+  Reconfigure(ros::NodeHandle& nh, Simulation& simulation);
+
+  /// Shows the present settings to whoever looks: after another scene or state.
+  void refresh();
+
+ private:
+  void changed(SolverConfig& config);
+
+  Simulation& simulation_;
+  boost::recursive_mutex mutex_;
+  SolverConfig present_;
+  std::unique_ptr<dynamic_reconfigure::Server<SolverConfig>> server_;
+};
+
+}  // namespace ragdoll

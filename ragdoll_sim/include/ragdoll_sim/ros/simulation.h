@@ -1,0 +1,138 @@
+// Runs a World on a thread of its own, paced by a steady clock, by another clock, or free.
+//
+// Others reach the world only through call(): a command waits in a queue that is drained between
+// steps, so the physics never waits for anyone. Knows nothing of ROS.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <future>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/ros/world.h"
+
+namespace ragdoll {
+
+/// What the simulation has done so far; differences of two give rates.
+struct Progress {
+  std::uint64_t steps = 0;
+  double simulated = 0;                                    ///< [s] never goes back
+  double stepping = 0;                                     ///< [s] wall time spent in steps
+  std::uint64_t guarded = 0, limited = 0, unresolved = 0;  ///< as in StepReport, ragdolls in turn
+};
+
+/// One moment of the world, copied for other threads.
+struct Snapshot {
+  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const Model> model;
+  State state;
+  std::optional<FrameTracker> tracker;
+  StepReport report;
+  std::vector<Poke> acted;    ///< since the last snapshot
+  std::vector<Event> events;  ///< since the last snapshot
+  std::uint64_t revision = 0;
+  bool paused = false;
+  Progress progress;
+  /// Where a viewer is between the tracker's last two updates, in [0, 1]; nothing: look at `state`.
+  std::optional<double> alpha;
+};
+
+class Simulation {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  struct Options {
+    double realtime_factor = 1;  ///< -1: free
+    bool paused = false;
+    /// [s] the clock to follow instead of the steady one; time stands still while it does.
+    std::function<double()> external_clock;
+  };
+
+  Simulation(World world, Options options);
+  ~Simulation();
+
+  /// Runs command(World&) between two steps and returns what it returns; exceptions come through.
+  /// Throws Error when the simulation has ended. Not to be called from a command.
+  template <class Command>
+  auto call(Command command) -> decltype(command(std::declval<World&>())) {
+    using Result = decltype(command(world_));
+    std::packaged_task<Result()> task([&] { return command(world_); });
+    std::future<Result> result = task.get_future();
+    post([&task](bool alive) {
+      if (alive)
+        task();
+      else
+        task = {};  // breaks the promise
+    });
+    try {
+      return result.get();
+    } catch (const std::future_error&) {
+      throw Error("", "the simulation has ended");
+    }
+  }
+
+  void setPaused(bool paused);
+  bool paused() const { return paused_; }
+
+  /// Makes `steps` steps as fast as it can while paused. Returns the step reached. Throws Error if
+  /// not paused, or if a jump (reset, another scene) came in between.
+  std::uint64_t step(std::uint64_t steps);
+
+  /// call() for commands that replace the state: ends what step() is waiting for.
+  template <class Command>
+  auto jump(Command command) -> decltype(command(std::declval<World&>())) {
+    return call([&](World& world) {
+      endStepJobs();
+      rebase();
+      return command(world);
+    });
+  }
+
+  void snapshot(Snapshot& out);
+  Progress progress();
+
+  double realtimeFactor() const { return options_.realtime_factor; }
+
+ private:
+  using Queued = std::function<void(bool alive)>;
+  struct StepJob {
+    std::uint64_t left;
+    std::promise<std::uint64_t> reached;
+  };
+
+  void post(Queued command);
+  void run();
+  void drain();
+  bool stepIsDue();
+  void advance();
+  void waitForWork();
+  void endStepJobs();
+  void rebase();  ///< the next step is due now
+  Clock::duration wallStep() const;
+
+  World world_;
+  Options options_;
+  std::atomic<bool> paused_;
+  Clock::time_point due_, followed_due_;
+  double external_due_ = 0;
+  Progress progress_;
+  std::deque<StepJob> step_jobs_;
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::vector<Queued> queue_;
+  std::vector<Queued> draining_;
+  bool stopping_ = false, stopped_ = false;
+  std::thread thread_;  // last: starts when all else is there
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,127 @@
+// What is simulated: a scene's model, its state, what acts on it, and the frames that follow it.
+// Belongs to one thread at a time; knows nothing of ROS, threads or clocks.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ragdoll_sim/body/frames.h"
+#include "ragdoll_sim/core/inputs.h"
+#include "ragdoll_sim/core/model.h"
+#include "ragdoll_sim/core/scene.h"
+#include "ragdoll_sim/core/snapshot.h"
+#include "ragdoll_sim/core/state.h"
+#include "ragdoll_sim/core/step.h"
+#include "ragdoll_sim/ros/follow.h"
+
+namespace ragdoll {
+
+/// Whether one of the pokes is this one.
+bool contains(const std::vector<Poke>& pokes, const Poke& poke);
+
+/// What a run must be given again to come out the same.
+struct Event {
+  std::uint64_t step = 0;  ///< at which it begins
+  Poke poke;               ///< without a body: all pokes end
+};
+
+class World {
+ public:
+  /// At the scene's start. Throws Error.
+  explicit World(Scene scene);
+
+  const std::shared_ptr<const Scene>& scene() const { return scene_; }
+  const std::shared_ptr<const Model>& model() const { return model_; }
+  const State& state() const { return state_; }
+  const StepReport& report() const { return report_; }
+  double stepLength() const { return model_->solver.step; }  ///< [s]
+
+  /// Grows with everything that changes the state.
+  std::uint64_t revision() const { return revision_; }
+
+  void advance();                ///< one step
+  void reset();                  ///< back to the scene's start: its pokes, its pins
+  void replaceBy(World& other);  ///< becomes the other, which becomes this one
+
+  /// Other settings for the same bodies; `scene` and `model` differ from the present ones in solver
+  /// and gravity only.
+  void configure(std::shared_ptr<const Scene> scene, std::shared_ptr<const Model> model);
+
+  std::vector<std::uint8_t> save() const;
+  void restore(const std::vector<std::uint8_t>& bytes);  ///< throws Error, then nothing has changed
+
+  /// Begins at poke.start, or now if that is past; start and duration are rounded to whole steps.
+  /// Returns the step at which it begins.
+  std::uint64_t addPoke(Poke poke);
+  std::size_t clearPokes();  ///< those that act and those to come; returns how many
+  /// A poke, or a clearing of all pokes, at its recorded step. Throws Error if that is past.
+  void replay(const Event& event);
+  /// `pokes` replace those that the same source gave before and act for `seconds`, unless replaced.
+  void stream(const std::string& source, std::vector<Poke> pokes, double seconds);
+
+  /// Holds one particle at a frame of someone else's. Throws Error.
+  void attach(const std::string& body, const std::string& frame);
+  void detach(const std::string& body);  ///< lets go of a particle that is held; throws Error
+  std::vector<std::string> followedFrames() const { return follow_.frames(); }
+  void hear(const std::string& frame, const Pose& pose) { follow_.hear(frame, pose); }
+
+  /// Follows the bodies; updated every stepsPerFollow() steps, so that its last two updates are
+  /// evenly spaced for interpolation.
+  const FrameTracker& tracker() const { return tracker_; }
+  std::uint64_t followedStep() const { return followed_step_; }
+  std::uint64_t stepsPerFollow() const { return steps_per_follow_; }
+
+  /// Pose of one of the world's own frames at this very step; nothing if it has none of that name.
+  std::optional<Pose> frame(const std::string& name) const;
+  bool hasFrame(const std::string& name) const;
+
+  std::vector<Poke> takeActed();    ///< pokes that acted in some step since the last call
+  std::vector<Event> takeEvents();  ///< pokes that were accepted since the last call
+
+ private:
+  struct Accepted {
+    Poke poke;
+    std::uint64_t order = 0;  ///< of acceptance
+  };
+  struct Clearing {
+    std::uint64_t step = 0, order = 0;  ///< ends at that step what was accepted before
+  };
+  struct Stream {
+    std::string source;
+    std::uint64_t first = 0;  ///< step
+    double end = 0;           ///< [s]
+    std::vector<Poke> pokes;
+  };
+
+  void restart();  ///< what is derived begins anew at the present state
+  void changePins(const std::vector<Pin>& pins);
+  void setPokes(const std::vector<Poke>& pokes);
+  void gatherPokes();
+  std::size_t clear(std::uint64_t order);
+  void endStream(Stream& stream);
+  Poke rounded(Poke poke, std::uint64_t& first) const;
+
+  std::shared_ptr<const Scene> scene_;
+  std::shared_ptr<const Model> model_;
+  State state_;
+  Inputs inputs_;
+  Workspace workspace_;
+  StepReport report_;
+  Follow follow_;
+  FrameTracker tracker_;
+  std::uint64_t followed_step_ = 0, steps_per_follow_ = 1, revision_ = 0;
+
+  std::vector<Pin> start_pins_;
+  std::vector<Accepted> pokes_;  ///< acting and to come, streams apart
+  std::uint64_t next_order_ = 1;
+  std::vector<Stream> streams_;
+  std::vector<Clearing> clearings_;  ///< to come
+  bool pokes_changed_ = false;       ///< since inputs_.pokes was gathered
+  std::vector<Poke> acted_;
+  std::vector<Event> events_;
+};
+
+}  // namespace ragdoll

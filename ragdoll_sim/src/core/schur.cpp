@@ -1,0 +1,156 @@
+#include "ragdoll_sim/core/schur.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ragdoll {
+namespace {
+
+constexpr int kMaxIterations = 100;  ///< of Gauss-Seidel; most end after 5 to 30
+constexpr double kSettled = 1e-7;    ///< largest change of an impulse, of the largest impulse
+constexpr double kHeld = 1e-9;  ///< a row whose A is below this share of its free value cannot move
+
+Vec3 anyTangent(const Vec3& n) {
+  return n.cross(std::abs(n.x()) < 0.6 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
+}
+
+}  // namespace
+
+void Schur::start(int first) {
+  first_ = first;
+  rows_.clear();
+}
+
+void Schur::addContact(const Contact& c, int source) {
+  const Vec3 t1 = anyTangent(c.normal), t2 = c.normal.cross(t1);
+  const std::array<Vec3, 3> directions{c.normal, t1, t2};
+  const int used = c.friction > 0 ? 3 : 1;
+  for (int d = 0; d < used; ++d) {
+    Row row;
+    row.kind = d == 0 ? Row::Kind::kNormal : Row::Kind::kTangent;
+    row.source = source;
+    row.count = c.count;
+    row.direction = directions[d];
+    row.friction = c.friction;
+    for (int k = 0; k < c.count; ++k) {
+      row.particle[k] = c.particle[k] - first_;
+      row.gradient[k] = c.weight[k] * directions[d];
+    }
+    rows_.push_back(row);
+  }
+}
+
+void Schur::addLimit(const LimitRow& limit, int source, double compliance) {
+  Row row;
+  row.kind = Row::Kind::kLimit;
+  row.source = source;
+  row.count = limit.count;
+  row.compliance = compliance;
+  for (int k = 0; k < limit.count; ++k) {
+    row.particle[k] = limit.particle[k] - first_;
+    row.gradient[k] = limit.gradient[k];
+  }
+  rows_.push_back(row);
+}
+
+void Schur::assemble(const StickRows& c, const StickSolver& sticks, const Eigen::MatrixXd& W) {
+  const int m = size();
+  columns_ = paddedWidth(m);
+  K_.setZero(c.s, columns_);
+  const double* D = sticks.D();
+  for (int r = 0; r < m; ++r)
+    for (int s = 0; s < c.s; ++s) {
+      const double* bw = c.BW.data() + s * c.columns;
+      Vec3 q = bw[rows_[r].particle[0]] * rows_[r].gradient[0];
+      for (int k = 1; k < rows_[r].count; ++k) q += bw[rows_[r].particle[k]] * rows_[r].gradient[k];
+      K_(s, r) = D[s] * q.x() + D[c.width + s] * q.y() + D[2 * c.width + s] * q.z();
+    }
+  Z_ = K_;
+  kernels::solveMany(sticks.U(), sticks.inverse(), c.s, c.width, Z_.data(), columns_);
+  A_.setZero(m, columns_);
+  free_.resize(m);
+  answer_.resize(3, c.n);
+  for (int i = 0; i < m; ++i) {
+    const Row& row = rows_[i];
+    answer_.setZero();  // of the free body to row i
+    for (int k = 0; k < row.count; ++k)
+      for (int j = 0; j < c.n; ++j) answer_.col(j) += W(j, row.particle[k]) * row.gradient[k];
+    for (int j = i; j < m; ++j) {
+      double a = 0;
+      for (int l = 0; l < rows_[j].count; ++l)
+        a += answer_.col(rows_[j].particle[l]).dot(rows_[j].gradient[l]);
+      A_(i, j) = A_(j, i) = a;
+    }
+    free_[i] = A_(i, i);
+  }
+  kernels::subtractProducts(K_.data(), Z_.data(), c.s, m, columns_, A_.data());
+  for (int i = 0; i < m; ++i) A_(i, i) += rows_[i].compliance;
+}
+
+bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
+  const int m = size();
+  w_.setZero(columns_);
+  w_.head(m) = b;
+  for (int i = 0; i < m; ++i)
+    if (p[i] != 0) kernels::addScaled(A_.data() + i * columns_, p[i], columns_, w_.data());
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    double change = 0, largest = 0;
+    const auto set = [&](int i, double value) {
+      const double step = value - p[i];
+      largest = std::max(largest, std::abs(value) * A_(i, i));
+      if (step == 0) return;
+      change = std::max(change, std::abs(step) * A_(i, i));
+      p[i] = value;
+      kernels::addScaled(A_.data() + i * columns_, step, columns_, w_.data());
+    };
+    for (int i = 0; i < m; ++i) {
+      if (!(A_(i, i) > kHeld * free_[i])) continue;
+      if (rows_[i].kind != Row::Kind::kTangent) {
+        set(i, std::max(0.0, p[i] - w_[i] / A_(i, i)));
+        continue;
+      }
+      const int j = i + 1;  // tangents come in pairs
+      const double limit = rows_[i].friction * p[i - 1];
+      if (limit > 0 || p[i] != 0 || p[j] != 0) {
+        const double a = std::max(A_(i, i), A_(j, j)) + std::abs(A_(i, j));
+        double ti = p[i] - w_[i] / a, tj = p[j] - w_[j] / a;
+        const double length = std::sqrt(ti * ti + tj * tj);
+        if (length > limit) {
+          ti *= limit / length;
+          tj *= limit / length;
+        }
+        set(i, ti);
+        set(j, tj);
+      }
+      ++i;
+    }
+    if (change <= kSettled * largest) return true;
+  }
+  return false;
+}
+
+void Schur::move(const StickRows& c, StickSolver& sticks, const Eigen::MatrixXd& W,
+                 const Eigen::VectorXd& p, double* out) {
+  impulse_.setZero(3, c.n);
+  for (int r = 0; r < size(); ++r)
+    for (int k = 0; k < rows_[r].count; ++k)
+      impulse_.col(rows_[r].particle[k]) += p[r] * rows_[r].gradient[k];
+  Eigen::Map<Points> moved(out, 3, c.n);
+  for (int i = 0; i < c.n; ++i)
+    if (!impulse_.col(i).isZero(0))
+      for (int j = 0; j < c.n; ++j) moved.col(j) += W(i, j) * impulse_.col(i);
+  lambda_.setZero(c.width);
+  for (int s = 0; s < c.s; ++s)
+    for (int r = 0; r < size(); ++r) lambda_[s] -= Z_(s, r) * p[r];
+  sticks.move(c, lambda_.data(), 1, out);
+}
+
+double Schur::along(int i, const double* x) const {
+  const Row& row = rows_[i];
+  double sum = 0;
+  for (int k = 0; k < row.count; ++k)
+    sum += row.gradient[k].dot(Eigen::Map<const Vec3>(x + 3 * row.particle[k]));
+  return sum;
+}
+
+}  // namespace ragdoll

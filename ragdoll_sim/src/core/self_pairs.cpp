@@ -1,0 +1,80 @@
+#include "ragdoll_sim/core/self_pairs.h"
+
+#include <algorithm>
+
+#include "ragdoll_sim/core/capsule_pairs.h"
+
+namespace ragdoll {
+namespace {
+
+CapsuleAxis restAxis(const Skeleton& s, const Capsule& c) {
+  return {s.rest.col(c.a), s.rest.col(c.b), s.radius[c.a], s.radius[c.b]};
+}
+
+bool inOneGroup(const Skeleton& s, const Capsule& p, const Capsule& q) {
+  return std::any_of(s.groups.begin(), s.groups.end(), [&](const RigidGroup& g) {
+    const auto has = [&](int i) { return std::count(g.particles.begin(), g.particles.end(), i); };
+    return has(p.a) && has(p.b) && has(q.a) && has(q.b);
+  });
+}
+
+bool overlapAtRest(const Skeleton& s, const Capsule& p, const Capsule& q) {
+  const CapsuleAxis a = restAxis(s, p), b = restAxis(s, q);
+  return gapAt(a, b, nearestPoints(a, b)) < 0;
+}
+
+void addPair(Skeleton& s, int i, int j) {
+  const Capsule &p = s.capsules[i], &q = s.capsules[j];
+  using Why = LeftOutPair::Why;
+  if (p.a == q.a || p.a == q.b || p.b == q.a || p.b == q.b)
+    s.left_out_pairs.push_back({i, j, Why::kSharedParticle});
+  else if (inOneGroup(s, p, q))
+    s.left_out_pairs.push_back({i, j, Why::kRigidGroup});
+  else if (overlapAtRest(s, p, q))
+    s.left_out_pairs.push_back({i, j, Why::kOverlapAtRest});
+  else
+    s.self_pairs.push_back({i, j});
+}
+
+}  // namespace
+
+void addCapsules(Skeleton& s, bool self) {
+  std::vector<bool> joined(s.named, false);
+  for (const Stick& k : s.sticks) {
+    if (k.a >= s.named || k.b >= s.named) continue;
+    s.capsules.push_back({k.a, k.b});
+    joined[k.a] = joined[k.b] = true;
+  }
+  for (int i = 0; i < s.named; ++i)
+    if (!joined[i]) s.capsules.push_back({i, i});
+  if (!self) return;
+  const int count = static_cast<int>(s.capsules.size());
+  for (int i = 0; i < count; ++i)
+    for (int j = i + 1; j < count; ++j) addPair(s, i, j);
+}
+
+std::string capsuleName(const Skeleton& s, int capsule) {
+  const Capsule& c = s.capsules[capsule];
+  return c.a == c.b ? s.particles[c.a] : s.particles[c.a] + "-" + s.particles[c.b];
+}
+
+std::string describePairs(const Skeleton& s) {
+  int shared = 0, rigid = 0;
+  std::string overlap;
+  for (const LeftOutPair& p : s.left_out_pairs) {
+    if (p.why == LeftOutPair::Why::kSharedParticle) {
+      ++shared;
+    } else if (p.why == LeftOutPair::Why::kRigidGroup) {
+      ++rigid;
+    } else {
+      overlap += overlap.empty() ? "" : ", ";
+      overlap += capsuleName(s, p.first) + " and " + capsuleName(s, p.second);
+    }
+  }
+  return "self collision of '" + s.name + "': " + std::to_string(s.self_pairs.size()) +
+         " pairs of sticks; left out: " + std::to_string(shared) + " that share a particle, " +
+         std::to_string(rigid) + " inside a rigid group, and that overlap in the rest pose: " +
+         (overlap.empty() ? "none" : overlap);
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,98 @@
+#include "ragdoll_sim/core/sleep.h"
+
+#include <algorithm>
+
+#include "ragdoll_sim/core/detect.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr double kTouched = 0.005;  ///< [m] a body that comes this near touches
+constexpr double kReach = 0.05;     ///< [m] an obstacle that moves this near wakes a body
+
+void wake(State& state, int ragdoll) {
+  state.asleep[ragdoll] = 0;
+  state.quiet[ragdoll] = 0;
+}
+
+bool moved(const Pose& a, const Pose& b) {
+  return a.position != b.position || a.orientation.coeffs() != b.orientation.coeffs();
+}
+
+/// Whether the obstacle comes near the ragdoll on its way from state to end.
+bool comesNear(const Model& model, const State& state, const SweptObstacle& obstacle, int ragdoll) {
+  const Ragdoll& r = model.ragdolls[ragdoll];
+  const int n = model.skeletonOf(r).size();
+  const auto x = state.x.middleCols(r.first, n);
+  const double pad = model.radius.segment(r.first, n).maxCoeff() + kReach;
+  return ((x.rowwise().minCoeff().array() - pad) <= obstacle.bounds.hi.array()).all() &&
+         ((x.rowwise().maxCoeff().array() + pad) >= obstacle.bounds.lo.array()).all();
+}
+
+}  // namespace
+
+void wakeDisturbed(const Model& model, const Inputs& inputs, double h, State& state) {
+  if (std::none_of(state.asleep.begin(), state.asleep.end(), [](auto a) { return a != 0; })) return;
+  for (const Poke& poke : inputs.pokes)
+    if (isActive(poke, state.time, h)) wake(state, poke.body.ragdoll);
+  for (std::size_t p = 0; p < inputs.pins.size(); ++p)
+    if (inputs.pins[p] != state.x.col(model.pins[p].particle)) wake(state, model.pins[p].ragdoll);
+  if (inputs.obstacles.empty()) return;
+  std::vector<SweptObstacle> obstacles;
+  sweepObstacles(model, state, inputs.obstacles, obstacles);
+  for (std::size_t k = 0; k < obstacles.size(); ++k) {
+    if (!moved(state.obstacles[k], inputs.obstacles[k])) continue;
+    for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
+      if (state.asleep[i] && comesNear(model, state, obstacles[k], static_cast<int>(i)))
+        wake(state, static_cast<int>(i));
+  }
+}
+
+bool wakeTouched(const std::vector<Contact>& contacts, const Points& x1, State& state) {
+  bool woke = false;
+  for (const Contact& c : contacts) {
+    if (c.other < 0 || c.moves[0] == c.moves[1]) continue;
+    const int sleeper = c.moves[0] ? c.other : c.ragdoll, mover = c.moves[0] ? c.ragdoll : c.other;
+    if (!state.asleep[sleeper] || state.quiet[mover] > 0) continue;
+    double gap = -c.offset;
+    for (int k = 0; k < c.count; ++k) gap += c.weight[k] * c.normal.dot(x1.col(c.particle[k]));
+    if (std::min(gap, c.gap_start) > kTouched) continue;
+    wake(state, sleeper);
+    woke = true;
+  }
+  return woke;
+}
+
+void spreadPressed(const std::vector<const Contact*>& pressing,
+                   std::vector<std::uint8_t>& pressed) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const Contact* c : pressing) {
+      if (pressed[c->ragdoll] == pressed[c->other]) continue;
+      pressed[c->ragdoll] = pressed[c->other] = 1;
+      changed = true;
+    }
+  }
+}
+
+void putToSleep(const Model& model, const std::vector<std::uint8_t>& pressed, double h,
+                State& state) {
+  for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
+    if (state.asleep[i]) continue;
+    const Ragdoll& r = model.ragdolls[i];
+    auto v = state.v.middleCols(r.first, model.skeletonOf(r).size());
+    const bool still =
+        pressed[i] && v.colwise().squaredNorm().maxCoeff() < kStillSpeed * kStillSpeed;
+    state.quiet[i] = still ? state.quiet[i] + h : 0;
+    if (state.quiet[i] < kQuietTime) continue;
+    state.asleep[i] = 1;
+    v.setZero();
+  }
+}
+
+void wakeAll(State& state) {
+  std::fill(state.asleep.begin(), state.asleep.end(), 0);
+  std::fill(state.quiet.begin(), state.quiet.end(), 0.0);
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,52 @@
+#include "ragdoll_sim/core/solver_presets.h"
+
+#include "ragdoll_sim/core/error.h"
+
+namespace ragdoll {
+namespace {
+
+struct Preset {
+  const char* name;
+  Method method;
+  Integrator integrator;
+  double step;  ///< [s]
+  int sweeps;
+};
+
+// Relaxation is first order in the step: below its 1/60 s it never catches up with the direct method.
+constexpr Preset kPresets[] = {
+    {"thesis", Method::kJakobsen, Integrator::kVerlet, 1.0 / 60, 10},
+    {"draft", Method::kShake, Integrator::kVerlet, 1.0 / 60, 10},
+    {"balanced", Method::kShake, Integrator::kVerlet, 1.0 / 120, 10},
+    {"precise", Method::kShake, Integrator::kVerlet, 1.0 / 500, 10},
+    {"reference", Method::kRk, Integrator::kVerlet, 1.0 / 1000, 10},
+};
+
+}  // namespace
+
+const std::vector<std::string>& presetNames() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> list;
+    for (const Preset& preset : kPresets) list.emplace_back(preset.name);
+    return list;
+  }();
+  return names;
+}
+
+SolverSpec preset(const std::string& name) {
+  for (const Preset& values : kPresets) {
+    if (name != values.name) continue;
+    SolverSpec solver;
+    solver.preset = name;
+    solver.method = values.method;
+    solver.integrator = values.integrator;
+    solver.step = values.step;
+    solver.sweeps = values.sweeps;
+    return solver;
+  }
+  std::string names;
+  for (const std::string& known : presetNames()) names += (names.empty() ? "" : ", ") + known;
+  throw Error("solver.preset", "there is no preset '" + name + "'; there are " + names);
+}
+
+}  // namespace ragdoll

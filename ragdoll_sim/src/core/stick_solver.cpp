@@ -1,0 +1,68 @@
+#include "ragdoll_sim/core/stick_solver.h"
+
+#include <cstring>
+
+namespace ragdoll {
+namespace {
+
+constexpr double kPivotFloor =
+    1e-12;  ///< of the diagonal: below, sticks are dependent in this pose
+
+PaddedRows padded(const Eigen::MatrixXd& m) {
+  PaddedRows out = PaddedRows::Zero(m.rows(), paddedWidth(static_cast<int>(m.cols())));
+  out.leftCols(m.cols()) = m;
+  return out;
+}
+
+}  // namespace
+
+StickRows::StickRows(const DirectSystem& d)
+    : n(static_cast<int>(d.B.cols())),
+      s(static_cast<int>(d.B.rows())),
+      width(paddedWidth(s)),
+      columns(paddedWidth(n)),
+      BT(padded(d.B.transpose())),
+      G(padded(d.G)),
+      BW(padded(d.BW)),
+      length2(Eigen::VectorXd::Zero(width)) {
+  length2.head(s) = d.length.cwiseAbs2();
+}
+
+void StickSolver::resize(const StickRows& rows) {
+  if (D_.cols() == rows.width && S_.rows() == rows.s && pose_.size() == 3 * rows.n) return;
+  D_.setZero(3, rows.width);
+  rates_.setZero(3, rows.width);
+  S_.setZero(rows.s, rows.width);
+  moved_.setZero(3, rows.columns);
+  inverse_.setZero(rows.width);
+  lambda_.setZero(rows.width);
+  pose_.setZero(3 * rows.n);
+  valid_ = false;
+}
+
+void StickSolver::setPose(const StickRows& rows, const double* x) {
+  const std::size_t bytes = sizeof(double) * 3 * rows.n;
+  if (valid_ && std::memcmp(pose_.data(), x, bytes) == 0) return;
+  std::memcpy(pose_.data(), x, bytes);
+  kernels::multiplyPoints(x, rows.BT.data(), rows.n, rows.width, D_.data());
+  kernels::gram(rows.G.data(), D_.data(), rows.s, rows.width, S_.data());
+  kernels::factor(S_.data(), inverse_.data(), rows.s, rows.width, kPivotFloor);
+  valid_ = true;
+}
+
+void StickSolver::move(const StickRows& rows, const double* lambda, double scale, double* x) {
+  moved_.setZero();
+  kernels::addImpulses(D_.data(), lambda, rows.s, rows.width, rows.BW.data(), rows.columns,
+                       moved_.data());
+  for (int j = 0; j < rows.n; ++j)
+    for (int c = 0; c < 3; ++c) x[3 * j + c] += scale * moved_(c, j);
+}
+
+void StickSolver::projectVelocities(const StickRows& rows, double* v) {
+  kernels::multiplyPoints(v, rows.BT.data(), rows.n, rows.width, rates_.data());
+  lambda_ = -(D_.cwiseProduct(rates_).colwise().sum().transpose());
+  solve(rows, lambda_.data());
+  move(rows, lambda_.data(), 1, v);
+}
+
+}  // namespace ragdoll

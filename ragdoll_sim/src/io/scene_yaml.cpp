@@ -1,0 +1,223 @@
+#include "ragdoll_sim/io/scene_yaml.h"
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "model_reader.h"
+#include "ragdoll_sim/core/solver_presets.h"
+#include "ragdoll_sim/io/model_yaml.h"
+#include "ragdoll_sim/io/share.h"
+#include "settings_reader.h"
+
+namespace ragdoll {
+namespace io {
+namespace {
+
+constexpr std::size_t kMaxEntries =
+    10000;  ///< of every list of a scene, and of all ragdolls together
+constexpr double kDegree = M_PI / 180;
+constexpr double kUnitTolerance = 1e-14;  ///< a quaternion this close to unit length stays as it is
+
+/// Models of one scene: each is read once and shared by all ragdolls that name it.
+class ModelCache {
+ public:
+  explicit ModelCache(std::string folder) : folder_(std::move(folder)) {}
+
+  std::shared_ptr<const SkeletonSpec> get(const Reader& reader) {
+    if (reader.isMap()) {
+      auto& model = inlined_[reader.value().get()];
+      if (!model) model = std::make_shared<const SkeletonSpec>(readModel(reader, "model"));
+      return model;
+    }
+    if (!reader.isText()) reader.failType("a model's name, a path or a mapping");
+    auto& model = named_[reader.text()];
+    if (!model) model = loadModel(findModel(reader.text(), folder_, reader.where()));
+    return model;
+  }
+
+ private:
+  std::string folder_;
+  std::map<std::string, std::shared_ptr<const SkeletonSpec>> named_;
+  std::map<const Value*, std::shared_ptr<const SkeletonSpec>> inlined_;
+};
+
+Quat fromRollPitchYaw(const Vec3& rpy) {
+  return Quat(Eigen::AngleAxisd(rpy.z(), Vec3::UnitZ()) *
+              Eigen::AngleAxisd(rpy.y(), Vec3::UnitY()) * Eigen::AngleAxisd(rpy.x(), Vec3::UnitX()))
+      .normalized();
+}
+
+/// `rpy_deg`, `rpy` [rad] (turns about the fixed x, y, z in this order) or `quaternion` [x, y, z,
+/// w].
+Quat readOrientation(MapReader& map) {
+  const auto degrees = map.find("rpy_deg");
+  const auto radians = map.find("rpy");
+  const auto quaternion = map.find("quaternion");
+  const int given =
+      int(degrees.has_value()) + int(radians.has_value()) + int(quaternion.has_value());
+  if (given > 1) {
+    (quaternion ? *quaternion : *radians).fail("the orientation is given twice; once is right");
+  }
+  if (degrees) return fromRollPitchYaw(degrees->vector() * kDegree);
+  if (radians) return fromRollPitchYaw(radians->vector());
+  if (!quaternion) return Quat::Identity();
+  const std::vector<double> q = quaternion->numbers(4);
+  const Quat given_orientation(q[3], q[0], q[1], q[2]);
+  const double length = given_orientation.coeffs().stableNorm();
+  if (!(length > kMinLength))
+    quaternion->fail("has length 0; [x, y, z, w] of length 1 is expected");
+  if (std::abs(length - 1) < kUnitTolerance) return given_orientation;
+  return Quat(given_orientation.coeffs() / length);
+}
+
+RagdollSpec readRagdoll(const Reader& reader, ModelCache& models) {
+  RagdollSpec ragdoll;
+  ragdoll.where = reader.where();
+  MapReader map(reader);
+  if (const auto name = map.find("name")) ragdoll.name = name->name();
+  ragdoll.skeleton = models.get(map.need("model"));
+  if (const auto position = map.find("position")) ragdoll.pose.position = position->vector();
+  ragdoll.pose.orientation = readOrientation(map);
+  if (const auto velocity = map.find("velocity")) ragdoll.velocity = velocity->vector();
+  if (const auto spin = map.find("angular_velocity")) ragdoll.angular_velocity = spin->vector();
+  if (const auto place = map.find("place")) {
+    const MapReader particles(*place, kMaxEntries);
+    for (const auto& [name, at] : particles.entries())
+      ragdoll.place.emplace_back(name, at.vector());
+  }
+  const auto count = map.find("count");
+  if (count) ragdoll.count = count->integer(1, static_cast<int>(kMaxEntries));
+  if (const auto spacing = map.find("spacing")) {
+    ragdoll.spacing = spacing->vector();
+    if (!count) spacing->fail("has a meaning only together with 'count'");
+  }
+  map.finish();
+  return ragdoll;
+}
+
+void readShape(MapReader& map, ObstacleSpec& obstacle) {
+  switch (obstacle.type) {
+    case ObstacleSpec::Type::kPlane:
+      if (const auto point = map.find("point")) obstacle.pose.position = point->vector();
+      if (const auto normal = map.find("normal")) obstacle.normal = normal->direction();
+      break;
+    case ObstacleSpec::Type::kBox: {
+      obstacle.pose.position = map.need("position").vector();
+      obstacle.pose.orientation = readOrientation(map);
+      const Reader size = map.need("size");
+      obstacle.size = size.vector();
+      if (!(obstacle.size.minCoeff() > 0)) size.fail("three edge lengths above 0 are expected");
+      break;
+    }
+    case ObstacleSpec::Type::kSphere:
+      obstacle.pose.position = map.need("position").vector();
+      obstacle.radius = map.need("radius").positive();
+      break;
+    case ObstacleSpec::Type::kCapsule:
+      obstacle.from = map.need("from").vector();
+      obstacle.to = map.need("to").vector();
+      obstacle.radius = map.need("radius").positive();
+      break;
+  }
+}
+
+ObstacleSpec readObstacle(const Reader& reader) {
+  ObstacleSpec obstacle;
+  obstacle.where = reader.where();
+  MapReader map(reader);
+  obstacle.type = static_cast<ObstacleSpec::Type>(
+      map.need("type").choice({"plane", "box", "sphere", "capsule"}));
+  readShape(map, obstacle);
+  if (const auto friction = map.find("friction")) obstacle.friction = friction->notNegative();
+  if (const auto bounce = map.find("restitution")) obstacle.restitution = bounce->within(0, 1);
+  if (const auto frame = map.find("frame")) obstacle.frame = frame->text();
+  map.finish();
+  return obstacle;
+}
+
+PinSpec readPin(const Reader& reader) {
+  PinSpec pin;
+  pin.where = reader.where();
+  if (reader.isText()) {
+    pin.particle = reader.text();
+    return pin;
+  }
+  if (!reader.isMap()) reader.failType("a particle, or {particle: ..., frame: ...}");
+  MapReader map(reader);
+  pin.particle = map.need("particle").text();
+  if (const auto frame = map.find("frame")) pin.frame = frame->text();
+  map.finish();
+  return pin;
+}
+
+PokeSpec readPoke(const Reader& reader) {
+  PokeSpec poke;
+  poke.where = reader.where();
+  MapReader map(reader);
+  if (const auto at = map.find("at")) poke.at = at->notNegative();
+  poke.body = map.need("body").text();
+  poke.force = map.need("force").vector();
+  if (const auto point = map.find("point")) poke.point = point->vector();
+  if (const auto duration = map.find("duration")) poke.duration = duration->number();
+  map.finish();
+  return poke;
+}
+
+void checkCount(const Reader& reader, const std::vector<RagdollSpec>& ragdolls) {
+  std::size_t total = 0;
+  for (const RagdollSpec& ragdoll : ragdolls) total += ragdoll.count > 0 ? ragdoll.count : 1;
+  if (total > kMaxEntries) {
+    reader.fail("are " + std::to_string(total) + " ragdolls; at most " +
+                std::to_string(kMaxEntries) + " are possible");
+  }
+}
+
+Scene readScene(const Reader& reader, const std::string& folder) {
+  Scene scene;
+  scene.where = reader.file();
+  scene.solver = preset("balanced");
+  scene.solver.where = reader.file() + ": solver";
+  MapReader map(reader);
+  for (const std::string& key : settingKeys()) {
+    if (const auto value = map.find(key)) readSetting(key, *value, scene);
+  }
+  ModelCache models(folder);
+  const Reader ragdolls = map.need("ragdolls");
+  for (const Reader& item : ragdolls.list(kMaxEntries)) {
+    scene.ragdolls.push_back(readRagdoll(item, models));
+  }
+  if (scene.ragdolls.empty()) ragdolls.fail("is empty; at least one ragdoll is expected");
+  checkCount(ragdolls, scene.ragdolls);
+  if (const auto obstacles = map.find("obstacles")) {
+    for (const Reader& item : obstacles->list(kMaxEntries)) {
+      scene.obstacles.push_back(readObstacle(item));
+    }
+  }
+  if (const auto pins = map.find("pins")) {
+    for (const Reader& item : pins->list(kMaxEntries)) scene.pins.push_back(readPin(item));
+  }
+  if (const auto pokes = map.find("pokes")) {
+    for (const Reader& item : pokes->list(kMaxEntries)) scene.pokes.push_back(readPoke(item));
+  }
+  if (const auto solver = map.find("solver")) scene.solver = readSolver(*solver);
+  map.finish();
+  scene.text = toYaml(scene);
+  return scene;
+}
+
+}  // namespace
+}  // namespace io
+
+Scene parseScene(const std::string& text, const std::string& name) {
+  return io::readScene(io::Reader(io::parseDocument(text, name), name), ".");
+}
+
+Scene loadScene(const std::string& path) {
+  const std::string file = findScene(path);
+  const std::string folder = std::filesystem::path(file).parent_path().string();
+  const io::Reader root(io::parseDocument(io::readFile(file), file), file);
+  return io::readScene(root, folder.empty() ? "." : folder);
+}
+
+}  // namespace ragdoll

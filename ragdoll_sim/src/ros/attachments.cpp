@@ -1,0 +1,115 @@
+#include "ragdoll_sim/ros/attachments.h"
+
+#include <ros/console.h>
+
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/ros/answer.h"
+
+namespace ragdoll {
+namespace {
+
+using Clock = Simulation::Clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kPeriod{10};     ///< between two looks
+constexpr milliseconds kSilence{1000};  ///< a frame without news for so long is reported
+
+}  // namespace
+
+Attachments::Attachments(ros::NodeHandle& nh, Simulation& simulation, const FrameLookup& frames)
+    : simulation_(simulation), frames_(frames) {
+  servers_.push_back(nh.advertiseService("attach", &Attachments::attach, this));
+  servers_.push_back(nh.advertiseService("detach", &Attachments::detach, this));
+  thread_ = std::thread([this] { run(); });
+}
+
+Attachments::~Attachments() {
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+bool Attachments::attach(ragdoll_msgs::Attach::Request& request,
+                         ragdoll_msgs::Attach::Response& response) {
+  const auto act = [&] {
+    const std::string frame = FrameLookup::normal(request.frame);
+    simulation_.call([&](World& world) {
+      findBody(*world.model(), request.body_name);
+      if (!frame.empty() && !world.hasFrame(frame)) frames_.inWorld(frame);
+      world.attach(request.body_name, frame);
+    });
+    return request.body_name + " is held at " + frame;
+  };
+  return answer(act, response.success, response.status_message);
+}
+
+bool Attachments::detach(ragdoll_msgs::Detach::Request& request,
+                         ragdoll_msgs::Detach::Response& response) {
+  const auto act = [&] {
+    simulation_.call([&](World& world) { world.detach(request.body_name); });
+    return request.body_name + " is free";
+  };
+  return answer(act, response.success, response.status_message);
+}
+
+std::vector<std::string> Attachments::missing() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  std::vector<std::string> names;
+  for (const auto& [name, heard] : heard_)
+    if (heard.missing) names.push_back(name);
+  return names;
+}
+
+void Attachments::run() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!wake_.wait_for(lock, kPeriod, [this] { return stopping_; })) {
+    lock.unlock();
+    try {
+      look();
+    } catch (const Error&) {
+      return;  // the simulation has ended
+    }
+    lock.lock();
+  }
+}
+
+void Attachments::look() {
+  const std::vector<std::string> wanted =
+      simulation_.call([](World& world) { return world.followedFrames(); });
+  std::vector<std::pair<std::string, Pose>> poses;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    std::map<std::string, Heard> heard;
+    for (const std::string& frame : wanted) {
+      Heard& h = heard[frame] = heard_[frame];
+      if (h.at == Clock::time_point()) h.at = Clock::now();
+      const std::optional<StampedPose> found = frames_.find(frame);
+      if (found) {
+        if (found->stamp != h.stamp || found->stamp.isZero() || !h.ever) h.at = Clock::now();
+        h.stamp = found->stamp;
+        h.ever = true;
+        poses.emplace_back(frame, found->pose);
+      }
+      judge(frame, h, found.has_value());
+    }
+    heard_.swap(heard);
+  }
+  if (poses.empty()) return;
+  simulation_.call([&](World& world) {
+    for (const auto& [frame, pose] : poses) world.hear(frame, pose);
+  });
+}
+
+void Attachments::judge(const std::string& frame, Heard& heard, bool found) {
+  const bool missing = Clock::now() - heard.at > kSilence;
+  if (missing && !heard.missing)
+    ROS_WARN("frame '%s': %s; what follows it stays where it is", frame.c_str(),
+             found || heard.ever ? "no news from TF" : "not heard of in TF");
+  if (!missing && heard.missing) ROS_INFO("frame '%s' is back", frame.c_str());
+  heard.missing = missing;
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,156 @@
+#include "ragdoll_sim/ros/markers.h"
+
+#include <ros/node_handle.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ragdoll_sim/ros/convert.h"
+#include "ragdoll_sim/ros/looks.h"
+
+namespace ragdoll {
+namespace {
+
+using std::chrono::milliseconds;
+using visualization_msgs::Marker;
+
+constexpr milliseconds kPeriod{33};            ///< at most 30 Hz
+constexpr milliseconds kObstaclePeriod{1000};  ///< what stands still is repeated this often
+constexpr double kBodyLifetime = 0.5;          ///< [s]
+constexpr double kObstacleLifetime = 3;        ///< [s]
+constexpr double kPokeLifetime = 0.15;         ///< [s] a poke of one step is seen this long
+constexpr double kStickWidth = 0.012;          ///< [m]
+const Rgba kStickColor{0.15f, 0.16f, 0.19f, 1};
+const Rgba kPokeColor{0.92f, 0.26f, 0.21f, 0.95f};
+
+bool samePose(const Pose& a, const Pose& b) {
+  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
+}
+
+/// [m] grows with the force but fits any: 10 N 0.3, 100 N 0.5, 1 kN 0.7
+double arrowLength(double force) {
+  return std::clamp(0.5 + 0.2 * std::log10(std::max(force, 1e-9) / 100), 0.2, 1.2);
+}
+
+}  // namespace
+
+MarkerPublisher::MarkerPublisher(ros::NodeHandle& nh, const std::string& world_frame,
+                                 const std::string& coat)
+    : world_frame_(world_frame), coat_(coat) {
+  publisher_ = nh.advertise<visualization_msgs::MarkerArray>(
+      "markers", 4, [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; });
+}
+
+void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
+  if (!wanted()) return;
+  for (const Poke& poke : world.acted)
+    if (!contains(pokes_, poke)) pokes_.push_back(poke);
+  const auto now = Simulation::Clock::now();
+  if (now < next_) return;
+  next_ = std::max(next_ + kPeriod, now + kPeriod / 2);
+
+  if (world.scene != scene_) startScene(world);
+  const bool all = newcomer_.exchange(false) || now >= next_obstacles_;
+  if (all) next_obstacles_ = now + kObstaclePeriod;
+  // The bodies' markers stay in the message: their points are many and need no new memory.
+  message_.markers.resize(body_markers_);
+  moveBodies(world, posture);
+  addObstacles(world, all);
+  addPokes(world, posture);
+  pokes_.clear();
+  publisher_.publish(message_);
+}
+
+void MarkerPublisher::startScene(const Snapshot& world) {
+  scene_ = world.scene;
+  const CoatKind kind = coatKind(coat_.empty() ? scene_->coat : coat_);
+  visualization_msgs::MarkerArray clear;
+  clear.markers.push_back(marker("", 0, 0));
+  clear.markers[0].action = Marker::DELETEALL;
+  publisher_.publish(clear);
+
+  coats_.clear();
+  message_.markers.clear();
+  Marker sticks = marker("sticks", 0, kBodyLifetime);
+  sticks.type = Marker::LINE_LIST;
+  sticks.scale.x = kStickWidth;
+  sticks.color = toColor(kStickColor);
+  message_.markers.push_back(std::move(sticks));
+  for (int i = 0; i < world.tracker->ragdolls(); ++i) {
+    coats_.emplace_back(kind, *world.model, *world.tracker, i);
+    for (std::size_t k = 0; k < coats_.back().shapes().size(); ++k)
+      message_.markers.push_back(
+          marker("coat", static_cast<int>(message_.markers.size()), kBodyLifetime));
+  }
+  body_markers_ = message_.markers.size();
+
+  obstacles_.clear();
+  shown_obstacles_.clear();
+  for (std::size_t i = 0; i < world.model->obstacles.size(); ++i) {
+    Marker m = marker("obstacles", static_cast<int>(i), kObstacleLifetime);
+    toMarker(obstacleLook(world.model->obstacles[i], static_cast<int>(i)), m);
+    obstacles_.push_back(std::move(m));
+  }
+  newcomer_ = true;
+}
+
+Marker MarkerPublisher::marker(const std::string& ns, int id, double lifetime) const {
+  Marker m;
+  m.header.frame_id = world_frame_;  // stamp 0: to be shown whenever it arrives
+  m.ns = ns;
+  m.id = id;
+  m.action = Marker::ADD;
+  m.pose.orientation.w = 1;
+  m.lifetime = ros::Duration(lifetime);
+  return m;
+}
+
+void MarkerPublisher::moveBodies(const Snapshot& world, const Posture& posture) {
+  std::vector<geometry_msgs::Point>& ends = message_.markers[0].points;
+  ends.clear();
+  for (const Ragdoll& r : world.model->ragdolls) {
+    for (const Stick& s : world.model->skeletonOf(r).sticks) {
+      ends.push_back(toPoint(posture.x.col(r.first + s.a)));
+      ends.push_back(toPoint(posture.x.col(r.first + s.b)));
+    }
+  }
+  std::size_t next = 1;
+  for (Coat& coat : coats_) {
+    coat.update(posture);
+    for (const CoatShape& shape : coat.shapes()) toMarker(shape, message_.markers[next++]);
+  }
+}
+
+void MarkerPublisher::addObstacles(const Snapshot& world, bool all) {
+  const std::vector<Pose>& poses = world.state.obstacles;
+  for (std::size_t i = 0; i < obstacles_.size(); ++i) {
+    const bool moved = i < shown_obstacles_.size() && !samePose(shown_obstacles_[i], poses[i]);
+    if (!all && !moved) continue;
+    obstacles_[i].pose = toPose(poses[i]);
+    message_.markers.push_back(obstacles_[i]);
+  }
+  shown_obstacles_ = poses;
+}
+
+void MarkerPublisher::addPokes(const Snapshot& world, const Posture& posture) {
+  int id = 0;
+  for (const Poke& poke : pokes_) {
+    if (poke.force.isZero()) continue;
+    const Vec3 direction = poke.force.normalized();
+    Vec3 tip = poke.point;
+    double depth = 0;  // of the body's point below its surface
+    for (std::size_t i = 0; i < poke.body.particles.size(); ++i) {
+      tip += poke.body.weight[i] * posture.x.col(poke.body.particles[i]);
+      depth = std::max(depth, world.model->radius[poke.body.particles[i]]);
+    }
+    tip -= depth * direction;
+    Marker m = marker("pokes", id++, kPokeLifetime);
+    m.type = Marker::ARROW;
+    m.points = {toPoint(tip - arrowLength(poke.force.norm()) * direction), toPoint(tip)};
+    m.scale = toVector3(Vec3(0.025, 0.07, 0.12));  // shaft, head, head's length
+    m.color = toColor(kPokeColor);
+    message_.markers.push_back(std::move(m));
+  }
+}
+
+}  // namespace ragdoll

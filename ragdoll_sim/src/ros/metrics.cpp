@@ -1,0 +1,107 @@
+#include "ragdoll_sim/ros/metrics.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/core/names.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr double kPeriod = 1;      ///< [s]
+constexpr double kTooSlow = 0.95;  ///< of the wanted real-time factor
+
+const char* name(Method method) {
+  switch (method) {
+    case Method::kJakobsen:
+      return "jakobsen";
+    case Method::kShake:
+      return "shake";
+    case Method::kRk:
+      return "rk";
+  }
+  return "";
+}
+
+std::string describe(const SolverSpec& solver) {
+  std::string text = name(solver.method);
+  if (solver.method == Method::kJakobsen) text += ", " + std::to_string(solver.sweeps) + " sweeps";
+  char step[32];
+  std::snprintf(step, sizeof step, ", step %.6g s", solver.step);
+  return text + step + " (preset " + solver.preset + ")";
+}
+
+}  // namespace
+
+Metrics::Metrics(ros::NodeHandle& nh, double realtime_factor,
+                 std::function<std::vector<std::string>()> missing)
+    : wanted_factor_(realtime_factor),
+      missing_(std::move(missing)),
+      updater_(ros::NodeHandle(), nh, nh.getNamespace()),
+      last_(Simulation::Clock::now()) {
+  publisher_ = nh.advertise<ragdoll_msgs::Metrics>("metrics", 10);
+  updater_.setHardwareID("none");
+  updater_.add("simulation", this, &Metrics::diagnose);
+}
+
+void Metrics::publish(const Snapshot& world, const std_msgs::Header& header) {
+  const double seconds = std::chrono::duration<double>(Simulation::Clock::now() - last_).count();
+  if (seconds < kPeriod) return;
+  last_ = Simulation::Clock::now();
+  measure(world, seconds);
+  message_.header = header;
+  if (publisher_.getNumSubscribers() > 0) {
+    const Model& model = *world.model;
+    message_.kinetic_energy = kineticEnergy(model, world.state);
+    message_.potential_energy = potentialEnergy(model, world.state);
+    message_.max_stick_error = maxStickError(model, world.state);
+    message_.max_penetration = maxPenetration(model, world.state);
+    message_.max_limit_violation = maxLimitViolation(model, world.state);
+    publisher_.publish(message_);
+  }
+  updater_.force_update();
+}
+
+void Metrics::measure(const Snapshot& world, double seconds) {
+  const Progress& now = world.progress;
+  since_.steps = now.steps - before_.steps;
+  since_.simulated = now.simulated - before_.simulated;
+  since_.stepping = now.stepping - before_.stepping;
+  since_.guarded = now.guarded - before_.guarded;
+  since_.limited = now.limited - before_.limited;
+  since_.unresolved = now.unresolved - before_.unresolved;
+  before_ = now;
+  was_paused_ = paused_;
+  paused_ = world.paused;
+  message_.realtime_factor = since_.simulated / seconds;
+  message_.step_time = since_.steps > 0 ? since_.stepping / static_cast<double>(since_.steps) : 0;
+  message_.contacts = static_cast<std::uint32_t>(world.report.contacts);
+  message_.asleep = static_cast<std::uint32_t>(std::count_if(
+      world.state.asleep.begin(), world.state.asleep.end(), [](auto a) { return a; }));
+  message_.ragdolls = static_cast<std::uint32_t>(world.model->ragdolls.size());
+  message_.solver = describe(world.model->solver);
+}
+
+void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  status.summary(DiagnosticStatus::OK, paused_ ? "paused" : "running");
+  if (!paused_ && !was_paused_ && message_.realtime_factor < kTooSlow * wanted_factor_)
+    status.mergeSummary(DiagnosticStatus::WARN, "slower than real time is wanted");
+  if (since_.unresolved > 0)
+    status.mergeSummary(DiagnosticStatus::WARN, "constraints did not converge in some steps");
+  const std::vector<std::string> missing = missing_();
+  if (!missing.empty())
+    status.mergeSummary(DiagnosticStatus::WARN, "no news from TF of " + joined(missing));
+  status.add("real-time factor", message_.realtime_factor);
+  status.add("time of a step [us]", 1e6 * message_.step_time);
+  status.add("solver", message_.solver);
+  status.add("ragdolls", message_.ragdolls);
+  status.add("asleep", message_.asleep);
+  status.add("contacts", message_.contacts);
+  status.add("steps guarded", since_.guarded);
+  status.add("steps with energy limited", since_.limited);
+  status.add("steps unresolved", since_.unresolved);
+}
+
+}  // namespace ragdoll

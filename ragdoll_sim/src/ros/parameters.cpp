@@ -1,0 +1,105 @@
+#include "ragdoll_sim/ros/parameters.h"
+
+#include <ros/package.h>
+
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+#include "ragdoll_sim/body/coat.h"
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/names.h"
+
+namespace ragdoll {
+namespace {
+
+class Reader {
+ public:
+  explicit Reader(const ros::NodeHandle& nh) : nh_(nh) {}
+
+  template <class T>
+  void read(const std::string& key, const std::string& type, T& value) {
+    known_.push_back(key);
+    if (!nh_.hasParam(key) || nh_.getParam(key, value)) return;
+    throw Error("parameter " + nh_.resolveName(key), "must be " + type + ", is " + shown(key));
+  }
+
+  void check(bool ok, const std::string& key, const std::string& right) const {
+    if (!ok) throw Error("parameter " + nh_.resolveName(key), "is " + shown(key) + "; " + right);
+  }
+
+  /// Warns of what stands in the node's namespace and is not a parameter.
+  void warnOfOthers(const std::vector<std::string>& elsewhere) const {
+    std::vector<std::string> names;
+    nh_.getParamNames(names);
+    const std::string prefix = nh_.getNamespace() + "/";
+    for (const std::string& name : names) {
+      if (name.compare(0, prefix.size(), prefix) != 0) continue;
+      const std::string key = name.substr(prefix.size());
+      const std::string head = key.substr(0, key.find('/'));
+      if (indexOf(known_, head) < 0 && indexOf(elsewhere, head) < 0)
+        ROS_WARN("unknown parameter %s; there are %s", name.c_str(), joined(known_).c_str());
+    }
+  }
+
+ private:
+  std::string shown(const std::string& key) const {
+    XmlRpc::XmlRpcValue value;
+    nh_.getParam(key, value);
+    std::ostringstream out;
+    value.write(out);
+    return out.str();
+  }
+
+  const ros::NodeHandle& nh_;
+  std::vector<std::string> known_;
+};
+
+}  // namespace
+
+Parameters readParameters(const ros::NodeHandle& nh) {
+  Parameters p;
+  Reader in(nh);
+  in.read("scene", "text", p.scene);
+  in.read("world_frame", "text", p.world_frame);
+  in.read("publish_rate", "a number", p.publish_rate);
+  in.read("realtime_factor", "a number", p.realtime_factor);
+  in.read("start_paused", "true or false", p.start_paused);
+  in.read("publish_clock", "true or false", p.publish_clock);
+  in.read("wrench_timeout", "a number", p.wrench_timeout);
+  in.read("coat", "text", p.coat);
+
+  in.check(!p.scene.empty(), "scene", "it must name a scene: stairs, a path or package://...");
+  if (!p.world_frame.empty() && p.world_frame[0] == '/') p.world_frame.erase(0, 1);
+  in.check(!p.world_frame.empty(), "world_frame", "it must name a TF frame");
+  in.check(p.publish_rate > 0 && p.publish_rate <= 1000, "publish_rate",
+           "it must be in (0, 1000] Hz");
+  in.check((p.realtime_factor > 0 && std::isfinite(p.realtime_factor)) || p.realtime_factor == -1,
+           "realtime_factor", "it must be > 0, or -1 to run free");
+  in.check(p.wrench_timeout > 0 && p.wrench_timeout <= 60, "wrench_timeout",
+           "it must be in (0, 60] s");
+  if (!p.coat.empty()) {
+    try {
+      coatKind(p.coat);
+    } catch (const Error& e) {
+      throw Error("parameter " + nh.resolveName("coat"), e.what());
+    }
+  }
+  in.warnOfOthers({"preset", "method", "integrator", "step", "sweeps", "damping", "sleep",
+                   "gravity_x", "gravity_y", "gravity_z", "diagnostic_period"});
+  return p;
+}
+
+std::string resolvePackage(const std::string& path) {
+  const std::string scheme = "package://";
+  if (path.compare(0, scheme.size(), scheme) != 0) return path;
+  const std::size_t slash = path.find('/', scheme.size());
+  const std::string package = path.substr(scheme.size(), slash - scheme.size());
+  const std::string folder = package.empty() ? "" : ros::package::getPath(package);
+  if (slash == std::string::npos || folder.empty())
+    throw Error(path, "no package '" + package +
+                          "' on the ROS_PACKAGE_PATH; it must be package://PACKAGE/FILE");
+  return folder + path.substr(slash);
+}
+
+}  // namespace ragdoll

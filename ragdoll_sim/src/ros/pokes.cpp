@@ -1,0 +1,118 @@
+#include "ragdoll_sim/ros/pokes.h"
+
+#include <ros/this_node.h>
+
+#include <optional>
+#include <sstream>
+
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/ros/answer.h"
+#include "ragdoll_sim/ros/convert.h"
+#include "ragdoll_sim/ros/wrench.h"
+
+namespace ragdoll {
+namespace {
+
+std::string shown(const Vec3& v) {
+  std::ostringstream out;
+  out << "(" << v.x() << ", " << v.y() << ", " << v.z() << ")";
+  return out.str();
+}
+
+void checkFinite(const Vec3& v, const char* name, const char* unit) {
+  if (!v.allFinite())
+    throw Error(name, "is " + shown(v) + "; it must be three finite numbers " + unit);
+}
+
+constexpr double kWarnPeriod = 1;  ///< [s] a stream that is wrong is reported this often
+
+}  // namespace
+
+Pokes::Pokes(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock,
+             const FrameLookup& frames, double wrench_timeout)
+    : simulation_(simulation), clock_(clock), frames_(frames), wrench_timeout_(wrench_timeout) {
+  servers_.push_back(nh.advertiseService("poke", &Pokes::poke, this));
+  servers_.push_back(nh.advertiseService("clear_pokes", &Pokes::clear, this));
+  subscribers_.push_back(nh.subscribe("wrench", 10, &Pokes::wrench, this));
+  subscribers_.push_back(nh.subscribe("poke_replay", 1000, &Pokes::replay, this));
+}
+
+bool Pokes::poke(ragdoll_msgs::Poke::Request& request, ragdoll_msgs::Poke::Response& response) {
+  return answer([&] { return accept(request); }, response.success, response.status_message);
+}
+
+std::string Pokes::accept(const ragdoll_msgs::Poke::Request& request) {
+  const Vec3 force = fromVector3(request.force), point = fromPoint(request.reference_point);
+  const std::string frame = FrameLookup::normal(request.reference_frame);
+  const ros::Time now = clock_.now(simulation_);
+  const double delay =
+      request.start_time > now ? (request.start_time - now).toSec() * simulatedPerClock() : 0;
+
+  return simulation_.call([&](World& world) {
+    Poke poke;
+    poke.body = findBody(*world.model(), request.body_name);
+    poke.body_name = fullName(*world.model(), poke.body, request.body_name);
+    checkFinite(force, "force", "[N]");
+    checkFinite(point, "reference_point", "[m]");
+    const std::optional<Pose> own = world.frame(frame);
+    const Quat q_WF = own ? own->orientation : frames_.inWorld(frame).orientation;
+    poke.force = q_WF * force;
+    poke.point = q_WF * point;
+    poke.start = world.state().time + delay;
+    poke.duration = request.duration.toSec();
+    const std::string what =
+        poke.body_name + ": " + shown(poke.force) + " N in " + frames_.worldFrame() + " from step ";
+    return what + std::to_string(world.addPoke(std::move(poke)));
+  });
+}
+
+/// [s/s] how fast simulated time goes by the clock that requests are stamped with.
+double Pokes::simulatedPerClock() const {
+  if (clock_.own() || simulation_.realtimeFactor() < 0) return 1;
+  return simulation_.realtimeFactor();
+}
+
+bool Pokes::clear(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  const auto act = [&] {
+    const std::size_t n = simulation_.call([](World& world) { return world.clearPokes(); });
+    return std::to_string(n) + (n == 1 ? " poke" : " pokes") + " ended";
+  };
+  return answer(act, response.success, response.message);
+}
+
+void Pokes::wrench(const geometry_msgs::WrenchStamped& message) {
+  const std::string frame = FrameLookup::normal(message.header.frame_id);
+  const Vec3 force = fromVector3(message.wrench.force), torque = fromVector3(message.wrench.torque);
+  try {
+    checkFinite(force, "force", "[N]");
+    checkFinite(torque, "torque", "[N m]");
+    const double seconds = wrench_timeout_ * simulatedPerClock();
+    simulation_.call([&](World& world) {
+      world.stream(frame, wrenchPokes(world, frame, force, torque), seconds);
+    });
+  } catch (const Error& e) {
+    ROS_WARN_THROTTLE(kWarnPeriod, "~wrench ignored: %s", e.what());
+  }
+}
+
+void Pokes::replay(const ros::MessageEvent<ragdoll_msgs::PokeEvent const>& message) {
+  if (message.getPublisherName() == ros::this_node::getName()) return;  // ~pokes fed back to itself
+  const ragdoll_msgs::PokeEvent& m = *message.getConstMessage();
+  try {
+    Event event{m.step, {}};
+    event.poke.body_name = m.body_name;
+    event.poke.force = fromVector3(m.force);
+    event.poke.point = fromPoint(m.point);
+    event.poke.duration = m.duration.toSec();
+    checkFinite(event.poke.force, "force", "[N]");
+    checkFinite(event.poke.point, "point", "[m]");
+    simulation_.call([&](World& world) {
+      if (!m.body_name.empty()) event.poke.body = findBody(*world.model(), m.body_name);
+      world.replay(event);
+    });
+  } catch (const Error& e) {
+    ROS_WARN("~poke_replay ignored: %s", e.what());
+  }
+}
+
+}  // namespace ragdoll

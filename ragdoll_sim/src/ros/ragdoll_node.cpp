@@ -1,0 +1,74 @@
+// The node: reads the parameters, starts the simulation, the publisher and the services, and waits.
+#include <ros/ros.h>
+
+#include <memory>
+
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "ragdoll_sim/ros/attachments.h"
+#include "ragdoll_sim/ros/control.h"
+#include "ragdoll_sim/ros/frame_lookup.h"
+#include "ragdoll_sim/ros/parameters.h"
+#include "ragdoll_sim/ros/pokes.h"
+#include "ragdoll_sim/ros/publisher.h"
+#include "ragdoll_sim/ros/reconfigure.h"
+#include "ragdoll_sim/ros/ros_clock.h"
+#include "ragdoll_sim/ros/scenes.h"
+#include "ragdoll_sim/ros/simulation.h"
+
+namespace {
+
+constexpr int kCallbackThreads = 4;  ///< a long ~step leaves some for the other services
+
+ragdoll::World loadWorld(const std::string& parameter, const std::string& scene) {
+  try {
+    ragdoll::World world(ragdoll::loadScene(ragdoll::resolvePackage(scene)));
+    for (const std::string& warning : world.model()->warnings) ROS_WARN("%s", warning.c_str());
+    for (const std::string& note : world.model()->notes) ROS_INFO("%s", note.c_str());
+    return world;
+  } catch (const ragdoll::Error& e) {
+    throw ragdoll::Error("parameter " + parameter, e.what());
+  }
+}
+
+ragdoll::Simulation::Options pace(const ragdoll::Parameters& parameters) {
+  ragdoll::Simulation::Options options;
+  options.realtime_factor = parameters.realtime_factor;
+  options.paused = parameters.start_paused;
+  if (ros::Time::isSimTime() && !parameters.publish_clock && parameters.realtime_factor > 0)
+    options.external_clock = [] { return ros::Time::now().toSec(); };
+  return options;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  ros::init(argc, argv, "ragdoll");
+  ros::NodeHandle nh("~");
+  try {
+    const ragdoll::Parameters parameters = ragdoll::readParameters(nh);
+    // Whoever starts after this follows the clock that this node is going to publish.
+    if (parameters.publish_clock) ros::param::set("/use_sim_time", true);
+    const ragdoll::RosClock clock(parameters.publish_clock);
+    ragdoll::Simulation simulation(loadWorld(nh.resolveName("scene"), parameters.scene),
+                                   pace(parameters));
+    ragdoll::FrameLookup frames(parameters.world_frame);
+    ragdoll::Attachments attachments(nh, simulation, frames);
+    ragdoll::Publisher publisher(nh, simulation, clock, parameters,
+                                 [&] { return attachments.missing(); });
+    ragdoll::Control control(nh, simulation, publisher);
+    ragdoll::Pokes pokes(nh, simulation, clock, frames, parameters.wrench_timeout);
+    ragdoll::Reconfigure reconfigure(nh, simulation);
+    ragdoll::Scenes scenes(nh, simulation, publisher, clock, parameters.world_frame,
+                           [&] { reconfigure.refresh(); });
+    std::unique_ptr<ragdoll::ClockPublisher> ticks;
+    if (clock.own()) ticks = std::make_unique<ragdoll::ClockPublisher>(nh, simulation, clock);
+    ros::AsyncSpinner spinner(kCallbackThreads);
+    spinner.start();
+    ros::waitForShutdown();
+  } catch (const ragdoll::Error& e) {
+    ROS_FATAL("%s", e.what());
+    return 1;
+  }
+  return 0;
+}

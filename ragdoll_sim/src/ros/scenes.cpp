@@ -1,0 +1,73 @@
+#include "ragdoll_sim/ros/scenes.h"
+
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "ragdoll_sim/ros/answer.h"
+#include "ragdoll_sim/ros/convert.h"
+#include "ragdoll_sim/ros/parameters.h"
+
+namespace ragdoll {
+namespace {
+
+World loadWorld(const ragdoll_msgs::LoadScene::Request& request) {
+  if (request.path.empty() == request.yaml.empty())
+    throw Error("", std::string(request.path.empty() ? "neither" : "both") +
+                        " of path and yaml given; it must be exactly one");
+  return World(request.path.empty() ? parseScene(request.yaml, "yaml")
+                                    : loadScene(resolvePackage(request.path)));
+}
+
+}  // namespace
+
+Scenes::Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,
+               const RosClock& clock, const std::string& world_frame, std::function<void()> changed)
+    : simulation_(simulation),
+      publisher_(publisher),
+      clock_(clock),
+      world_frame_(world_frame),
+      changed_(std::move(changed)) {
+  servers_.push_back(nh.advertiseService("load_scene", &Scenes::load, this));
+  servers_.push_back(nh.advertiseService("get_state", &Scenes::get, this));
+  servers_.push_back(nh.advertiseService("set_state", &Scenes::set, this));
+}
+
+bool Scenes::load(ragdoll_msgs::LoadScene::Request& request,
+                  ragdoll_msgs::LoadScene::Response& response) {
+  const auto act = [&] {
+    World next = loadWorld(request);  // in this thread: the old scene goes on meanwhile
+    std::string message = std::to_string(next.model()->ragdolls.size()) + " ragdolls, " +
+                          std::to_string(next.model()->obstacles.size()) + " obstacles";
+    for (const std::string& warning : next.model()->warnings) message += "; " + warning;
+    simulation_.jump([&](World& world) { world.replaceBy(next); });
+    changed_();
+    publisher_.publishNow();
+    return message;
+  };
+  return answer(act, response.success, response.status_message);
+}
+
+bool Scenes::get(ragdoll_msgs::GetState::Request&, ragdoll_msgs::GetState::Response& response) {
+  const ros::Time now = clock_.now(simulation_);
+  simulation_.call([&](World& world) {
+    response.state = toStateMsg(*world.model(), world.state(), toHeader(world_frame_, now));
+    response.snapshot = world.save();
+  });
+  return true;
+}
+
+bool Scenes::set(ragdoll_msgs::SetState::Request& request,
+                 ragdoll_msgs::SetState::Response& response) {
+  const auto act = [&] {
+    const std::uint64_t step = simulation_.call([&](World& world) {
+      world.restore(request.snapshot);
+      return world.state().step;
+    });
+    simulation_.jump([](World&) {});
+    changed_();
+    publisher_.publishNow();
+    return "at step " + std::to_string(step);
+  };
+  return answer(act, response.success, response.status_message);
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,194 @@
+#include "ragdoll_sim/ros/simulation.h"
+
+#include <algorithm>
+
+namespace ragdoll {
+namespace {
+
+using std::chrono::duration;
+using std::chrono::duration_cast;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kNap{2};       ///< shortest sleep; several short steps share one wake-up
+constexpr milliseconds kMaxLag{250};  ///< a simulation that is later than this does not catch up
+constexpr milliseconds kPoll{1};      ///< how often another clock is looked at
+constexpr double kMaxClockJump = 1;   ///< [s] of another clock: more than this is not made up for
+
+}  // namespace
+
+Simulation::Simulation(World world, Options options)
+    : world_(std::move(world)), options_(std::move(options)), paused_(options_.paused) {
+  rebase();
+  thread_ = std::thread([this] { run(); });
+}
+
+Simulation::~Simulation() {
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void Simulation::setPaused(bool paused) {
+  call([&](World&) {
+    if (paused_ && !paused) rebase();
+    paused_ = paused;
+  });
+}
+
+std::uint64_t Simulation::step(std::uint64_t steps) {
+  std::future<std::uint64_t> reached = call([&](World& world) {
+    if (!paused_) throw Error("", "the simulation is not paused");
+    StepJob job{steps, {}};
+    std::future<std::uint64_t> future = job.reached.get_future();
+    if (steps == 0 && step_jobs_.empty())
+      job.reached.set_value(world.state().step);
+    else
+      step_jobs_.push_back(std::move(job));
+    return future;
+  });
+  try {
+    return reached.get();
+  } catch (const std::future_error&) {
+    throw Error("", "interrupted: a reset, another state or the end came in between");
+  }
+}
+
+void Simulation::snapshot(Snapshot& out) {
+  call([&](World& world) {
+    out.scene = world.scene();
+    out.model = world.model();
+    out.state = world.state();
+    out.tracker = world.tracker();
+    out.report = world.report();
+    out.acted = world.takeActed();
+    out.events = world.takeEvents();
+    out.revision = world.revision();
+    out.paused = paused_;
+    out.progress = progress_;
+    out.alpha.reset();
+    if (paused_ || options_.external_clock || options_.realtime_factor < 0) return;
+    const double interval =
+        duration<double>(wallStep()).count() * static_cast<double>(world.stepsPerFollow());
+    const double age = duration<double>(Clock::now() - followed_due_).count();
+    out.alpha = std::clamp(age / interval, 0.0, 1.0);
+  });
+}
+
+Progress Simulation::progress() {
+  return call([this](World&) { return progress_; });
+}
+
+void Simulation::post(Queued command) {
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    if (!stopped_) {
+      queue_.push_back(std::move(command));
+      command = nullptr;
+    }
+  }
+  if (command)
+    command(false);
+  else
+    wake_.notify_all();
+}
+
+void Simulation::run() {
+  for (;;) {
+    drain();
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      if (stopping_) break;
+    }
+    if (stepIsDue())
+      advance();
+    else
+      waitForWork();
+  }
+  std::vector<Queued> rest;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    stopped_ = true;
+    rest.swap(queue_);
+  }
+  for (const Queued& command : rest) command(false);
+  endStepJobs();
+}
+
+void Simulation::drain() {
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    draining_.swap(queue_);
+  }
+  for (const Queued& command : draining_) command(true);
+  draining_.clear();
+}
+
+bool Simulation::stepIsDue() {
+  if (!step_jobs_.empty()) return true;
+  if (paused_) return false;
+  if (options_.realtime_factor < 0) return true;
+  if (!options_.external_clock) return Clock::now() >= due_;
+  const double now = options_.external_clock();
+  if (now < external_due_ - world_.stepLength() / options_.realtime_factor - kMaxClockJump)
+    external_due_ = now;  // it was set back
+  return now > external_due_;
+}
+
+void Simulation::advance() {
+  const Clock::time_point begin = Clock::now();
+  world_.advance();
+  const Clock::time_point end = Clock::now();
+
+  ++progress_.steps;
+  progress_.simulated += world_.stepLength();
+  progress_.stepping += duration<double>(end - begin).count();
+  progress_.guarded += static_cast<std::uint64_t>(world_.report().guarded);
+  progress_.limited += static_cast<std::uint64_t>(world_.report().limited);
+  progress_.unresolved += static_cast<std::uint64_t>(world_.report().unresolved);
+  if (world_.followedStep() == world_.state().step) followed_due_ = due_;
+
+  if (!step_jobs_.empty()) {
+    StepJob& job = step_jobs_.front();
+    if (job.left > 0) --job.left;
+    while (!step_jobs_.empty() && step_jobs_.front().left == 0) {
+      step_jobs_.front().reached.set_value(world_.state().step);
+      step_jobs_.pop_front();
+    }
+    if (paused_) return;
+  }
+  due_ += wallStep();
+  external_due_ += world_.stepLength() / options_.realtime_factor;
+  const bool late = options_.external_clock
+                        ? options_.external_clock() - external_due_ > kMaxClockJump
+                        : end - due_ > kMaxLag;
+  if (late) rebase();
+}
+
+void Simulation::waitForWork() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  const auto work = [this] { return stopping_ || !queue_.empty(); };
+  if (paused_)
+    wake_.wait(lock, work);
+  else if (options_.external_clock)
+    wake_.wait_for(lock, kPoll, work);
+  else
+    wake_.wait_until(lock, std::max(due_, Clock::now() + kNap), work);
+}
+
+void Simulation::endStepJobs() { step_jobs_.clear(); }
+
+void Simulation::rebase() {
+  due_ = followed_due_ = Clock::now();
+  if (options_.external_clock) external_due_ = options_.external_clock();
+}
+
+Simulation::Clock::duration Simulation::wallStep() const {
+  if (options_.realtime_factor < 0) return Clock::duration::zero();
+  return duration_cast<Clock::duration>(
+      duration<double>(world_.stepLength() / options_.realtime_factor));
+}
+
+}  // namespace ragdoll

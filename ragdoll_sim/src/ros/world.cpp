@@ -1,0 +1,324 @@
+#include "ragdoll_sim/ros/world.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/core/sleep.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr double kFollowPeriod = 0.004;  ///< [s] of simulated time; frames follow at least so often
+
+bool isOver(const Poke& poke, double time, double h) {
+  if (poke.duration < 0) return false;
+  const double first = std::max(0.0, std::round(poke.start / h));
+  return std::round(time / h) >= first + std::max(1.0, std::round(poke.duration / h));
+}
+
+bool samePins(const std::vector<Pin>& a, const std::vector<Pin>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Pin& p, const Pin& q) {
+    return p.particle == q.particle && p.frame == q.frame && p.target == q.target;
+  });
+}
+
+std::string particleName(const Model& model, int particle) {
+  for (const Ragdoll& r : model.ragdolls) {
+    const Skeleton& s = model.skeletonOf(r);
+    if (particle < r.first + s.size()) return r.name + "/" + s.particles[particle - r.first];
+  }
+  return "";
+}
+
+/// The one particle that `body` names.
+BodyRef findParticle(const Model& model, const std::string& body) {
+  const BodyRef ref = findBody(model, body);
+  if (ref.particles.size() == 1) return ref;
+  std::vector<std::string> names;
+  for (const int p : ref.particles) names.push_back(particleName(model, p));
+  throw Error("", "'" + body + "' is a segment; a particle is held, of this one: " + joined(names));
+}
+
+}  // namespace
+
+bool contains(const std::vector<Poke>& pokes, const Poke& poke) {
+  return std::any_of(pokes.begin(), pokes.end(), [&](const Poke& p) {
+    return p.body_name == poke.body_name && p.start == poke.start && p.force == poke.force &&
+           p.point == poke.point;
+  });
+}
+
+World::World(Scene scene)
+    : scene_(std::make_shared<Scene>(std::move(scene))),
+      model_(std::make_shared<Model>(buildModel(*scene_))),
+      state_(startState(*model_)),
+      tracker_(*model_),
+      start_pins_(model_->pins) {
+  setPokes(model_->pokes);
+  follow_.restart(*model_, state_);
+  restart();
+}
+
+void World::advance() {
+  for (std::size_t i = 0; i < clearings_.size();) {
+    if (clearings_[i].step != state_.step) {
+      ++i;
+      continue;
+    }
+    clear(clearings_[i].order);
+    clearings_.erase(clearings_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  gatherPokes();
+  follow_.apply(*model_, stepLength(), state_, inputs_);
+  for (const Poke& poke : inputs_.pokes)
+    if (isActive(poke, state_.time, stepLength()) && !contains(acted_, poke))
+      acted_.push_back(poke);
+  report_ = step(*model_, inputs_, workspace_, state_);
+  if (state_.step % steps_per_follow_ == 0) {
+    tracker_.update(state_);
+    followed_step_ = state_.step;
+  }
+  ++revision_;
+}
+
+void World::reset() {
+  for (Stream& stream : streams_) endStream(stream);
+  if (!samePins(model_->pins, start_pins_)) changePins(start_pins_);
+  state_ = startState(*model_);
+  setPokes(model_->pokes);
+  follow_.restart(*model_, state_);
+  restart();
+}
+
+void World::replaceBy(World& other) {
+  const std::uint64_t revision = std::max(revision_, other.revision_) + 1;
+  std::swap(*this, other);
+  std::swap(events_, other.events_);  // what this one accepted is still to be told
+  revision_ = revision;
+}
+
+void World::restart() {
+  // Scratch memory might carry something over; a run that starts again must give the same bits.
+  workspace_ = Workspace();
+  report_ = StepReport();
+  acted_.clear();
+  inputs_ = Inputs();
+  pokes_changed_ = true;
+  steps_per_follow_ =
+      std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kFollowPeriod / stepLength()));
+  tracker_.reset(state_);
+  followed_step_ = state_.step;
+  ++revision_;
+}
+
+void World::configure(std::shared_ptr<const Scene> scene, std::shared_ptr<const Model> model) {
+  const std::vector<Pin> pins = model_->pins;
+  const bool other_step = model->solver.step != stepLength();
+  scene_ = std::move(scene);
+  model_ = std::move(model);
+  changePins(pins);
+  if (other_step) restart();
+}
+
+std::vector<std::uint8_t> World::save() const {
+  Moment moment{state_, {}, model_->pins, model_->gravity, model_->solver};
+  for (const Accepted& a : pokes_) moment.pokes.push_back(a.poke);
+  for (const Stream& s : streams_)
+    for (Poke poke : s.pokes) {
+      poke.duration = std::max(0.0, s.end - poke.start);
+      moment.pokes.push_back(poke);
+    }
+  return toBytes(*model_, moment);
+}
+
+void World::restore(const std::vector<std::uint8_t>& bytes) {
+  Moment moment = fromBytes(*model_, bytes);
+  Scene scene = *scene_;
+  scene.solver = moment.solver;
+  scene.gravity = moment.gravity;
+  scene.text = toYaml(scene);
+  if (scene.text == scene_->text) {
+    if (!samePins(model_->pins, moment.pins)) changePins(moment.pins);
+  } else {
+    Model model = buildModel(scene);
+    setPins(model, moment.pins);
+    model_ = std::make_shared<Model>(std::move(model));
+    scene_ = std::make_shared<Scene>(std::move(scene));
+  }
+  state_ = std::move(moment.state);
+  setPokes(moment.pokes);
+  follow_.restart(*model_, state_);
+  restart();
+}
+
+void World::setPokes(const std::vector<Poke>& pokes) {
+  pokes_.clear();
+  streams_.clear();
+  clearings_.clear();
+  for (const Poke& poke : pokes) pokes_.push_back({poke, next_order_++});
+  pokes_changed_ = true;
+}
+
+Poke World::rounded(Poke poke, std::uint64_t& first) const {
+  const double h = stepLength();
+  const double wait = std::max(0.0, std::round((poke.start - state_.time) / h));
+  first = state_.step + static_cast<std::uint64_t>(wait);
+  poke.start = state_.time + wait * h;
+  if (poke.duration >= 0) poke.duration = std::max(1.0, std::round(poke.duration / h)) * h;
+  return poke;
+}
+
+std::uint64_t World::addPoke(Poke poke) {
+  Event event;
+  event.poke = rounded(std::move(poke), event.step);
+  pokes_.push_back({event.poke, next_order_++});
+  pokes_changed_ = true;
+  events_.push_back(std::move(event));
+  return events_.back().step;
+}
+
+std::size_t World::clearPokes() { return clear(next_order_++); }
+
+std::size_t World::clear(std::uint64_t order) {
+  const std::size_t before = pokes_.size() + streams_.size();
+  pokes_.erase(std::remove_if(pokes_.begin(), pokes_.end(),
+                              [&](const Accepted& a) { return a.order < order; }),
+               pokes_.end());
+  for (Stream& s : streams_) endStream(s);
+  streams_.clear();
+  acted_.clear();
+  pokes_changed_ = true;
+  events_.push_back({state_.step, {}});
+  return before - pokes_.size();
+}
+
+void World::replay(const Event& event) {
+  if (event.step < state_.step)
+    throw Error("", "the step " + std::to_string(event.step) + " is past; this is step " +
+                        std::to_string(state_.step) + ": reset and pause before a replay");
+  if (event.poke.body_name.empty()) {
+    clearings_.push_back({event.step, next_order_++});
+    return;
+  }
+  Poke poke = event.poke;
+  poke.start = state_.time + static_cast<double>(event.step - state_.step) * stepLength();
+  addPoke(std::move(poke));
+}
+
+void World::stream(const std::string& source, std::vector<Poke> pokes, double seconds) {
+  auto s = std::find_if(streams_.begin(), streams_.end(),
+                        [&](const Stream& other) { return other.source == source; });
+  pokes_changed_ = true;
+  if (s != streams_.end()) {
+    endStream(*s);
+    streams_.erase(s);
+  }
+  if (pokes.empty()) return;
+  for (Poke& poke : pokes) {
+    poke.start = state_.time;
+    poke.duration = -1;
+  }
+  const double h = stepLength();
+  streams_.push_back({source, state_.step, state_.time + std::max(1.0, std::round(seconds / h)) * h,
+                      std::move(pokes)});
+}
+
+void World::endStream(Stream& s) {
+  if (s.first == state_.step) return;  // it never acted
+  for (Poke& poke : s.pokes) {
+    poke.duration = static_cast<double>(state_.step - s.first) * stepLength();
+    events_.push_back({s.first, poke});
+  }
+}
+
+void World::gatherPokes() {
+  const double h = stepLength();
+  const auto over = [&](const Accepted& a) { return isOver(a.poke, state_.time, h); };
+  const auto ended = std::remove_if(pokes_.begin(), pokes_.end(), over);
+  pokes_changed_ |= ended != pokes_.end();
+  pokes_.erase(ended, pokes_.end());
+  for (std::size_t i = 0; i < streams_.size();) {
+    if (state_.time < streams_[i].end - h / 2) {
+      ++i;
+      continue;
+    }
+    endStream(streams_[i]);
+    streams_.erase(streams_.begin() + static_cast<std::ptrdiff_t>(i));
+    pokes_changed_ = true;
+  }
+  if (!pokes_changed_) return;
+  pokes_changed_ = false;
+  inputs_.pokes.clear();
+  for (const Accepted& a : pokes_) inputs_.pokes.push_back(a.poke);
+  for (const Stream& s : streams_)
+    inputs_.pokes.insert(inputs_.pokes.end(), s.pokes.begin(), s.pokes.end());
+}
+
+void World::attach(const std::string& body, const std::string& frame) {
+  const BodyRef ref = findParticle(*model_, body);
+  if (frame.empty()) throw Error("frame", "must name a TF frame");
+  if (hasFrame(frame))
+    throw Error("frame", "'" + frame + "' is one of the ragdolls' own; it must be another node's");
+  std::vector<Pin> pins = model_->pins;
+  const int p = ref.particles[0];
+  pins.erase(
+      std::remove_if(pins.begin(), pins.end(), [&](const Pin& q) { return q.particle == p; }),
+      pins.end());
+  pins.push_back({ref.ragdoll, p, state_.x.col(p), frame});
+  changePins(pins);
+}
+
+void World::detach(const std::string& body) {
+  const int p = findParticle(*model_, body).particles[0];
+  std::vector<Pin> pins;
+  std::vector<std::string> held;
+  for (const Pin& pin : model_->pins) {
+    if (pin.particle != p) pins.push_back(pin);
+    held.push_back(particleName(*model_, pin.particle));
+  }
+  if (pins.size() == model_->pins.size())
+    throw Error("", "'" + body + "' is not held; " +
+                        (held.empty() ? "nothing is" : "held are " + joined(held)));
+  changePins(pins);
+}
+
+void World::changePins(const std::vector<Pin>& pins) {
+  auto model = std::make_shared<Model>(*model_);
+  setPins(*model, pins);
+  model_ = std::move(model);
+  for (const Pin& pin : pins) state_.v.col(pin.particle).setZero();
+  // Multipliers belong to the sticks that can move, and those are others now.
+  state_.multipliers = startState(*model_).multipliers;
+  wakeAll(state_);
+  workspace_ = Workspace();
+  inputs_.pins.clear();
+  inputs_.obstacles.clear();
+  follow_.setPins(*model_);
+}
+
+bool World::hasFrame(const std::string& name) const {
+  for (int i = 0; i < tracker_.size(); ++i)
+    if (tracker_.name(i) == name) return true;
+  return false;
+}
+
+std::optional<Pose> World::frame(const std::string& name) const {
+  for (int i = 0; i < tracker_.size(); ++i) {
+    if (tracker_.name(i) != name) continue;
+    if (followed_step_ == state_.step) return tracker_.now().frames[i];
+    FrameTracker present = tracker_;
+    present.update(state_);
+    return present.now().frames[i];
+  }
+  return std::nullopt;
+}
+
+std::vector<Poke> World::takeActed() { return std::exchange(acted_, {}); }
+
+std::vector<Event> World::takeEvents() { return std::exchange(events_, {}); }
+
+}  // namespace ragdoll

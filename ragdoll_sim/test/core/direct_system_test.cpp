@@ -1,0 +1,163 @@
+// Rigid groups and the direct methods' constants: well conditioned whatever the geometry.
+#include "ragdoll_sim/core/direct_system.h"
+
+#include <gtest/gtest.h>
+
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/core/rigid_groups.h"
+#include "ragdoll_sim/core/skeleton.h"
+#include "support/worlds.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+/// A torso of five points as a complete graph, and a pelvis of four that shares its hips.
+/// depth: how far the hips stand behind the shoulders; skew: how far one leg is from mirror
+/// symmetry.
+SkeletonSpec trunk(double depth, double skew) {
+  SkeletonSpec s;
+  s.name = "trunk";
+  s.particles = {particle("neck", Vec3(0, 0, 0.5), 8),
+                 particle("l_shoulder", Vec3(depth, 0.2, 0.45), 6),
+                 particle("r_shoulder", Vec3(depth, -0.2, 0.45), 6),
+                 particle("l_hip", Vec3(0, 0.1, 0), 7),
+                 particle("r_hip", Vec3(0, -0.1, 0), 7),
+                 particle("l_leg", Vec3(skew, 0.09, -0.1), 9),
+                 particle("r_leg", Vec3(0, -0.09, -0.1), 9)};
+  const auto join = [&s](int from, int to) {
+    for (int i = from; i < to; ++i)
+      for (int j = i + 1; j < to; ++j)
+        if (!(from == 3 && i == 3 && j == 4))
+          s.sticks.push_back(stick(s.particles[i].name, s.particles[j].name));
+  };
+  join(0, 5);
+  join(3, 7);
+  return s;
+}
+
+SegmentSpec group(const std::string& name, const std::vector<std::string>& particles, double mass,
+                  const Vec3& com, const Vec3& inertia) {
+  SegmentSpec s = bone(name, "", "");
+  s.particles = particles;
+  s.group = true;
+  s.mass = mass;
+  s.com_point = com;
+  s.inertia = inertia.asDiagonal();
+  return s;
+}
+
+SkeletonSpec withInertia(SkeletonSpec s) {
+  for (ParticleSpec& p : s.particles) p.mass = 0;
+  s.segments = {group("torso", {"neck", "l_shoulder", "r_shoulder", "l_hip", "r_hip"}, 30,
+                      Vec3(0.01, 0, 0.25), Vec3(0.9, 0.7, 0.4)),
+                group("pelvis", {"l_hip", "r_hip", "l_leg", "r_leg"}, 10, Vec3(0, 0, -0.05),
+                      Vec3(0.08, 0.07, 0.09))};
+  return s;
+}
+
+TEST(RigidGroups, TorsoAndPelvisAreRecognised) {
+  const Skeleton s = buildSkeleton(trunk(0.05, 0));
+  ASSERT_EQ(s.groups.size(), 2u);
+  EXPECT_EQ(s.groups[0].particles, (std::vector<int>{0, 1, 2, 3, 4}));
+  EXPECT_EQ(s.groups[0].rank, 3);
+  EXPECT_EQ(s.groups[1].particles, (std::vector<int>{3, 4, 5, 6}));
+  EXPECT_EQ(s.groups[1].rank, 2);  // mirror symmetric: always flat
+}
+
+class Trunk : public testing::TestWithParam<std::tuple<double, double, bool>> {};
+
+TEST_P(Trunk, IsWellConditionedAndItsConstantsAreConsistent) {
+  const auto [depth, skew, inertia] = GetParam();
+  const SkeletonSpec spec = inertia ? withInertia(trunk(depth, skew)) : trunk(depth, skew);
+  const Skeleton s = buildSkeleton(spec);
+  std::vector<std::string> warnings;
+  const DirectSystem d = buildDirectSystem(s, {}, warnings);
+  EXPECT_LE(d.condition, 100) << "depth " << depth << " skew " << skew;
+  EXPECT_GT(d.condition, 1);
+  // Sticks keep the lengths that the rest pose has.
+  const Eigen::MatrixXd D = s.rest * d.B.transpose();
+  EXPECT_LT((D.colwise().norm().transpose() - d.length).cwiseAbs().maxCoeff(), 1e-12);
+  // The rest pose is affine in the frames, and a rigid motion's momentum goes through W unchanged.
+  EXPECT_LT((s.rest * d.affine.transpose() - s.rest).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((s.rest * s.M * d.W - s.rest).cwiseAbs().maxCoeff(), 1e-10);
+  // Freedoms: base points' three each, less the sticks; two bodies and a hinge have 7.
+  const int base = static_cast<int>(std::lround(d.affine.trace()));
+  EXPECT_EQ(3 * base - d.length.size(), s.groups.size() == 2 ? 7 : 6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shapes, Trunk,
+                         testing::Combine(testing::Values(0, 1e-4, 0.002, 0.01, 0.05, 0.2),
+                                          testing::Values(0, 1e-4, 0.001, 0.01, 0.05),
+                                          testing::Bool()));
+
+TEST(GroupInertia, StandingTrunkHasTheSegmentsMassCentreAndInertia) {
+  const SkeletonSpec spec = withInertia(trunk(0.05, 0.01));
+  const Skeleton s = buildSkeleton(spec);
+  EXPECT_NEAR(s.M.sum(), 40, 1e-12);
+  const Vec3 com = (s.rest * s.M).rowwise().sum() / 40;
+  EXPECT_LT((com - (30 * Vec3(0.01, 0, 0.25) + 10 * Vec3(0, 0, -0.05)) / 40).norm(), 1e-12);
+  // Kinetic energy of a spin about the origin: omega^T I omega / 2 with Steiner's terms.
+  for (const Vec3& w : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(1, -2, 0.5)}) {
+    Points v(3, s.size());
+    for (int i = 0; i < s.size(); ++i) v.col(i) = w.cross(Vec3(s.rest.col(i)));
+    double expected = 0;
+    for (const SegmentSpec& g : spec.segments) {
+      const Vec3 c = g.com_point;
+      expected += 0.5 * w.dot(g.inertia * w) + 0.5 * g.mass * w.cross(c).squaredNorm();
+    }
+    EXPECT_NEAR(0.5 * (v * s.M).cwiseProduct(v).sum(), expected, 1e-10 * expected);
+  }
+}
+
+TEST(GroupInertia, FlatPelvisKeepsItsInertiaAcrossThePlane) {
+  const Skeleton s = buildSkeleton(withInertia(trunk(0.05, 0)));
+  EXPECT_EQ(s.named, 7);
+  EXPECT_EQ(s.size(), 8);
+  Points v(3, s.size());
+  for (int i = 0; i < s.size(); ++i) v.col(i) = Vec3::UnitY().cross(Vec3(s.rest.col(i)));
+  const double expected = 0.5 * (0.7 + 30 * (0.01 * 0.01 + 0.25 * 0.25) + 0.07 + 10 * 0.05 * 0.05);
+  EXPECT_NEAR(0.5 * (v * s.M).cwiseProduct(v).sum(), expected, 1e-10);
+}
+
+TEST(Checks, RedundantStickIsFoundAndNamed) {
+  // The complete bipartite graph of 5 and 5 points has 25 sticks; 10 points take 24 [Bolker1980].
+  SkeletonSpec s;
+  s.name = "bipartite";
+  for (int i = 0; i < 10; ++i)
+    s.particles.push_back(
+        particle(std::string(1, static_cast<char>('a' + i)),
+                 Vec3(std::sin(7.0 * i), std::sin(3.0 * i * i), std::cos(5.0 * i))));
+  for (int i = 0; i < 5; ++i)
+    for (int j = 5; j < 10; ++j)
+      if (i + j < 13) s.sticks.push_back(stick(s.particles[i].name, s.particles[j].name));
+  std::vector<std::string> warnings;
+  EXPECT_EQ(buildDirectSystem(buildSkeleton(s), {}, warnings).length.size(), 24);
+  EXPECT_TRUE(warnings.empty());
+  s.sticks.push_back(stick("e", "j"));
+  EXPECT_EQ(buildDirectSystem(buildSkeleton(s), {}, warnings).length.size(), 24);
+  ASSERT_FALSE(warnings.empty());
+  EXPECT_NE(warnings[0].find("'e-j' is redundant"), std::string::npos);
+}
+
+TEST(Checks, InertiaOfNoBodyIsRefused) {
+  SkeletonSpec spec = withInertia(trunk(0.05, 0.01));
+  spec.segments[0].inertia = Vec3(1, 1, 3).asDiagonal();
+  spec.segments[0].where = "m.yaml:7: segments.torso";
+  try {
+    buildSkeleton(spec);
+    ADD_FAILURE();
+  } catch (const std::exception& e) {
+    EXPECT_NE(std::string(e.what()).find("m.yaml:7: segments.torso.inertia"), std::string::npos);
+  }
+}
+
+TEST(Checks, LengthInsideARigidGroupMustAgree) {
+  SkeletonSpec spec = trunk(0.05, 0.01);
+  spec.sticks[0].length = 0.7;
+  EXPECT_THROW(buildSkeleton(spec), std::exception);
+}
+
+}  // namespace
+}  // namespace ragdoll

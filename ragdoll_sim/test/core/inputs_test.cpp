@@ -1,0 +1,85 @@
+#include "ragdoll_sim/core/inputs.h"
+
+#include <gtest/gtest.h>
+
+#include "support/worlds.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+int activeSteps(double start, double duration, double h) {
+  Poke poke;
+  poke.start = start;
+  poke.duration = duration;
+  int n = 0;
+  for (int i = 0; i < 1000; ++i) n += isActive(poke, i * h, h);
+  return n;
+}
+
+TEST(Poke, LastsWholeStepsAtLeastOne) {
+  EXPECT_EQ(activeSteps(0.5, 0, 0.01), 1);
+  EXPECT_EQ(activeSteps(0.5, 0.001, 0.01), 1);
+  EXPECT_EQ(activeSteps(0.5, 0.034, 0.01), 3);
+  EXPECT_EQ(activeSteps(0.5, 0.036, 0.01), 4);
+  EXPECT_EQ(activeSteps(0.5, -1, 0.01), 950);
+  EXPECT_EQ(activeSteps(-3, 0, 0.01), 1);
+}
+
+SkeletonSpec triangle() {
+  SkeletonSpec s;
+  s.particles = {particle("a", Vec3::Zero()), particle("b", Vec3(1, 0, 0)),
+                 particle("c", Vec3(0, 2, 0.5))};
+  s.sticks = {stick("a", "b"), stick("b", "c"), stick("c", "a")};
+  SegmentSpec group = bone("abc", "a", "b");
+  group.particles.push_back("c");
+  group.group = true;
+  s.segments = {group, bone("ab", "a", "b")};
+  return s;
+}
+
+TEST(Poke, OnAGroupHasTheForceAndTheMomentOfItsPoint) {
+  World world(sceneOf(triangle()));
+  Poke poke;
+  poke.body = findBody(world.model, "abc");
+  poke.force = Vec3(1, 2, 3);
+  poke.point = Vec3(0.3, -0.2, 0.5);
+  Points forces = Points::Zero(3, 3);
+  addForce(poke, world.state, forces);
+  const Vec3 centre = world.state.x.rowwise().mean();
+  Vec3 moment = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) moment += (world.x(i) - centre).cross(Vec3(forces.col(i)));
+  EXPECT_LT((forces.rowwise().sum() - poke.force).norm(), 1e-14);
+  EXPECT_LT((moment - poke.point.cross(poke.force)).norm(), 1e-13);
+}
+
+TEST(Poke, OnABoneHasNoMomentAboutTheBone) {
+  World world(sceneOf(triangle()));
+  Poke poke;
+  poke.body = findBody(world.model, "ab");
+  poke.force = Vec3(0, 0, 1);
+  poke.point = Vec3(0.2, 0.7, 0);
+  Points forces = Points::Zero(3, 3);
+  addForce(poke, world.state, forces);
+  // Moment about y only: -0.2; 1 m long, so +-0.2 N on top of one half each.
+  EXPECT_LT((forces.col(0) - Vec3(0, 0, 0.3)).norm(), 1e-14);
+  EXPECT_LT((forces.col(1) - Vec3(0, 0, 0.7)).norm(), 1e-14);
+}
+
+TEST(FindBody, ListsWhatThereIs) {
+  World world(sceneOf(triangle()));
+  EXPECT_EQ(findBody(world.model, "ragdoll/b").particles, std::vector<int>{1});
+  for (const char* name : {"wing", "ragdoll/wing"}) {
+    try {
+      findBody(world.model, name);
+      ADD_FAILURE() << "found " << name;
+    } catch (const std::exception& e) {
+      EXPECT_NE(std::string(e.what()).find("a, b, c, abc, ab"), std::string::npos) << e.what();
+    }
+  }
+  EXPECT_THROW(findBody(world.model, "other/b"), std::exception);
+}
+
+}  // namespace
+}  // namespace ragdoll

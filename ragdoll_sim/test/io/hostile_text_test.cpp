@@ -1,0 +1,119 @@
+// Texts that are not scenes at all end in an Error, quickly, whatever they hold.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <fstream>
+#include <random>
+
+#include "error_of.h"
+
+namespace ragdoll {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+TEST(HostileText, EmptyOrNoMapping) {
+  EXPECT_THAT(errorOfText(""), StartsWith("scene.yaml:1: the text is empty"));
+  EXPECT_THAT(errorOfText("# nothing\n"), StartsWith("scene.yaml:1: the text is empty"));
+  EXPECT_THAT(errorOfText("---\n"), HasSubstr("a mapping (key: value) is expected"));
+  EXPECT_THAT(errorOfText("just words"), StartsWith("scene.yaml:1: is 'just words'; a mapping"));
+  EXPECT_THAT(errorOfText("- a\n- b\n"), StartsWith("scene.yaml:1: is a list; a mapping"));
+  EXPECT_THAT(errorOfText("[1, 2]: 3\n"), HasSubstr("a key is expected to be a name"));
+}
+
+TEST(HostileText, BrokenYaml) {
+  EXPECT_THAT(errorOfText("ragdolls: [\n"), HasSubstr("not valid YAML"));
+  EXPECT_THAT(errorOfText("gravity: [0, 0, 0]\n\tcoat: none\n"), StartsWith("scene.yaml:2"));
+  EXPECT_THAT(errorOfText("a: *nobody\n"), HasSubstr("scene.yaml:1"));
+}
+
+TEST(HostileText, SeveralDocuments) {
+  EXPECT_THAT(errorOfText("ragdolls: [{model: human}]\n---\nragdolls: []\n"),
+              StartsWith("scene.yaml:3: a second YAML document"));
+}
+
+TEST(HostileText, Binary) {
+  EXPECT_THAT(errorOfText(std::string("ragdolls:\n\0\x01\x02", 13)),
+              StartsWith("scene.yaml:2: not a text file"));
+}
+
+TEST(HostileText, DeepNesting) {
+  EXPECT_THAT(errorOfText("a: " + std::string(100000, '[')), StartsWith("scene.yaml:1"));
+  EXPECT_THAT(errorOfText("a: " + std::string(100000, '{')), StartsWith("scene.yaml:1"));
+  std::string stairs;
+  for (int i = 0; i < 1000; ++i) stairs += std::string(i, ' ') + "a:\n";
+  EXPECT_THAT(errorOfText(stairs), HasSubstr("nested deeper than"));
+}
+
+TEST(HostileText, AliasBomb) {
+  std::string bomb = "a0: &a0 [x, x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 30; ++i) {
+    const std::string last = "*a" + std::to_string(i - 1);
+    bomb += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + last;
+    for (int k = 0; k < 9; ++k) bomb += ", " + last;
+    bomb += "]\n";
+  }
+  EXPECT_THAT(errorOfText("ragdolls: [{model: human}]\n" + bomb), HasSubstr("a0: unknown key"));
+  EXPECT_THAT(errorOfText("a: &a [*a]\n"), StartsWith("scene.yaml:1: an alias inside itself"));
+}
+
+TEST(HostileText, TooLarge) {
+  EXPECT_THAT(errorOfText("# " + std::string(5 << 20, 'x')), HasSubstr("larger than 4 MiB"));
+  std::string many = "ragdolls: [";
+  for (int i = 0; i < 600000; ++i) many += "1,";
+  EXPECT_THAT(errorOfText(many + "]"), HasSubstr("more than 500000 values"));
+}
+
+TEST(HostileText, TooManyOfAKind) {
+  std::string many = "ragdolls: [{model: human}]\nobstacles:\n";
+  for (int i = 0; i < 10001; ++i) many += "- {type: plane}\n";
+  EXPECT_THAT(errorOfText(many),
+              StartsWith("scene.yaml:2: obstacles: has 10001 items; at most 10000"));
+  std::string particles = "      particles:\n";
+  for (int i = 0; i < 1001; ++i) {
+    particles += "        p" + std::to_string(i) + ": {position: [0, 0, 0], mass: 1}\n";
+  }
+  EXPECT_THAT(errorOfText(sceneWithModel(particles)),
+              StartsWith("scene.yaml:4: ragdolls[0].model.particles: has 1001 keys; at most 1000"));
+}
+
+TEST(HostileText, LongValueIsShortenedInTheMessage) {
+  const std::string error = errorOfText("coat: " + std::string(100000, 'x') + "\nragdolls: 1\n");
+  EXPECT_THAT(error, HasSubstr("xxx...'"));
+  EXPECT_LT(error.size(), 300u);
+}
+
+TEST(HostileText, FilesThatAreNone) {
+  EXPECT_THAT(errorOf([] { loadScene("/nowhere/scene.yaml"); }), HasSubstr("no such file"));
+  EXPECT_THAT(errorOf([] { loadScene("/"); }), HasSubstr("not a regular file"));
+  EXPECT_THAT(errorOf([] { loadScene("/dev/zero"); }), HasSubstr("not a regular file"));
+  EXPECT_THAT(errorOf([] { loadScene("stiars"); }), HasSubstr("stairs"));
+  EXPECT_THAT(errorOf([] { loadScene(""); }), HasSubstr("stairs"));
+}
+
+TEST(HostileText, RandomDamageNeverCrashes) {
+  const std::string good = loadScene("between_objects").text;
+  std::mt19937 random(20240607);
+  const std::string alphabet = "[]{},:-&*!|>'\"%@`#?~ \n\t0.eax\x80\xff";
+  int refused = 0;
+  for (int round = 0; round < 2000; ++round) {
+    std::string text = good;
+    const int changes = 1 + static_cast<int>(random() % 4);
+    for (int i = 0; i < changes; ++i) {
+      const std::size_t at = random() % text.size();
+      const std::size_t length = random() % 8;
+      if (random() % 2) {
+        text.replace(at, length, 1, alphabet[random() % alphabet.size()]);
+      } else {
+        text.resize(std::max<std::size_t>(1, at));
+      }
+    }
+    refused += !errorOfText(text).empty();
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+}  // namespace
+}  // namespace ragdoll

@@ -1,0 +1,154 @@
+// Whatever is wrong in a scene, the user is told where (file, line, key), what, and what would be
+// right.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "error_of.h"
+
+namespace ragdoll {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+const char kRagdoll[] = "ragdolls: [{model: human}]\n";
+
+std::string errorAfterRagdoll(const std::string& text) { return errorOfText(kRagdoll + text); }
+
+TEST(SceneErrors, AcceptsTheSceneThatTheOthersBreak) {
+  EXPECT_EQ(errorOfText(kRagdoll), "");
+  EXPECT_EQ(errorAfterRagdoll("gravity: [0, 0, -1]\nobstacles:\n  - {type: plane}\n"), "");
+}
+
+TEST(SceneErrors, UnknownKeyListsTheKnown) {
+  EXPECT_THAT(errorAfterRagdoll("gravitation: [0, 0, 1]\n"),
+              AllOf(StartsWith("scene.yaml:2: gravitation: unknown key"), HasSubstr("gravity"),
+                    HasSubstr("obstacles")));
+  EXPECT_THAT(errorAfterRagdoll("obstacles:\n  - type: sphere\n    position: [0, 0, 0]\n"
+                                "    radius: 1\n    size: [1, 1, 1]\n"),
+              AllOf(StartsWith("scene.yaml:6: obstacles[0].size: unknown key"),
+                    HasSubstr("position, radius, friction, restitution, frame")));
+}
+
+TEST(SceneErrors, WrongTypeSaysWhichIsRight) {
+  EXPECT_THAT(errorAfterRagdoll("gravity: down\n"),
+              StartsWith("scene.yaml:2: gravity: is 'down'; a list of 3 numbers is expected"));
+  EXPECT_THAT(errorAfterRagdoll("gravity: [0, 0, fast]\n"),
+              StartsWith("scene.yaml:2: gravity[2]: is 'fast'; a number is expected"));
+  EXPECT_THAT(errorAfterRagdoll("gravity: [0, 0]\n"),
+              StartsWith("scene.yaml:2: gravity: has 2 items; a list of 3 numbers is expected"));
+  EXPECT_THAT(errorAfterRagdoll("gravity:\n"),
+              StartsWith("scene.yaml:2: gravity: has no value; a list of 3 numbers"));
+  EXPECT_THAT(errorAfterRagdoll("self_collision: yes\n"),
+              StartsWith("scene.yaml:2: self_collision: is 'yes'; true or false is expected"));
+  EXPECT_THAT(errorAfterRagdoll("obstacles: {type: plane}\n"),
+              StartsWith("scene.yaml:2: obstacles: is a mapping; a list is expected"));
+  EXPECT_THAT(errorAfterRagdoll("pins: [[ragdoll]]\n"),
+              StartsWith("scene.yaml:2: pins[0]: is a list; a particle"));
+  EXPECT_THAT(errorAfterRagdoll("solver: {sweeps: 2.5}\n"),
+              StartsWith("scene.yaml:2: solver.sweeps: is '2.5'; a whole number from 1"));
+  EXPECT_THAT(errorAfterRagdoll("solver: {step: 1ms}\n"),
+              StartsWith("scene.yaml:2: solver.step: is '1ms'; a number is expected"));
+}
+
+TEST(SceneErrors, NonFiniteNumber) {
+  for (const char* bad : {".nan", "nan", "NaN", ".inf", "-.inf", "inf", "1e999", "-1e999"}) {
+    EXPECT_THAT(errorAfterRagdoll("obstacles:\n  - type: sphere\n    position: [0, " +
+                                  std::string(bad) + ", 0]\n    radius: 1\n"),
+                StartsWith("scene.yaml:4: obstacles[0].position[1]: is '" + std::string(bad) +
+                           "'; a finite number is expected"))
+        << bad;
+  }
+}
+
+TEST(SceneErrors, OutOfRangeNamesTheRange) {
+  EXPECT_THAT(errorAfterRagdoll("solver: {step: 0}\n"),
+              AllOf(StartsWith("scene.yaml:2: solver.step: is 0;"), HasSubstr("to 1 is expected")));
+  EXPECT_THAT(errorAfterRagdoll("obstacles: [{type: plane, restitution: 1.5}]\n"),
+              StartsWith("scene.yaml:2: obstacles[0].restitution: is 1.5; a number from 0 to 1"));
+  EXPECT_THAT(errorAfterRagdoll("obstacles: [{type: plane, friction: -1}]\n"),
+              StartsWith("scene.yaml:2: obstacles[0].friction: is -1; 0 or a positive number"));
+  EXPECT_THAT(errorAfterRagdoll("obstacles: [{type: plane, normal: [0, 0, 0]}]\n"),
+              StartsWith("scene.yaml:2: obstacles[0].normal: has length 0; a direction"));
+  EXPECT_THAT(errorAfterRagdoll("obstacles: [{type: box, position: [0, 0, 0], size: [1, 0, 1]}]\n"),
+              StartsWith("scene.yaml:2: obstacles[0].size: three edge lengths above 0"));
+  EXPECT_THAT(errorOfText("ragdolls: [{model: human, count: 20000}]\n"),
+              StartsWith("scene.yaml:1: ragdolls[0].count: is '20000'; a whole number from 1 to"));
+  EXPECT_THAT(errorOfText("ragdolls: [{model: human, count: 6000}, {name: b, model: human, "
+                          "count: 6000}]\n"),
+              StartsWith("scene.yaml:1: ragdolls: are 12000 ragdolls; at most 10000"));
+}
+
+TEST(SceneErrors, ChoicesAreListed) {
+  EXPECT_THAT(errorAfterRagdoll("solver: {preset: fast}\n"),
+              StartsWith("scene.yaml:2: solver.preset: is 'fast'; one of thesis, draft, balanced, "
+                         "precise, reference is expected"));
+  EXPECT_THAT(errorAfterRagdoll("solver: {method: euler}\n"),
+              HasSubstr("one of jakobsen, shake, rk"));
+  EXPECT_THAT(errorAfterRagdoll("coat: wool\n"), HasSubstr("one of none, sticks, boxes, capsules"));
+  EXPECT_THAT(errorAfterRagdoll("obstacles: [{type: cone}]\n"),
+              StartsWith("scene.yaml:2: obstacles[0].type: is 'cone'; one of plane, box, sphere"));
+}
+
+TEST(SceneErrors, MissingKey) {
+  EXPECT_THAT(errorOfText("gravity: [0, 0, 0]\n"),
+              StartsWith("scene.yaml:1: the key 'ragdolls' is missing"));
+  EXPECT_THAT(errorOfText("ragdolls:\n  - name: doll\n"),
+              StartsWith("scene.yaml:2: ragdolls[0]: the key 'model' is missing"));
+  EXPECT_THAT(errorOfText("ragdolls: []\n"), StartsWith("scene.yaml:1: ragdolls: is empty"));
+}
+
+TEST(SceneErrors, DuplicateKeyAndName) {
+  EXPECT_THAT(errorAfterRagdoll("gravity: [0, 0, 0]\ngravity: [0, 0, 1]\n"),
+              StartsWith("scene.yaml:3: gravity: is there twice"));
+  EXPECT_THAT(
+      errorOfText("ragdolls:\n  - {name: doll, model: human}\n  - {name: doll, model: human}\n"),
+      AllOf(StartsWith("scene.yaml:3: ragdolls[1].name"), HasSubstr("'doll'")));
+}
+
+TEST(SceneErrors, OrientationGivenTwice) {
+  EXPECT_THAT(errorOfText("ragdolls:\n  - {model: human, rpy_deg: [0, 0, 0], rpy: [0, 0, 0]}\n"),
+              StartsWith("scene.yaml:2: ragdolls[0].rpy: the orientation is given twice"));
+  EXPECT_THAT(errorOfText("ragdolls:\n  - {model: human, quaternion: [0, 0, 0, 0]}\n"),
+              StartsWith("scene.yaml:2: ragdolls[0].quaternion: has length 0"));
+}
+
+TEST(SceneErrors, UnknownModelListsTheKnown) {
+  EXPECT_THAT(errorOfText("ragdolls:\n  - model: humna\n"),
+              AllOf(StartsWith("scene.yaml:2: ragdolls[0].model: there is no model 'humna'"),
+                    HasSubstr("human")));
+  EXPECT_THAT(errorOfText("ragdolls:\n  - model: nowhere/doll.yaml\n"),
+              StartsWith("scene.yaml:2: ragdolls[0].model: there is no file"));
+}
+
+TEST(SceneErrors, UnknownBodyListsTheKnown) {
+  EXPECT_THAT(
+      errorAfterRagdoll("pins: [ragdoll/tail]\n"),
+      AllOf(StartsWith("scene.yaml:2: pins[0]"), HasSubstr("tail"), HasSubstr("left_hand")));
+  EXPECT_THAT(errorAfterRagdoll("pokes:\n  - {body: tail, force: [1, 0, 0]}\n"),
+              AllOf(StartsWith("scene.yaml:3: pokes[0].body"), HasSubstr("tail"),
+                    HasSubstr("left_forearm")));
+  EXPECT_THAT(errorOfText("ragdolls:\n  - {model: human, place: {tail: [0, 0, 0]}}\n"),
+              AllOf(StartsWith("scene.yaml:2: ragdolls[0].place"), HasSubstr("'tail'")));
+}
+
+TEST(SceneErrors, SettingsAreCheckedLikeTheFile) {
+  Scene scene = parseScene(kRagdoll);
+  const std::string before = scene.text;
+  const auto setting = [&](const char* key, const char* value) {
+    return errorOf([&] { applySetting(scene, key, value); });
+  };
+  EXPECT_THAT(setting("solver.speed", "1"),
+              AllOf(HasSubstr("'solver.speed'"), HasSubstr("solver.step")));
+  EXPECT_THAT(setting("ragdolls", "[]"), HasSubstr("the settings are gravity"));
+  EXPECT_THAT(setting("solver.step", "fast"),
+              StartsWith("setting solver.step: is 'fast'; a number"));
+  EXPECT_THAT(setting("solver.step", ""), HasSubstr("empty"));
+  EXPECT_THAT(setting("gravity", "[0, 0, .nan]"),
+              StartsWith("setting gravity[2]: is '.nan'; a finite number"));
+  EXPECT_EQ(scene.text, before);
+}
+
+}  // namespace
+}  // namespace ragdoll

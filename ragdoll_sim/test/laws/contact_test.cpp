@@ -1,0 +1,127 @@
+// Contact laws: Coulomb's stopping distance in every direction, Newton's bounce, no way through.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ragdoll_sim/core/measures.h"
+#include "support/worlds.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+constexpr double kG = 9.81;
+
+double rad(double deg) { return deg * M_PI / 180; }
+
+class Sliding : public testing::TestWithParam<double> {};
+
+TEST_P(Sliding, StopsAfterVSquaredOverTwoMuGStraightOn) {
+  constexpr double kSpeed = 2, kMu = 0.5, kStep = 2e-4;
+  const Vec3 direction(std::cos(rad(GetParam())), std::sin(rad(GetParam())), 0);
+  Scene scene = sceneOf(oneParticle(3, 0.1), Vec3(0, 0, 0.1));
+  scene.ragdolls[0].velocity = kSpeed * direction;
+  scene.obstacles = {floorPlane(kMu)};
+  scene.solver.step = kStep;
+  World world(scene);
+  world.steps(static_cast<int>(1 / kStep));
+  // First order: the sum over steps differs from the integral by half a step of motion.
+  EXPECT_NEAR(world.x(0).head<2>().norm(), kSpeed * kSpeed / (2 * kMu * kG), kSpeed * kStep);
+  EXPECT_LT(std::abs(world.x(0).cross(direction).z()), 1e-10);
+  EXPECT_LT(world.v(0).norm(), 1e-12);
+}
+
+INSTANTIATE_TEST_SUITE_P(Directions, Sliding, testing::Values(0.0, 31.0, 45.0));
+
+TEST(Slope, HoldsBelowTheFrictionAngleAndSlidesAboveIt) {
+  constexpr double kStep = 1e-3, kAngle = 30;
+  for (const double mu : {0.6, 0.5}) {  // tan 30 deg = 0.577
+    Scene scene = sceneOf(oneParticle(), Vec3::Zero());
+    ObstacleSpec plane = floorPlane(mu);
+    plane.normal = Vec3(std::sin(rad(kAngle)), 0, std::cos(rad(kAngle)));
+    scene.obstacles = {plane};
+    scene.solver.step = kStep;
+    World world(scene);
+    world.steps(1000);
+    const double a = kG * (std::sin(rad(kAngle)) - mu * std::cos(rad(kAngle)));
+    const double expected = a > 0 ? 0.5 * a : 0;
+    EXPECT_NEAR(world.x(0).norm(), expected, 2 * kStep) << "mu " << mu;
+  }
+}
+
+class Bounce : public testing::TestWithParam<double> {};
+
+TEST_P(Bounce, RisesToRestitutionSquaredTimesTheHeight) {
+  constexpr double kHeight = 1, kRadius = 0.05, kStep = 1e-3;
+  const double e = GetParam();
+  Scene scene = sceneOf(oneParticle(1, kRadius), Vec3(0, 0, kHeight + kRadius));
+  scene.obstacles = {floorPlane(0, e)};
+  scene.solver.step = kStep;
+  scene.solver.integrator = Integrator::kMidpoint;
+  World world(scene);
+  const double fall = std::sqrt(2 * kHeight / kG);
+  world.steps(static_cast<int>(std::ceil(fall / kStep)) + 2);
+  double top = 0;
+  for (int i = 0; i < static_cast<int>(e * fall / kStep) + 5; ++i) {
+    world.steps(1);
+    top = std::max(top, world.x(0).z() - kRadius);
+  }
+  EXPECT_NEAR(top, e * e * kHeight, 2e-3 * kHeight);
+}
+
+INSTANTIATE_TEST_SUITE_P(Restitutions, Bounce, testing::Values(0.3, 0.5, 0.8, 1.0));
+
+/// A thin box, 0.2 m, met at any speed from above.
+class Bullet : public testing::TestWithParam<double> {};
+
+TEST_P(Bullet, ParticleDoesNotPassAThinBox) {
+  Scene scene = sceneOf(oneParticle(1, 0.02), Vec3(0.1, 0.1, 3));
+  scene.ragdolls[0].velocity = Vec3(0.1, 0, -GetParam());
+  ObstacleSpec box;
+  box.type = ObstacleSpec::Type::kBox;
+  box.size = Vec3(4, 4, 0.2);
+  scene.obstacles = {box};
+  World world(scene);
+  world.steps(60);
+  EXPECT_NEAR(world.x(0).z(), 0.12, 1e-6);
+}
+
+TEST_P(Bullet, StickIsCaughtBetweenItsEnds) {
+  // The beam's middle meets a thin wall edge-on; both ends miss it.
+  Scene scene = sceneOf(oneStick(1, 1, 0.02), Vec3(-0.5, 0, 3));
+  scene.ragdolls[0].velocity = Vec3(0, 0, -GetParam());
+  scene.gravity.setZero();
+  scene.solver.sweeps = 100;  // two contacts near each other converge slowly
+  ObstacleSpec box;
+  box.type = ObstacleSpec::Type::kBox;
+  box.size = Vec3(0.2, 4, 0.2);
+  scene.obstacles = {box};
+  World world(scene);
+  world.steps(120);
+  const double middle = 0.5 * (world.x(0).z() + world.x(1).z());
+  EXPECT_GT(middle, 0.12 - 1e-6);
+  EXPECT_LT(middle, 0.2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Speeds, Bullet, testing::Values(3.0, 30.0, 1000.0));
+
+TEST(Obstacles, MovingFloorLiftsAndCarries) {
+  Scene scene = sceneOf(oneParticle(1, 0.1), Vec3(0, 0, 0.6));
+  ObstacleSpec box;
+  box.type = ObstacleSpec::Type::kBox;
+  box.size = Vec3(10, 10, 1);
+  box.friction = 1;
+  scene.obstacles = {box};
+  World world(scene);
+  world.steps(30);
+  for (int i = 1; i <= 60; ++i) {  // 0.3 m/s forward and 0.6 m/s up for one second
+    world.inputs.obstacles = {{Vec3(0.005 * i, 0, 0.01 * i), Quat::Identity()}};
+    world.steps(1);
+  }
+  EXPECT_NEAR(world.x(0).z(), 1.2, 1e-6);
+  EXPECT_NEAR(world.x(0).x(), 0.3, 0.01);
+}
+
+}  // namespace
+}  // namespace ragdoll

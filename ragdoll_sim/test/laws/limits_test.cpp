@@ -1,0 +1,198 @@
+// Laws of joint limits in motion: they hold under a strong poke, push back from any backward bend,
+// keep momentum, give way like a spring where the model says so.
+#include "ragdoll_sim/core/limits.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/limbs.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+Scene humanScene(const std::string& model, const std::string& more = "") {
+  return parseScene("ragdolls: [{model: " + model + "}]\nsolver: {preset: thesis}\n" + more);
+}
+
+Scene weightless(const SkeletonSpec& skeleton) {
+  Scene scene = sceneOf(skeleton);
+  scene.gravity.setZero();
+  return scene;
+}
+
+class HumanModel : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Models, HumanModel, testing::Values("human", "human_thesis"));
+
+TEST_P(HumanModel, StandsWithinItsLimits) {
+  const Model model = buildModel(humanScene(GetParam()));
+  EXPECT_LT(limitViolation(model, model.start_position, 0), rad(1e-3));
+  for (const std::string& warning : model.warnings)
+    EXPECT_EQ(warning.find("joint"), std::string::npos) << warning;
+}
+
+/// [rad] of the worst joint over a poke of 0.2 s at a limb, weightless, and a second more.
+double worstAfterPoke(const std::string& model, double step, const std::string& body,
+                      const Vec3& force) {
+  Scene scene = humanScene(model, "gravity: [0, 0, 0]\n");
+  scene.solver.step = step;
+  PokeSpec poke;
+  poke.body = body;
+  poke.force = force;
+  poke.duration = 0.2;
+  scene.pokes = {poke};
+  World world(scene);
+  double worst = 0;
+  for (int i = 0; i < 1.2 / step; ++i) {
+    world.steps(1);
+    worst = std::max(worst, maxLimitViolation(world.model, world.state));
+  }
+  return worst;
+}
+
+TEST_P(HumanModel, HoldsUnderAPokeOf400Newton) {
+  for (const auto& [step, most] : {std::pair(1.0 / 60, 12.0), std::pair(1.0 / 240, 3.0)})
+    for (const std::string body : {"left_foot", "right_hand", "head", "left_knee"})
+      for (const Vec3& force :
+           {Vec3(400, 0, 0), Vec3(-400, 0, 0), Vec3(0, 400, 0), Vec3(0, 0, 400)})
+        EXPECT_LT(deg(worstAfterPoke(GetParam(), step, body, force)), most)
+            << body << " " << force.transpose() << " at " << step;
+}
+
+struct Loss {
+  double momentum, angular;  ///< relative, in two seconds
+};
+
+/// A foot and a hand thrown against the limits of knee, hip and elbow, weightless.
+Loss lossOf(const std::string& model, double step, bool with_joints) {
+  Scene scene = humanScene(model, "gravity: [0, 0, 0]\n");
+  scene.solver.step = step;
+  if (!with_joints) {
+    SkeletonSpec bare = *scene.ragdolls[0].skeleton;
+    bare.joints.clear();
+    scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(bare);
+  }
+  World world(scene);
+  world.state.v.col(world.model.skeletons[0].particle("left_foot")) = Vec3(20, 0, 0);
+  world.state.v.col(world.model.skeletons[0].particle("right_hand")) = Vec3(-15, 5, 0);
+  const Vec3 p = momentum(world.model, world.state), l = angularMomentum(world.model, world.state);
+  world.steps(static_cast<int>(2 / step));
+  return {(momentum(world.model, world.state) - p).norm() / p.norm(),
+          (angularMomentum(world.model, world.state) - l).norm() / l.norm()};
+}
+
+TEST_P(HumanModel, KeepsMomentumWhereNothingPullsAtIt) {
+  for (const double step : {1.0 / 60, 1.0 / 960})
+    EXPECT_LT(lossOf(GetParam(), step, true).momentum, 1e-10);
+}
+
+TEST_P(HumanModel, LosesNoMoreAngularMomentumThanItsSticksDo) {
+  // The relaxation loses some, to first order, as each sweep turns the levers of the last.
+  for (const double step : {1.0 / 60, 1.0 / 240, 1.0 / 960})
+    EXPECT_LT(lossOf(GetParam(), step, true).angular,
+              1.1 * lossOf(GetParam(), step, false).angular);
+  EXPECT_LT(lossOf(GetParam(), 1.0 / 960, true).angular, 0.1);
+}
+
+/// The arm's elbow, bent to the back by an angle at the start, everything else at rest.
+double bendAfter(double start_deg, int steps) {
+  SkeletonSpec s = limbs();
+  s.joints = {cone("shoulder", "trunk", "upper_arm", Vec3(0.6, -0.6, -0.5), 100),
+              hinge("elbow", "upper_arm", "forearm", -Vec3::UnitY(), 0, 145),
+              hinge("wrist", "forearm", "palm", -Vec3::UnitY(), -60, 70)};
+  World world(weightless(s));
+  const Skeleton& k = world.model.skeletons[0];
+  const int elbow = k.particle("elbow"), hand = k.particle("hand"), finger = k.particle("finger");
+  const Vec3 d(std::sin(rad(start_deg)), 0, -std::cos(rad(start_deg)));
+  world.state.x.col(hand) = world.x(elbow) + 0.25 * d;
+  world.state.x.col(finger) = world.x(elbow) + 0.4 * d;
+  world.steps(steps);
+  return limitViolation(world.model, world.state.x, 0);
+}
+
+TEST(Elbow, IsPushedBackFromAnyBackwardBend) {
+  for (const double angle : {-1e-6, -0.01, -1.0, -10.0, -45.0, -85.0}) {
+    EXPECT_LT(bendAfter(angle, 1), 0.5 * rad(-angle)) << angle;
+    EXPECT_LT(bendAfter(angle, 20), 0.02 * rad(-angle)) << angle;
+  }
+}
+
+/// A rod of 1 m, 1 kg at its end, hinged on a heavy trunk that is pinned; horizontal at rest.
+SkeletonSpec lever(double stiffness, double damping = 0) {
+  SkeletonSpec s;
+  s.particles = {particle("a", {0, 0, 0}), particle("b", {0, 1, 0}), particle("c", {-1, 0, 0}),
+                 particle("tip", {1, 0, 0})};
+  connect(s, {"a", "b", "c"});
+  s.sticks.push_back(stick("a", "tip"));
+  s.segments = {group("base", {"a", "b", "c"}), bone("rod", "a", "tip")};
+  JointSpec j = hinge("j", "base", "rod", Vec3::UnitY(), -30, 0);
+  j.stiffness = stiffness;
+  j.damping = damping;
+  s.joints = {j};
+  return s;
+}
+
+Scene leverScene(double stiffness, double damping) {
+  Scene scene = sceneOf(lever(stiffness, damping));
+  for (const char* name : {"a", "b", "c"}) {
+    PinSpec pin;
+    pin.particle = name;
+    scene.pins.push_back(pin);
+  }
+  scene.solver.step = 1e-3;
+  return scene;
+}
+
+double sag(const World& world) { return std::atan2(-world.x(3).z(), world.x(3).x()); }
+
+TEST(SoftLimit, GivesWayByTorqueOverStiffness) {
+  constexpr double kStiffness = 200;
+  World world(leverScene(kStiffness, 20));
+  world.steps(10000);
+  const double angle = sag(world);
+  EXPECT_LT(world.v(3).norm(), 1e-6);
+  EXPECT_NEAR(angle, 9.81 * std::cos(angle) / kStiffness, 1e-6);
+}
+
+TEST(SoftLimit, IsSlowedByItsDamping) {
+  double highest[2];
+  for (const bool damped : {false, true}) {
+    World world(leverScene(200, damped ? 20 : 0));
+    highest[damped] = 0;
+    for (int i = 0; i < 500; ++i) {
+      world.steps(1);
+      highest[damped] = std::max(highest[damped], sag(world));
+    }
+  }
+  EXPECT_GT(highest[0], 1.5 * 9.81 / 200) << "overshoots";
+  EXPECT_LT(highest[1], 1.15 * 9.81 / 200);
+}
+
+TEST(HardLimit, CarriesALeverWithoutGivingWay) {
+  World world(leverScene(std::numeric_limits<double>::infinity(), 0));
+  world.steps(1000);
+  EXPECT_LT(std::abs(sag(world)), 1e-4);
+}
+
+TEST(Planes, RememberTheLastAllowedDirectionInTheState) {
+  Scene scene = humanScene("human_thesis");
+  scene.ragdolls[0].pose.position.z() = 1.5;
+  scene.ragdolls[0].angular_velocity = Vec3(2, 3, 1);
+  World world(scene);
+  world.steps(40);
+  World other(scene);
+  other.state = world.state;
+  world.steps(40);
+  other.steps(40);
+  EXPECT_EQ(hash(world.state), hash(other.state));
+  EXPECT_EQ(world.state.allowed, other.state.allowed);
+  EXPECT_EQ(world.state.allowed.cols(), 11);
+}
+
+}  // namespace
+}  // namespace ragdoll

@@ -1,0 +1,273 @@
+// Bodies that touch bodies: momentum, rest at the sum of radii, no way through, arms stay outside.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ragdoll_sim/core/capsule_pairs.h"
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/core/self_pairs.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/worlds.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+using testing::HasSubstr;
+using testing::Not;
+using testing::StartsWith;
+
+constexpr double kRadius = 0.05;
+
+class Pairs : public testing::TestWithParam<Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, Pairs, testing::Values(Method::kJakobsen, Method::kShake),
+                         [](const auto& info) {
+                           return info.param == Method::kShake ? "shake" : "jakobsen";
+                         });
+
+/// Two sticks of 1 m along x and y that meet head-on along z at `speed` each, their middles, or
+/// `offset` from the upper one's.
+Scene headOn(Method method, double speed, double offset = 0) {
+  Scene scene = sceneOf(oneStick(1, 1, kRadius), Vec3(offset - 0.5, 0, 0.5));
+  scene.ragdolls.push_back(scene.ragdolls[0]);
+  scene.ragdolls[0].velocity = Vec3(0, 0, -speed);
+  scene.ragdolls[1].name = "other";
+  scene.ragdolls[1].pose.position = Vec3(0, -0.5, -0.5);
+  scene.ragdolls[1].pose.orientation = Quat(Eigen::AngleAxisd(M_PI / 2, Vec3::UnitZ()));
+  scene.ragdolls[1].velocity = Vec3(0, 0, speed);
+  scene.gravity.setZero();
+  scene.ragdoll_collision = true;
+  scene.solver.method = method;
+  return scene;
+}
+
+Vec3 momentum(const World& world) {
+  Vec3 sum = Vec3::Zero();
+  for (const Ragdoll& r : world.model.ragdolls) {
+    const Skeleton& s = world.model.skeletonOf(r);
+    sum += (world.state.v.middleCols(r.first, s.size()) * s.M).rowwise().sum();
+  }
+  return sum;
+}
+
+double gapBetween(const World& world) {
+  const auto axisOf = [&](int r) {
+    const int first = world.model.ragdolls[r].first;
+    return CapsuleAxis{world.x(first), world.x(first + 1), kRadius, kRadius};
+  };
+  const CapsuleAxis a = axisOf(0), b = axisOf(1);
+  return gapAt(a, b, nearestPoints(a, b));
+}
+
+TEST_P(Pairs, HeadOnConservesMomentumAndDoesNotPassThrough) {
+  for (const double speed : {1.0, 10.0, 100.0}) {
+    World world(headOn(GetParam(), speed));
+    const Vec3 before = momentum(world);
+    for (int i = 0; i < 60; ++i) {
+      world.steps(1);
+      const double above = 0.5 * (world.x(0).z() + world.x(1).z());
+      const double below = 0.5 * (world.x(2).z() + world.x(3).z());
+      ASSERT_GT(above - below, 0) << speed << " m/s, step " << i;
+      EXPECT_GT(gapBetween(world), -1e-4) << speed << " m/s, step " << i;
+    }
+    EXPECT_NEAR(world.v(0).z() - world.v(2).z(), 0, 1e-6 * speed) << "plastic, " << speed;
+    EXPECT_LT((momentum(world) - before).norm(), 1e-12 * speed) << speed;
+  }
+}
+
+TEST_P(Pairs, EccentricHitConservesMomentum) {
+  for (const double speed : {1.0, 10.0, 100.0}) {
+    Scene scene = headOn(GetParam(), speed, 0.3);
+    scene.ragdolls[1].skeleton = std::make_shared<const SkeletonSpec>(oneStick(0.5, 3, kRadius));
+    World world(scene);
+    const Vec3 before = momentum(world);
+    world.steps(60);
+    EXPECT_GT(std::abs(world.v(0).z() - world.v(1).z()), 0.01 * speed);  // it turns
+    EXPECT_LT((momentum(world) - before).norm(), 1e-12 * 10 * speed) << speed;
+  }
+}
+
+TEST_P(Pairs, WithoutTheFlagBodiesPassThroughEachOther) {
+  Scene scene = headOn(GetParam(), 1);
+  scene.ragdoll_collision = false;
+  World world(scene);
+  world.steps(60);
+  EXPECT_LT(world.x(0).z(), world.x(2).z());
+}
+
+TEST_P(Pairs, CrosswiseRestAtTheSumOfRadii) {
+  Scene scene = headOn(GetParam(), 0);
+  scene.ragdolls[0].pose.position.z() = 0.3;
+  scene.ragdolls[1].pose.position.z() = 0.1;
+  scene.gravity = Vec3(0, 0, -9.81);
+  scene.obstacles = {floorPlane(0.6)};
+  scene.solver.step = 1.0 / 240;
+  World world(scene);
+  world.steps(3 * 240);
+  EXPECT_NEAR(0.5 * (world.x(2).z() + world.x(3).z()), kRadius, 1e-4);
+  EXPECT_NEAR(gapBetween(world), 0, 5e-4);
+}
+
+TEST_P(Pairs, ABodyThatLandsOnASleeperWakesIt) {
+  Scene scene = headOn(GetParam(), 0);
+  scene.ragdolls[0].pose.position.z() = 3;
+  scene.ragdolls[1].pose.position.z() = kRadius;
+  scene.gravity = Vec3(0, 0, -9.81);
+  scene.obstacles = {floorPlane(0.6)};
+  scene.solver.step = 1.0 / 240;
+  World world(scene);
+  world.steps(170);
+  ASSERT_TRUE(world.state.asleep[1]);  // the upper one is on its way
+  ASSERT_FALSE(world.state.asleep[0]);
+  bool woke = false;
+  for (int i = 0; i < 40; ++i) {
+    world.steps(1);
+    woke = woke || !world.state.asleep[1];
+  }
+  EXPECT_TRUE(woke);
+  world.steps(5 * 240);
+  EXPECT_TRUE(world.state.asleep[0] && world.state.asleep[1]);  // and both come to rest
+  EXPECT_NEAR(gapBetween(world), 0, 1e-3);
+}
+
+Scene humanFall(Method method, const std::string& more = "") {
+  Scene scene = parseScene(
+      "ragdolls: [{name: r, model: human, position: [0, 0, 1.3], rpy_deg: [15, 30, 10]}]\n"
+      "obstacles: [{type: plane, friction: 0.6}]\n" +
+          more,
+      "test");
+  scene.solver.method = method;
+  scene.solver.step = 1.0 / 240;
+  return scene;
+}
+
+CapsuleAxis axisOf(const World& world, const Ragdoll& r, int k) {
+  const Skeleton& s = world.model.skeletonOf(r);
+  const Capsule& c = s.capsules[k];
+  return {world.x(r.first + c.a), world.x(r.first + c.b), s.radius[c.a], s.radius[c.b]};
+}
+
+double deepestBetween(const World& world, int p, int q) {
+  const Ragdoll &r = world.model.ragdolls[p], &s = world.model.ragdolls[q];
+  double deepest = 0;
+  for (std::size_t k = 0; k < world.model.skeletonOf(r).capsules.size(); ++k)
+    for (std::size_t l = 0; l < world.model.skeletonOf(s).capsules.size(); ++l) {
+      const CapsuleAxis a = axisOf(world, r, static_cast<int>(k)),
+                        b = axisOf(world, s, static_cast<int>(l));
+      deepest = std::max(deepest, -gapAt(a, b, nearestPoints(a, b)));
+    }
+  return deepest;
+}
+
+double deepestSelfPair(const World& world) {
+  double deepest = 0;
+  for (const Ragdoll& r : world.model.ragdolls) {
+    const Skeleton& s = world.model.skeletonOf(r);
+    for (const CapsulePair& p : s.self_pairs) {
+      const CapsuleAxis a = axisOf(world, r, p.first), b = axisOf(world, r, p.second);
+      deepest = std::max(deepest, -gapAt(a, b, nearestPoints(a, b)));
+    }
+  }
+  return deepest;
+}
+
+/// The side of the torso's plane (shoulders, hips) is what an arm that crosses it changes, within
+/// the torso's outline.
+bool armCrossesTorso(const World& world) {
+  const Skeleton& s = world.model.skeletons[0];
+  const auto at = [&](const char* name) { return world.x(s.particle(name)); };
+  const auto crosses = [&](const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q,
+                           const Vec3& r) {
+    const Vec3 n = (q - p).cross(r - p);
+    const double da = n.dot(a - p), db = n.dot(b - p);
+    if (da * db >= 0) return false;
+    const Vec3 x = a + da / (da - db) * (b - a);
+    return n.dot((q - p).cross(x - p)) > 0 && n.dot((r - q).cross(x - q)) > 0 &&
+           n.dot((p - r).cross(x - r)) > 0;
+  };
+  const Vec3 ls = at("left_shoulder"), rs = at("right_shoulder"), lh = at("left_hip"),
+             rh = at("right_hip");
+  for (const auto& [a, b] : {std::pair("left_elbow", "left_hand"), {"right_elbow", "right_hand"}})
+    if (crosses(at(a), at(b), ls, rs, lh) || crosses(at(a), at(b), rs, rh, lh)) return true;
+  return false;
+}
+
+TEST_P(Pairs, FallingHumanKeepsItsLimbsApart) {
+  World world(humanFall(GetParam(), "self_collision: true\n"));
+  for (int i = 0; i < 4 * 240; ++i) {
+    world.steps(1);
+    ASSERT_FALSE(armCrossesTorso(world)) << "step " << i;
+  }
+  EXPECT_LT(deepestSelfPair(world), 5e-3);
+}
+
+TEST_P(Pairs, WithoutTheFlagTheHumansLimbsEnterEachOther) {
+  World world(humanFall(GetParam(), "self_collision: true\n"));
+  world.model.self_collision = false;
+  double deepest = 0;
+  for (int i = 0; i < 4 * 240; ++i) {
+    world.steps(1);
+    deepest = std::max(deepest, deepestSelfPair(world));
+  }
+  EXPECT_GT(deepest, 0.02);
+  EXPECT_GT(deepestSelfPair(world), 5e-3);
+}
+
+TEST_P(Pairs, HumansThatFallOntoEachOtherStayApart) {
+  Scene scene = humanFall(GetParam(), "self_collision: true\nragdoll_collision: true\n");
+  for (int i = 1; i < 3; ++i) {
+    scene.ragdolls.push_back(scene.ragdolls[0]);
+    scene.ragdolls[i].name = "r" + std::to_string(i);
+    scene.ragdolls[i].pose.position += Vec3(0.1 * i, 0.15 * (i % 2), 2.1 * i);
+  }
+  World world(scene);
+  world.steps(4 * 240);
+  ASSERT_TRUE(world.state.x.allFinite());
+  double deepest = 0;
+  for (int p = 0; p < 3; ++p)
+    for (int q = p + 1; q < 3; ++q) deepest = std::max(deepest, deepestBetween(world, p, q));
+  EXPECT_LT(deepest, 5e-3);
+  EXPECT_LT(deepestSelfPair(world), 5e-3);
+  EXPECT_LT(world.state.v.colwise().norm().maxCoeff(), 0.5);
+}
+
+TEST(SelfPairs, OfTheHumanAreAsExpected) {
+  const Model model = buildModel(humanFall(Method::kShake, "self_collision: true\n"));
+  const Skeleton& s = model.skeletons[0];
+  EXPECT_EQ(s.capsules.size(), 24u);
+  EXPECT_EQ(s.self_pairs.size() + s.left_out_pairs.size(), 24u * 23 / 2);
+  const auto has = [&](const std::string& a, const std::string& b) {
+    return std::any_of(s.self_pairs.begin(), s.self_pairs.end(), [&](const CapsulePair& p) {
+      const std::string x = capsuleName(s, p.first), y = capsuleName(s, p.second);
+      return (x == a && y == b) || (x == b && y == a);
+    });
+  };
+  EXPECT_TRUE(has("left_elbow-left_hand", "left_hip-right_hip"));
+  EXPECT_TRUE(has("left_elbow-left_hand", "right_shoulder-right_hip"));
+  EXPECT_TRUE(has("left_knee-left_foot", "right_knee-right_foot"));
+  EXPECT_TRUE(has("left_leg-left_knee", "right_leg-right_knee"));
+  EXPECT_FALSE(has("left_shoulder-left_elbow", "left_elbow-left_hand"));  // share the elbow
+  EXPECT_FALSE(has("neck-left_hip", "left_shoulder-right_hip"));          // both the torso's
+  ASSERT_EQ(model.notes.size(), 1u);
+  EXPECT_THAT(
+      model.notes[0],
+      StartsWith("self collision of 'human': 159 pairs of sticks; left out: 76 that share a "
+                 "particle, 18 inside a rigid group, and that overlap in the rest pose: "));
+  for (const char* pair :
+       {"left_shoulder-left_hip and left_leg-left_knee",
+        "left_leg-left_knee and left_hip-right_hip", "right_leg-right_knee and left_hip-right_hip",
+        "left_shoulder-right_shoulder and neck-head"})
+    EXPECT_THAT(model.notes[0], HasSubstr(pair));
+  EXPECT_THAT(model.notes[0], Not(HasSubstr("elbow")));  // no arm overlaps anything
+}
+
+TEST(SelfPairs, AreNotEvenLookedForUnlessTheSceneSaysSo) {
+  const Model model = buildModel(humanFall(Method::kShake));
+  EXPECT_TRUE(model.skeletons[0].capsules.empty());
+  EXPECT_TRUE(model.notes.empty());
+}
+
+}  // namespace
+}  // namespace ragdoll

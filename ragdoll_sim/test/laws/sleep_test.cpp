@@ -1,0 +1,92 @@
+// A body at rest sleeps, costs nothing, and wakes when disturbed.
+#include "ragdoll_sim/core/sleep.h"
+
+#include <gtest/gtest.h>
+
+#include "ragdoll_sim/core/measures.h"
+#include "support/worlds.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+class Sleep : public testing::TestWithParam<Method> {
+ protected:
+  Scene resting() const {
+    Scene scene = sceneOf(oneStick(1, 2, 0.1), Vec3(0, 0, 0.1));
+    scene.obstacles = {floorPlane(0.5)};
+    scene.solver.method = GetParam();
+    scene.solver.step = 0.01;
+    return scene;
+  }
+};
+
+TEST_P(Sleep, FallsAsleepAfterTheQuietTimeAndHoldsStill) {
+  World world(resting());
+  world.steps(40);
+  EXPECT_FALSE(world.state.asleep[0]);
+  world.steps(20);
+  ASSERT_TRUE(world.state.asleep[0]);
+  EXPECT_TRUE(world.state.v.isZero(0));
+  const Points x = world.state.x;
+  world.steps(100);
+  EXPECT_EQ(world.state.x, x);
+}
+
+TEST_P(Sleep, PokeWakesIt) {
+  World world(resting());
+  world.steps(100);
+  ASSERT_TRUE(world.state.asleep[0]);
+  Poke poke;
+  poke.body = findBody(world.model, "ab");
+  poke.start = world.state.time;
+  poke.force = Vec3(0, 0, 300);
+  world.inputs.pokes = {poke};
+  world.steps(1);
+  EXPECT_FALSE(world.state.asleep[0]);
+  EXPECT_NEAR(momentum(world.model, world.state).z(), (300 - 3 * 9.81) * 0.01, 1e-9);
+}
+
+TEST_P(Sleep, ObstacleThatMovesNearWakesItAndAFarOneDoesNot) {
+  Scene scene = resting();
+  ObstacleSpec ball;
+  ball.type = ObstacleSpec::Type::kSphere;
+  ball.radius = 0.2;
+  ball.pose.position = Vec3(5, 0, 0.2);
+  scene.obstacles.push_back(ball);
+  World world(scene);
+  world.steps(100);
+  ASSERT_TRUE(world.state.asleep[0]);
+  world.inputs.obstacles = world.state.obstacles;
+  world.inputs.obstacles[1].position.x() = 4;
+  world.steps(1);
+  EXPECT_TRUE(world.state.asleep[0]);
+  world.inputs.obstacles[1].position.x() = 1.25;
+  world.steps(1);
+  EXPECT_FALSE(world.state.asleep[0]);
+}
+
+TEST_P(Sleep, WhatDriftsOrSwingsSlowlyDoesNotSleep) {
+  Scene scene = resting();
+  scene.obstacles.clear();
+  scene.gravity.setZero();
+  scene.ragdolls[0].velocity = Vec3(1e-3, 0, 0);
+  World world(scene);
+  world.steps(200);
+  EXPECT_FALSE(world.state.asleep[0]);
+  EXPECT_NEAR(world.x(0).x(), 2e-3, 1e-12);
+}
+
+TEST_P(Sleep, CanBeSwitchedOff) {
+  Scene scene = resting();
+  scene.solver.sleep = false;
+  World world(scene);
+  world.steps(200);
+  EXPECT_FALSE(world.state.asleep[0]);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, Sleep, testing::Values(Method::kJakobsen, Method::kShake));
+
+}  // namespace
+}  // namespace ragdoll

@@ -1,0 +1,64 @@
+// What the C++ rostests share: the node's messages in order, waiting for conditions.
+#pragma once
+
+#include <ros/ros.h>
+
+#include <chrono>
+#include <functional>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace ragdoll_test {
+
+constexpr double kLimit = 30;  ///< [s] a test that waits longer than this has failed
+
+/// False if the condition did not come true in time.
+inline bool waitFor(const std::function<bool()>& condition) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kLimit);
+  while (std::chrono::steady_clock::now() < end) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return false;
+}
+
+/// All messages of a topic, in order. Needs a spinner.
+template <class Message>
+class Inbox {
+ public:
+  using Ptr = boost::shared_ptr<Message const>;
+
+  explicit Inbox(const std::string& topic) {
+    subscriber_ = ros::NodeHandle().subscribe<Message>(topic, 10000, [this](const Ptr& m) {
+      std::lock_guard<std::mutex> lock(mutex_);
+      messages_.push_back(m);
+    });
+  }
+  ~Inbox() { subscriber_.shutdown(); }
+
+  bool connected() const {
+    return waitFor([this] { return subscriber_.getNumPublishers() > 0; });
+  }
+  std::vector<Ptr> all() const {
+    std::lock_guard<std::mutex> lock(mutex_);
+    return messages_;
+  }
+  std::size_t size() const {
+    std::lock_guard<std::mutex> lock(mutex_);
+    return messages_.size();
+  }
+  /// Null before the first.
+  Ptr last() const {
+    std::lock_guard<std::mutex> lock(mutex_);
+    return messages_.empty() ? nullptr : messages_.back();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::vector<Ptr> messages_;
+  ros::Subscriber subscriber_;
+};
+
+}  // namespace ragdoll_test

@@ -1,0 +1,115 @@
+"""What the python rostests share: the node's services, its messages, waiting for conditions."""
+
+import struct
+import threading
+import time
+
+import rospy
+from geometry_msgs.msg import Point, Vector3
+from ragdoll_msgs.msg import Model, PokeEvent, State
+from ragdoll_msgs.srv import Poke, PokeRequest, Step
+from std_srvs.srv import SetBool, Trigger
+
+LIMIT = 30.0  # [s] a test that waits longer than this has failed
+
+
+def wait_for(condition, what):
+    """Returns the first value of condition() that is true."""
+    end = time.monotonic() + LIMIT
+    while time.monotonic() < end:
+        value = condition()
+        if value:
+            return value
+        time.sleep(0.005)
+    raise AssertionError('waited %g s in vain for %s' % (LIMIT, what))
+
+
+class Inbox:
+    """All messages of a topic, in order."""
+
+    def __init__(self, topic, kind):
+        self.lock = threading.Lock()
+        self.messages = []
+        self.subscriber = rospy.Subscriber(topic, kind, self.add, queue_size=None)
+        wait_for(lambda: self.subscriber.get_num_connections() > 0, 'a publisher of ' + topic)
+
+    def add(self, message):
+        with self.lock:
+            self.messages.append(message)
+
+    def all(self):
+        with self.lock:
+            return list(self.messages)
+
+    def first(self, condition, what):
+        return wait_for(lambda: next((m for m in self.all() if condition(m)), None), what)
+
+
+class Client:
+    def __init__(self, node='/ragdoll'):
+        self.node = node
+        self.model = Inbox(node + '/model', Model).first(lambda m: True, 'a model')
+        self.states = Inbox(node + '/state', State)
+        self.pokes = Inbox(node + '/pokes', PokeEvent)
+        self.call_poke = self.service('poke', Poke)
+        self.call_step = self.service('step', Step)
+        self.call_reset = self.service('reset', Trigger)
+        self.call_clear = self.service('clear_pokes', Trigger)
+        self.call_pause = self.service('pause', SetBool)
+
+    def service(self, name, kind):
+        rospy.wait_for_service(self.node + '/' + name, LIMIT)
+        return rospy.ServiceProxy(self.node + '/' + name, kind)
+
+    def poke(self, body, force=(0, 0, 0), frame='', point=(0, 0, 0), start=0, duration=0.0):
+        return self.call_poke(PokeRequest(
+            body_name=body, reference_frame=frame, force=Vector3(*force),
+            reference_point=Point(*point), start_time=rospy.Time(start),
+            duration=rospy.Duration(duration)))
+
+    def step(self, steps):
+        """The state after some steps; the node must be paused."""
+        answer = self.call_step(steps)
+        assert answer.success, answer.status_message
+        return self.at(answer.step)
+
+    def at(self, step):
+        """The latest state that has been published, once it is the one of this step."""
+        def latest():
+            messages = self.states.all()
+            return messages[-1] if messages and messages[-1].step == step else None
+        return wait_for(latest, 'the state of step %d' % step)
+
+    def restart(self):
+        """Paused at the scene's start."""
+        assert self.call_pause(True).success
+        assert self.call_reset().success
+        return self.at(0)
+
+
+def bits(state):
+    """Everything of a State that is physics, bit for bit."""
+    out = [struct.pack('<Qd', state.step, state.time)]
+    for ragdoll in state.ragdolls:
+        for v in ragdoll.positions + ragdoll.velocities:
+            out.append(struct.pack('<3d', v.x, v.y, v.z))
+    return b''.join(out)
+
+
+def momentum(model, state):
+    """[kg m/s]; exact where masses are lumped."""
+    sums = [0.0, 0.0, 0.0]
+    for m, r in zip(model.ragdolls, state.ragdolls):
+        for mass, v in zip(m.masses, r.velocities):
+            sums = [s + mass * c for s, c in zip(sums, (v.x, v.y, v.z))]
+    return sums
+
+
+def position(model, state, particle, ragdoll=0):
+    p = state.ragdolls[ragdoll].positions[model.ragdolls[ragdoll].particles.index(particle)]
+    return (p.x, p.y, p.z)
+
+
+def velocity(model, state, particle, ragdoll=0):
+    v = state.ragdolls[ragdoll].velocities[model.ragdolls[ragdoll].particles.index(particle)]
+    return (v.x, v.y, v.z)

@@ -1,0 +1,80 @@
+#!/usr/bin/python3
+"""~publish_clock: the simulation is the clock; ~realtime_factor: faster than real time."""
+
+import sys
+import time
+import unittest
+
+import rospy
+import rostest
+from client import Client, Inbox, wait_for
+from rosgraph_msgs.msg import Clock
+from tf2_msgs.msg import TFMessage
+
+
+class ClockTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.client = Client()
+        cls.clock = Inbox('/clock', Clock)
+
+    def setUp(self):
+        self.client.restart()
+        self.client.call_pause(False)
+        wait_for(self.clock.all, 'the clock')
+
+    def times(self):
+        return [m.clock.to_nsec() for m in self.clock.all()]
+
+    def test_ticks_forward_only_and_at_most_a_hundred_times_a_second(self):
+        seen, begin = len(self.times()), time.monotonic()
+        wait_for(lambda: len(self.times()) > seen + 100, 'the clock')
+        self.assertTrue(self.client.call_reset().success)
+        wait_for(lambda: len(self.times()) > seen + 200, 'the clock after a reset')
+        self.assertGreater(time.monotonic() - begin, 1.9)
+        times = self.times()
+        self.assertGreater(times[0], 0)
+        self.assertTrue(all(a < b for a, b in zip(times, times[1:])))
+
+    def test_goes_five_times_as_fast(self):
+        first, begin = self.times()[-1], time.monotonic()
+        wait_for(lambda: self.times()[-1] > first + 10e9, 'ten seconds')
+        factor = (self.times()[-1] - first) * 1e-9 / (time.monotonic() - begin)
+        self.assertAlmostEqual(factor, 5, delta=0.5)
+
+    def test_stamps_are_of_this_clock_and_never_repeated(self):
+        tf = Inbox('/tf', TFMessage)
+        wait_for(lambda: len(tf.all()) > 100, 'transforms')
+        stamps = [m.transforms[0].header.stamp.to_nsec() for m in tf.all()
+                  if m.transforms[0].child_frame_id == 'ragdoll/pelvis' and
+                  m._connection_header['callerid'] == '/ragdoll']
+        self.assertTrue(all(a < b for a, b in zip(stamps, stamps[1:])))
+        states = self.client.states.all()[-50:]
+        for a, b in zip(states, states[1:]):
+            if b.step > a.step:
+                self.assertAlmostEqual((b.header.stamp - a.header.stamp).to_sec(), b.time - a.time,
+                                       delta=1e-6)
+
+    def test_stands_while_paused(self):
+        self.client.call_pause(True)
+        stopped = self.client.call_step(0).step
+        self.client.at(stopped)
+        wait_for(lambda: self.times()[-1] == max(self.times()), 'the last tick')
+        time_of_stop = self.client.states.all()[-1].header.stamp.to_nsec()
+        for _ in range(20):
+            self.client.call_step(0)
+        self.assertLessEqual(max(self.times()), time_of_stop)
+
+    def test_runs_free(self):
+        free = Client('/free')
+        free.call_pause(False)
+        first = wait_for(lambda: free.states.all() and free.states.all()[-1], 'a state')
+        begin = time.monotonic()
+        wait_for(lambda: free.states.all()[-1].time > first.time + 60, 'a minute')
+        self.assertLess(time.monotonic() - begin, 20)
+        free.call_pause(True)
+
+
+if __name__ == '__main__':
+    rospy.init_node('clock_test')
+    rostest.rosrun('ragdoll_sim', 'clock', ClockTest, sys.argv)

@@ -1,0 +1,185 @@
+#!/usr/bin/python3
+"""~attach, ~detach, and obstacles and pins that follow frames of other nodes."""
+
+import sys
+import threading
+import unittest
+
+import rospy
+import rostest
+import tf2_ros
+from client import Client, Inbox, momentum, position, wait_for
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TransformStamped, Vector3
+from ragdoll_msgs.srv import Attach, Detach, LoadScene
+from visualization_msgs.msg import MarkerArray
+
+FLOATING = '''
+gravity: [0, 0, 0]
+ragdolls:
+  - {name: ragdoll, model: human, position: [0, 0, 2]}
+'''
+PUSHED = FLOATING + '''
+obstacles:
+  - {type: box, frame: pusher, position: [0, 0, 0.5], size: [0.2, 1, 1]}
+'''
+PINNED = FLOATING + '''
+pins: [{particle: ragdoll/left_hand, frame: gripper}]
+'''
+
+
+class Robot(threading.Thread):
+    """Publishes frames at 100 Hz, until told not to."""
+
+    def __init__(self):
+        super().__init__(daemon=True)
+        self.frames = {}
+        self.broadcaster = tf2_ros.TransformBroadcaster()
+        self.start()
+
+    def run(self):
+        while True:
+            for name, at in list(self.frames.items()):
+                t = TransformStamped()
+                t.header.stamp = rospy.Time.now()
+                t.header.frame_id, t.child_frame_id = 'world', name
+                t.transform.translation = Vector3(*at)
+                t.transform.rotation.w = 1
+                try:
+                    self.broadcaster.sendTransform(t)
+                except rospy.ROSException:
+                    return  # the end of the test
+            rospy.rostime.wallsleep(0.01)
+
+
+def distance(a, b):
+    return sum((x - y) ** 2 for x, y in zip(a, b)) ** 0.5
+
+
+class FollowTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.client = Client()
+        cls.robot = Robot()
+        cls.attach = cls.client.service('attach', Attach)
+        cls.detach = cls.client.service('detach', Detach)
+        cls.load = cls.client.service('load_scene', LoadScene)
+
+    def scene(self, yaml):
+        answer = self.load(yaml=yaml)
+        self.assertTrue(answer.success, answer.status_message)
+        self.assertTrue(self.client.call_pause(False).success)
+
+    def at(self, particle):
+        return position(self.client.model, self.client.states.all()[-1], particle)
+
+    def assert_follows(self, particle, frame):
+        wait_for(lambda: distance(self.at(particle), self.robot.frames[frame]) < 1e-3,
+                 '%s at %s' % (particle, frame))
+
+    def attached(self, body, frame):
+        return wait_for(lambda: self.attach(body, frame).success, '%s held' % body)
+
+    def test_a_particle_is_held_led_and_let_go(self):
+        self.scene(FLOATING)
+        start = self.at('right_hand')
+        self.robot.frames['gripper'] = (start[0] + 0.3, start[1], start[2])
+        self.attached('right_hand', 'gripper')
+        self.assert_follows('right_hand', 'gripper')
+        self.robot.frames['gripper'] = (start[0] + 0.3, start[1] - 0.4, start[2] + 0.2)
+        self.assert_follows('right_hand', 'gripper')
+        answer = self.detach('ragdoll/right_hand')
+        self.assertTrue(answer.success, answer.status_message)
+        left_at = self.client.states.all()[-1].step
+        self.robot.frames['gripper'] = (start[0] + 5, start[1], start[2])
+        wait_for(lambda: self.client.states.all()[-1].step > left_at + 100, 'a second')
+        self.assertGreater(distance(self.at('right_hand'), self.robot.frames['gripper']), 2)
+
+    def test_the_body_comes_along(self):
+        self.scene(FLOATING)
+        self.robot.frames['gripper'] = self.at('right_hand')
+        self.attached('right_hand', 'gripper')
+        head = self.at('head')
+        for i in range(1, 11):
+            self.robot.frames['gripper'] = tuple(
+                a + b for a, b in zip(self.robot.frames['gripper'], (0.2, 0, 0)))
+            self.assert_follows('right_hand', 'gripper')
+        self.assertGreater(self.at('head')[0], head[0] + 0.5)
+
+    def test_what_cannot_be_held_is_named(self):
+        self.scene(FLOATING)
+        self.robot.frames['gripper'] = (0, 0, 1)
+        self.attached('left_hand', 'gripper')
+        self.assertTrue(self.detach('left_hand').success)
+        cases = [(('left_paw', 'gripper'), ['left_paw', 'left_hand']),
+                 (('torso', 'gripper'), ['torso', 'segment', 'ragdoll/neck']),
+                 (('left_hand', 'nowhere'), ['nowhere', 'gripper']),
+                 (('left_hand', ''), ['frame']),
+                 (('left_hand', 'ragdoll/head'), ['ragdoll/head', 'own'])]
+        for args, words in cases:
+            answer = self.attach(*args)
+            self.assertFalse(answer.success, args)
+            for word in words:
+                self.assertIn(word, answer.status_message)
+        for body, words in [('left_hand', ['not held']), ('left_paw', ['left_hand'])]:
+            answer = self.detach(body)
+            self.assertFalse(answer.success, body)
+            for word in words:
+                self.assertIn(word, answer.status_message)
+
+    def test_reset_lets_go_and_goes_back_to_the_scenes_pins(self):
+        self.robot.frames['gripper'] = (0.3, 0.3, 2)
+        self.scene(PINNED)
+        self.assert_follows('left_hand', 'gripper')
+        self.robot.frames['hook'] = (0, -0.5, 2)
+        self.attached('right_hand', 'hook')
+        self.assert_follows('right_hand', 'hook')
+        self.assertTrue(self.client.call_reset().success)
+        self.assertFalse(self.detach('right_hand').success)
+        self.assert_follows('left_hand', 'gripper')
+
+    def test_an_obstacle_pushes(self):
+        self.robot.frames['pusher'] = (-1, 0, 1)
+        self.scene(PUSHED)
+        at = wait_for(lambda: self.client.states.all()[-1].step > 20 and
+                      self.client.states.all()[-1], 'steps')
+        self.assertLess(abs(momentum(self.client.model, at)[0]), 1e-6)
+        for i in range(60):  # 0.9 m at about 1 m/s
+            self.robot.frames['pusher'] = (-1 + 0.015 * i, 0, 1)
+            rospy.rostime.wallsleep(0.015)
+        wait_for(lambda: momentum(self.client.model, self.client.states.all()[-1])[0] > 1,
+                 'a pushed body')
+
+    def test_a_frame_that_disappears_is_reported_and_holds_its_place(self):
+        self.robot.frames['pusher'] = (-2, 0, 1)
+        self.scene(PUSHED)
+        reports = Inbox('/diagnostics', DiagnosticArray)
+        markers = Inbox('/ragdoll/markers', MarkerArray)
+
+        def obstacle():
+            for message in reversed(markers.all()):
+                for m in message.markers:
+                    if m.ns == 'obstacles':
+                        return m.pose.position
+            return None
+
+        def warned():
+            return [s for m in reports.all() for s in m.status if 'pusher' in s.message]
+        wait_for(lambda: obstacle() and abs(obstacle().x + 2) < 1e-6, 'the box at its frame')
+        self.assertEqual(warned(), [])
+        del self.robot.frames['pusher']
+        status = wait_for(warned, 'a warning')[0]
+        self.assertEqual(status.level, 1)
+        seen = len(markers.all())
+        wait_for(lambda: len(markers.all()) > seen + 60, 'markers')
+        self.assertLess(abs(obstacle().x + 2), 1e-6)
+        self.assertAlmostEqual(obstacle().z, 1.5)
+        self.robot.frames['pusher'] = (-3, 0, 1)
+        wait_for(lambda: abs(obstacle().x + 3) < 1e-6, 'the box at its frame again')
+        wait_for(lambda: not [s for s in reports.all()[-1].status if 'pusher' in s.message],
+                 'the end of the warning')
+
+
+if __name__ == '__main__':
+    rospy.init_node('follow_test')
+    rostest.rosrun('ragdoll_sim', 'follow', FollowTest, sys.argv)

@@ -1,0 +1,122 @@
+#!/usr/bin/python3
+"""~load_scene, ~get_state and ~set_state."""
+
+import sys
+import unittest
+
+import rospy
+import rostest
+from client import Client, Inbox, bits, wait_for
+from ragdoll_msgs.msg import Model
+from ragdoll_msgs.srv import GetState, LoadScene, SetState
+
+YAML = '''
+gravity: [0, 0, 0]
+ragdolls:
+  - {name: anna, model: human, position: [0, 0, 3]}
+  - {name: ben, model: human, position: [2, 0, 3]}
+'''
+
+
+class ScenesTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.client = Client()
+        cls.models = Inbox('/ragdoll/model', Model)
+        cls.call_load = cls.client.service('load_scene', LoadScene)
+        cls.call_get = cls.client.service('get_state', GetState)
+        cls.call_set = cls.client.service('set_state', SetState)
+
+    def setUp(self):
+        self.load(path='fall')
+        self.client.restart()
+
+    def load(self, **scene):
+        answer = self.call_load(**scene)
+        self.assertTrue(answer.success, answer.status_message)
+        return answer
+
+    def names(self):
+        return [r.name for r in self.client.states.all()[-1].ragdolls]
+
+    def test_loads_by_name_package_or_text(self):
+        self.load(path='package://ragdoll_sim/scenes/two.yaml')
+        wait_for(lambda: self.names() == ['anna', 'ben'], 'the states of two')
+        seen = len(self.models.all())
+        self.load(yaml=YAML)
+        model = wait_for(lambda: self.models.all()[seen:], 'the model')[-1]
+        self.assertEqual([r.name for r in model.ragdolls], ['anna', 'ben'])
+        before = self.client.at(0)
+        after = self.client.step(100)  # pause survives
+        self.assertEqual(before.ragdolls[1].positions[0].z, after.ragdolls[1].positions[0].z)
+
+    def test_a_model_loads_as_the_scene_that_it_is_of(self):
+        seen = len(self.models.all())
+        self.load(path='stairs')
+        model = wait_for(lambda: self.models.all()[seen:], 'the model')[-1]
+        expected = bits(self.client.step(50))
+        self.load(yaml=model.scene_yaml)
+        self.assertEqual(bits(self.client.step(50)), expected)
+
+    def test_an_error_leaves_the_old_scene_untouched(self):
+        cases = [
+            ({}, ['neither', 'exactly one']),
+            ({'path': 'fall', 'yaml': YAML}, ['both', 'exactly one']),
+            ({'path': '/nowhere/at_all.yaml'}, ['/nowhere/at_all.yaml']),
+            ({'path': 'nowhere'}, ['nowhere', 'stairs']),
+            ({'path': 'package://no_such_package/a.yaml'}, ['no_such_package']),
+            ({'yaml': 'ragdolls: ['}, ['yaml']),
+            ({'yaml': 'ragdolls:\n  - {name: a, model: human, colour: red}'}, ['2', 'colour']),
+            ({'yaml': 'ragdolls:\n  - {name: a, model: giant}'}, ['giant', 'human']),
+            ({'yaml': YAML + 'gravity: [0, 0, .nan]'}, ['gravity']),
+        ]
+        expected = bits(self.client.step(60))
+        self.client.restart()
+        self.client.step(30)
+        for scene, words in cases:
+            answer = self.call_load(**scene)
+            self.assertFalse(answer.success, scene)
+            for word in words:
+                self.assertIn(word, answer.status_message)
+        self.assertEqual(bits(self.client.step(30)), expected)
+
+    def test_a_snapshot_goes_on_to_the_same_bits(self):
+        self.client.step(40)
+        self.client.poke('head', (40, 10, 0), duration=0.5)
+        self.client.poke('left_foot', (0, 0, 30), duration=-1)
+        self.client.step(20)
+        kept = self.call_get()
+        self.assertEqual(kept.state.step, 60)
+        self.assertEqual(bits(kept.state), bits(self.client.at(60)))
+        expected = bits(self.client.step(200))
+        self.client.restart()
+        self.client.step(7)
+        answer = self.call_set(kept.snapshot)
+        self.assertTrue(answer.success, answer.status_message)
+        self.assertEqual(bits(self.client.at(60)), bits(kept.state))
+        self.assertEqual(bits(self.client.step(200)), expected)
+        # It also fits the same scene loaded anew.
+        self.load(path='fall')
+        self.assertTrue(self.call_set(kept.snapshot).success)
+        self.assertEqual(bits(self.client.step(200)), expected)
+
+    def test_what_is_no_snapshot_of_this_scene_is_refused(self):
+        kept = self.call_get().snapshot
+        damaged = kept[:100] + bytes([kept[100] ^ 4]) + kept[101:]
+        self.client.step(10)
+        cases = [(b'', 'get_state'), (b'nonsense' * 20, 'get_state'), (damaged, 'damaged'),
+                 (kept[:-1], 'damaged'), (kept + b'x', 'damaged')]
+        for snapshot, word in cases:
+            answer = self.call_set(snapshot)
+            self.assertFalse(answer.success)
+            self.assertIn(word, answer.status_message)
+        self.assertEqual(self.call_get().state.step, 10)
+        self.load(path='stairs')
+        answer = self.call_set(kept)
+        self.assertFalse(answer.success)
+        self.assertIn('another scene', answer.status_message)
+
+
+if __name__ == '__main__':
+    rospy.init_node('scenes_test')
+    rostest.rosrun('ragdoll_sim', 'scenes', ScenesTest, sys.argv)

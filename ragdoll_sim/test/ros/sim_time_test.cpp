@@ -1,0 +1,125 @@
+// /use_sim_time: services answer although no clock ticks; with one, the simulation follows it.
+// The tests run in the order in which they stand here: first there is no clock.
+#include <gtest/gtest.h>
+#include <ragdoll_msgs/Poke.h>
+#include <ragdoll_msgs/State.h>
+#include <ragdoll_msgs/Step.h>
+#include <ros/ros.h>
+#include <rosgraph_msgs/Clock.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <string>
+
+#include "client.h"
+
+namespace {
+
+using ragdoll_msgs::State;
+using ragdoll_test::Inbox;
+using ragdoll_test::waitFor;
+
+class SimTime : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(waitFor([] { return ros::service::exists("/ragdoll/step", false); }));
+    ASSERT_TRUE(states_.connected());
+  }
+  static bool pause(bool data) {
+    std_srvs::SetBool call;
+    call.request.data = data;
+    return ros::service::call("/ragdoll/pause", call) && call.response.success;
+  }
+  static bool reset() {
+    std_srvs::Trigger call;
+    return ros::service::call("/ragdoll/reset", call) && call.response.success;
+  }
+  static std::uint64_t step(std::uint32_t steps) {
+    ragdoll_msgs::Step call;
+    call.request.steps = steps;
+    EXPECT_TRUE(ros::service::call("/ragdoll/step", call) && call.response.success);
+    return call.response.step;
+  }
+  /// Ticks until the state has seen `seconds` of this clock; false if it does not follow.
+  bool runClock(double from, double seconds) {
+    if (!clock_) clock_ = ros::NodeHandle().advertise<rosgraph_msgs::Clock>("/clock", 10);
+    rosgraph_msgs::Clock now;
+    for (double t = 0; t <= seconds; t += 0.01) {
+      now.clock.fromSec(from + t);
+      clock_.publish(now);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return true;
+  }
+
+  Inbox<State> states_{"/ragdoll/state"};
+  static ros::Publisher clock_;
+};
+
+ros::Publisher SimTime::clock_;
+
+TEST_F(SimTime, servicesAnswerWithoutAClock) {
+  ASSERT_TRUE(pause(true));
+  ASSERT_TRUE(reset());
+  ragdoll_msgs::Poke poke;
+  poke.request.body_name = "head";
+  poke.request.force.x = 1;
+  poke.request.duration = ros::Duration(-1);
+  ASSERT_TRUE(ros::service::call("/ragdoll/poke", poke));
+  EXPECT_TRUE(poke.response.success) << poke.response.status_message;
+  poke.request.reference_frame = "ragdoll/head";
+  ASSERT_TRUE(ros::service::call("/ragdoll/poke", poke));
+  EXPECT_TRUE(poke.response.success) << poke.response.status_message;
+  poke.request.reference_frame = "nowhere";
+  ASSERT_TRUE(ros::service::call("/ragdoll/poke", poke));
+  EXPECT_FALSE(poke.response.success);
+  EXPECT_EQ(step(25), 25u);
+  EXPECT_TRUE(waitFor([&] { return states_.last() && states_.last()->step == 25; }));
+}
+
+TEST_F(SimTime, standsStillWithoutAClock) {
+  Inbox<tf2_msgs::TFMessage> tf("/tf");
+  ASSERT_TRUE(reset());
+  ASSERT_TRUE(pause(false));
+  const std::size_t seen = states_.size();
+  ASSERT_TRUE(waitFor([&] { return states_.size() > seen + 30; }));
+  EXPECT_EQ(states_.last()->step, 0u);
+  EXPECT_EQ(tf.size(), 0u);  // a stamp of zero would mean something else
+}
+
+TEST_F(SimTime, followsTheClock) {
+  ASSERT_TRUE(pause(true));
+  ASSERT_TRUE(reset());
+  runClock(100, 0.2);
+  ASSERT_TRUE(pause(false));
+  Inbox<tf2_msgs::TFMessage> tf("/tf");
+  ASSERT_TRUE(tf.connected());
+  runClock(100.2, 2);
+  ASSERT_TRUE(waitFor([&] { return states_.last()->time > 1.9; }));
+  EXPECT_LT(states_.last()->time, 2.1);
+  EXPECT_NEAR(states_.last()->header.stamp.toSec(), 102.2, 0.05);
+  ros::Time last;
+  EXPECT_GT(tf.size(), 10u);
+  for (const auto& message : tf.all()) {
+    EXPECT_GT(message->transforms[0].header.stamp, last);
+    last = message->transforms[0].header.stamp;
+  }
+}
+
+TEST_F(SimTime, goesOnWhenTheClockIsSetBack) {
+  const double before = states_.last() ? states_.last()->time : 0;
+  runClock(10, 1);
+  EXPECT_TRUE(waitFor([&] { return states_.last() && states_.last()->time > before + 0.8; }));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "sim_time_test");
+  ros::NodeHandle nh;
+  ros::AsyncSpinner spinner(2);
+  spinner.start();
+  return RUN_ALL_TESTS();
+}

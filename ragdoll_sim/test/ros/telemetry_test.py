@@ -1,0 +1,113 @@
+#!/usr/bin/python3
+"""~metrics, ~joint_states, ~markers and dynamic_reconfigure."""
+
+import sys
+import unittest
+
+import rospy
+import rostest
+from client import Client, Inbox, wait_for
+from dynamic_reconfigure.client import Client as Settings
+from ragdoll_msgs.msg import Metrics, Model
+from ragdoll_msgs.srv import LoadScene
+from sensor_msgs.msg import JointState
+from visualization_msgs.msg import Marker, MarkerArray
+
+
+class TelemetryTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.client = Client()
+        cls.load = cls.client.service('load_scene', LoadScene)
+        cls.settings = Settings('/ragdoll', timeout=30)
+
+    def setUp(self):
+        self.assertTrue(self.load(path='fall').success)
+        self.client.restart()
+
+    def test_metrics_of_a_fall(self):
+        metrics = Inbox('/ragdoll/metrics', Metrics)
+        standing = metrics.first(lambda m: m.realtime_factor == 0 and m.contacts == 0, 'a pause')
+        self.client.call_pause(False)
+        running = metrics.first(lambda m: abs(m.realtime_factor - 1) < 0.05, 'real time')
+        self.assertEqual(running.ragdolls, 1)
+        self.assertGreater(running.step_time, 1e-7)
+        self.assertLess(running.step_time, 1e-2)
+        lying = metrics.first(lambda m: m.contacts > 3 or m.asleep == 1, 'contacts')
+        self.assertLess(lying.potential_energy, standing.potential_energy - 300)
+        self.assertLess(lying.max_stick_error, 0.05)
+        self.assertLess(lying.max_penetration, 0.02)
+        self.assertIn('step', lying.solver)
+
+    def test_joint_angles(self):
+        joints = Inbox('/ragdoll/joint_states', JointState)
+        first = joints.first(lambda m: True, 'joint states')
+        self.assertEqual(len(first.name), len(first.position))
+        for name in ('left_knee_y', 'right_elbow_y', 'neck_x', 'left_shoulder_z'):
+            self.assertIn(name, first.name)
+        # At the start the body stands straight, a millimetre of its limits apart.
+        knee = first.name.index('left_knee_y')
+        self.assertAlmostEqual(first.position[knee], 0, delta=0.02)
+        self.client.call_pause(False)
+        bent = joints.first(lambda m: abs(m.position[knee]) > 0.3, 'a bent knee')
+        self.assertGreater(bent.position[knee], 0)  # and never the wrong way
+
+    def test_markers_are_few_fixed_and_begin_anew_with_a_scene(self):
+        markers = Inbox('/ragdoll/markers', MarkerArray)
+        self.client.call_pause(False)
+        wait_for(lambda: len(markers.all()) > 40, 'markers')
+        seen = len(markers.all())
+        self.assertTrue(self.load(path='stairs').success)
+        cleared = wait_for(lambda: [i for i, m in enumerate(markers.all()) if i >= seen and
+                                    m.markers[0].action == Marker.DELETEALL], 'a DELETEALL')[0]
+        wait_for(lambda: len(markers.all()) > cleared + 40, 'markers of the stairs')
+        after = [m for message in markers.all()[cleared + 1:] for m in message.markers]
+        self.assertEqual({m.action for m in after}, {Marker.ADD})
+        self.assertEqual(len({(m.ns, m.id) for m in after if m.ns == 'obstacles'}), 10)
+        self.assertLess(len({(m.ns, m.id) for m in after if m.ns in ('coat', 'sticks')}), 5)
+        for m in after:
+            self.assertEqual(m.header.frame_id, 'world')
+            self.assertGreater(m.lifetime.to_sec(), 0)
+
+    def test_markers_at_most_thirty_a_second(self):
+        markers = Inbox('/ragdoll/markers', MarkerArray)
+        self.client.call_pause(False)
+        wait_for(markers.all, 'markers')
+        begin, seen = rospy.Time.now(), len(markers.all())
+        wait_for(lambda: len(markers.all()) >= seen + 60, 'sixty markers')
+        self.assertGreater((rospy.Time.now() - begin).to_sec(), 1.85)
+
+    def test_settings_are_the_scenes(self):
+        config = self.settings.get_configuration(timeout=30)
+        self.assertEqual((config['gravity_x'], config['gravity_y'], config['gravity_z']),
+                         (0, 0, -9.81))
+        self.assertAlmostEqual(config['step'], self.client.step(1).time)
+
+    def test_gravity_changes_while_it_runs(self):
+        self.settings.update_configuration({'gravity_z': 0.0, 'gravity_x': 2.0})
+        before = self.client.step(1)
+        after = self.client.step(1)
+        h = after.time - before.time
+        mean = [sum(v.x for v in s.ragdolls[0].velocities) / 16 for s in (before, after)]
+        self.assertAlmostEqual(mean[1] - mean[0], 2.0 * h, delta=0.5 * h)
+
+    def test_a_knob_and_a_preset(self):
+        config = self.settings.update_configuration({'step': 0.002})
+        self.assertEqual(config['step'], 0.002)
+        self.assertAlmostEqual(self.client.step(10).time, 0.02)
+        models = Inbox('/ragdoll/model', Model)
+        config = self.settings.update_configuration({'preset': 'thesis'})
+        self.assertEqual((config['preset'], config['method'], config['sweeps']), ('thesis', 0, 10))
+        self.assertAlmostEqual(config['step'], 1 / 60)
+        models.first(lambda m: 'thesis' in m.scene_yaml, 'the model with its new settings')
+        # The settings stay over a reset and go with another scene.
+        self.client.restart()
+        self.assertAlmostEqual(self.client.step(1).time, 1 / 60)
+        self.assertTrue(self.load(path='fall').success)
+        wait_for(lambda: self.settings.get_configuration()['preset'] != 'thesis',
+                 "the scene's settings")
+
+
+if __name__ == '__main__':
+    rospy.init_node('telemetry_test')
+    rostest.rosrun('ragdoll_sim', 'telemetry', TelemetryTest, sys.argv)

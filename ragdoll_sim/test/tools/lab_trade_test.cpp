@@ -1,0 +1,155 @@
+// ragdoll_lab trade and ragdoll_lab tune as a user sees them.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <sstream>
+#include <vector>
+
+#include "ragdoll_sim/core/model.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/lab_program.h"
+
+#ifdef RAGDOLL_LAB
+
+namespace ragdoll {
+namespace {
+
+using test::Outcome;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+using ::testing::StartsWith;
+
+constexpr const char* kPendulum =
+    "ragdolls: [{name: r, model: {particles: {a: {position: [0, 0, 0], mass: 1}, "
+    "b: {position: [1, 0, 0], mass: 1}}, sticks: [[a, b]]}}]\npins: [r/a]\n";
+
+class LabTrade : public test::LabProgram {
+ protected:
+  std::string pendulum() const { return file("pendulum.yaml", kPendulum); }
+
+  std::vector<std::vector<std::string>> csv() const {
+    std::vector<std::vector<std::string>> rows;
+    std::istringstream lines(test::contentOf(folder / "trade.csv"));
+    for (std::string line; std::getline(lines, line);) {
+      rows.emplace_back();
+      std::istringstream cells(line);
+      for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+    }
+    return rows;
+  }
+};
+
+TEST_F(LabTrade, WritesATableACsvAndPictures) {
+  const Outcome outcome =
+      lab("trade " + pendulum() + " --dearest 0.003 --out " + (folder / "new/deep").string());
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_THAT(outcome.output, AllOf(HasSubstr("reference: rk"), HasSubstr("jakobsen 10"),
+                                    HasSubstr("thesis = jakobsen 10"), HasSubstr("\n* ")));
+  EXPECT_TRUE(std::filesystem::exists(folder / "new/deep/trade.csv"));
+  if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) GTEST_SKIP() << "gnuplot-nox";
+  EXPECT_EQ(outcome.errors, "");  // no progress bar where stderr is a file
+  EXPECT_THAT(test::contentOf(folder / "new/deep/trade.png"), HasSubstr("PNG"));
+  EXPECT_THAT(test::contentOf(folder / "new/deep/trade.svg"),
+              AllOf(HasSubstr("<svg"), HasSubstr("jakobsen 10"), HasSubstr("thesis")));
+}
+
+TEST_F(LabTrade, CsvShowsTheOrderOfEachMethod) {
+  ASSERT_EQ(lab("trade " + pendulum() + " --dearest 0.02 --out " + folder.string()).status, 0);
+  const auto rows = csv();
+  ASSERT_GT(rows.size(), 10u);
+  EXPECT_EQ(rows[0].size(), 17u);
+  double jakobsen[2] = {}, shake[2] = {};
+  for (const auto& row : rows) {
+    ASSERT_EQ(row.size(), rows[0].size());
+    const auto is = [&](const char* family, double rate) {
+      return row[0] == family && std::abs(std::stod(row[3]) * rate - 1) < 1e-9;
+    };
+    for (const int i : {0, 1}) {
+      if (is("jakobsen 10", 960 << i)) jakobsen[i] = std::stod(row[8]);
+      if (is("shake", 960 << i)) shake[i] = std::stod(row[8]);
+    }
+  }
+  EXPECT_NEAR(jakobsen[0] / jakobsen[1], 2, 0.1);
+  EXPECT_NEAR(shake[0] / shake[1], 4, 0.2);
+}
+
+TEST_F(LabTrade, WithoutGnuplotAllButThePicturesIsThere) {
+  const Outcome outcome =
+      lab("trade " + pendulum() + " --dearest 0.002 --out " + folder.string(), "PATH=/nowhere");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_THAT(outcome.errors, HasSubstr("gnuplot-nox"));
+  EXPECT_GT(csv().size(), 1u);
+  EXPECT_FALSE(std::filesystem::exists(folder / "trade.png"));
+}
+
+TEST_F(LabTrade, TunePrintsASectionThatLoadsAndKeepsItsWord) {
+  const Outcome outcome = lab("tune " + pendulum() + " --error 1mm --dearest 0.02");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_THAT(outcome.output, AllOf(StartsWith("solver:\n"), HasSubstr("# error "),
+                                    HasSubstr("# cost "), HasSubstr("asked for an error of 1 mm")));
+  const Scene scene = parseScene(kPendulum + outcome.output);
+  EXPECT_EQ(scene.solver.method, Method::kShake);
+  EXPECT_NO_THROW(buildModel(scene));
+  // Second order: the error of the step that is chosen lies just below what was asked for.
+  const std::size_t at = outcome.output.find("# error ");
+  double error = 0;
+  char unit[8] = {};
+  ASSERT_EQ(std::sscanf(outcome.output.c_str() + at, "# error %lf %7[a-z]", &error, unit), 2);
+  EXPECT_EQ(std::string(unit), "um");
+  EXPECT_GT(error, 700);
+  EXPECT_LE(error, 1000);
+}
+
+TEST_F(LabTrade, TuneKeepsABudget) {
+  const Outcome outcome = lab("tune " + pendulum() + " --budget 2ms --dearest 0.02");
+  ASSERT_EQ(outcome.status, 0) << outcome.errors;
+  EXPECT_THAT(outcome.output, HasSubstr("asked for a cost of 2 ms"));
+  EXPECT_NO_THROW(buildModel(parseScene(kPendulum + outcome.output)));
+}
+
+TEST_F(LabTrade, WhatCannotBeMetIsStatusOneAndTheClosest) {
+  for (const std::string target : {"--budget 1ns", "--error 0.000001nm"}) {
+    const Outcome outcome = lab("tune " + pendulum() + " --dearest 0.002 " + target);
+    EXPECT_EQ(outcome.status, 1) << target;
+    EXPECT_THAT(outcome.errors, HasSubstr("cannot be met")) << target;
+    EXPECT_THAT(outcome.output, HasSubstr("not met; this comes closest"));
+    EXPECT_NO_THROW(buildModel(parseScene(kPendulum + outcome.output)));
+  }
+}
+
+TEST_F(LabTrade, HelpSaysWhatIsMeant) {
+  const Outcome trade = lab("trade --help"), tune = lab("tune --help");
+  EXPECT_EQ(trade.status, 0);
+  EXPECT_THAT(trade.output, AllOf(HasSubstr("--out"), HasSubstr("--horizon")));
+  EXPECT_EQ(tune.status, 0);
+  EXPECT_THAT(tune.output,
+              AllOf(HasSubstr("--error"), HasSubstr("budget  CPU time"), HasSubstr("status 1")));
+}
+
+TEST_F(LabTrade, BadInputIsStatusTwoAndOneLine) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"trade", "SCENE"},
+      {"trade nowhere", "stairs"},
+      {"trade fall --horizon -1", "--horizon"},
+      {"trade fall --window 0.3", "--window"},
+      {"trade fall --out /dev/null/x", "/dev/null/x"},
+      {"tune", "SCENE"},
+      {"tune fall", "--error"},
+      {"tune fall --error 1mm --budget 1ms", "one of"},
+      {"tune fall --error 1", "1mm"},
+      {"tune fall --budget 5mm", "50us"},
+  };
+  for (const auto& [arguments, expected] : cases) {
+    const Outcome outcome = lab(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_THAT(outcome.errors, AllOf(StartsWith("ragdoll_lab: "), HasSubstr(expected)));
+    EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+    EXPECT_EQ(outcome.output, "") << arguments;
+  }
+}
+
+}  // namespace
+}  // namespace ragdoll
+
+#endif  // RAGDOLL_LAB

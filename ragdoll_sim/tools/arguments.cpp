@@ -1,0 +1,65 @@
+#include "arguments.h"
+
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+
+namespace ragdoll::lab {
+
+bool parse(CommandLine& line, const Words& words, std::string& scene) {
+  line.options.add_options()("help,h", "Print this and end");
+  po::options_description all;
+  all.add(line.options).add_options()("scene", po::value(&scene));
+  po::positional_options_description by_place;
+  by_place.add("scene", 1);
+  try {
+    // A negative number is a value, and half an option is a mistake: no short forms, no guessing.
+    const int style = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
+    po::variables_map found;
+    po::store(po::command_line_parser(words).options(all).positional(by_place).style(style).run(),
+              found);
+    if (found.count("help")) {
+      std::cout << "Usage: ragdoll_lab " << line.usage << "\n\n"
+                << line.about << "\nSCENE is a file, or the name of a scene such as fall.\n\n"
+                << line.options;
+      return false;
+    }
+    po::notify(found);
+    if (!found.count("scene")) throw Error("", "SCENE is missing: the scene file, or its name");
+  } catch (const po::error& error) {
+    throw Error("", std::string(error.what()) + " (see --help)");
+  }
+  return true;
+}
+
+Scene loadScene(const std::string& path, const Words& settings) {
+  Scene scene = ragdoll::loadScene(path);
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos) {
+      throw Error("--set " + setting, "key=value is expected, such as solver.step=0.001");
+    }
+    applySetting(scene, setting.substr(0, equals), setting.substr(equals + 1));
+  }
+  return scene;
+}
+
+void dropLimits(Scene& scene) {
+  for (RagdollSpec& ragdoll : scene.ragdolls) {
+    auto skeleton = std::make_shared<SkeletonSpec>(*ragdoll.skeleton);
+    skeleton->joints.clear();
+    ragdoll.skeleton = skeleton;
+  }
+}
+
+double checked(const std::string& option, double value, bool zero_is_right) {
+  const bool right = std::isfinite(value) && (value > 0 || (zero_is_right && value == 0));
+  if (!right)
+    throw Error(option, "is " + std::to_string(value) + "; a positive number is expected");
+  return value;
+}
+
+}  // namespace ragdoll::lab

@@ -1,0 +1,33 @@
+// The command line of one subcommand: options by name, one scene by place, --help.
+#pragma once
+
+#include <boost/program_options.hpp>
+#include <string>
+
+#include "commands.h"
+#include "ragdoll_sim/core/scene.h"
+
+namespace ragdoll::lab {
+
+namespace po = boost::program_options;
+
+struct CommandLine {
+  const char* usage;  ///< "run SCENE [options]"
+  const char* about;  ///< what the command does, a line or a few
+  po::options_description options;
+};
+
+/// Reads the words into what the options are bound to, and the word without a name into `scene`.
+/// Returns false when --help was asked for and has been printed. Throws Error.
+bool parse(CommandLine& line, const Words& words, std::string& scene);
+
+/// The scene with the settings ("solver.step=0.001") that --set gave. Throws Error.
+Scene loadScene(const std::string& path, const Words& settings);
+
+/// Lets all joints turn freely.
+void dropLimits(Scene& scene);
+
+/// `value`, which has to be finite and positive (or zero, if that is right). Throws Error.
+double checked(const std::string& option, double value, bool zero_is_right);
+
+}  // namespace ragdoll::lab

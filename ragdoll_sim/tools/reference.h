@@ -1,0 +1,54 @@
+// What would have happened: the scene's motion at a step so small that halving it changes nothing
+// that matters. Motion in contact is chaotic: after a second two answers that both are right lie
+// metres apart. There the motion is cut into short windows that all methods start from the same
+// states, those of one fine run, and each window's end is converged for itself.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "ragdoll_sim/core/model.h"
+#include "ragdoll_sim/core/state.h"
+
+namespace ragdoll::lab {
+
+struct Window {
+  State start;
+  Points end;               ///< [m] where the window's motion ends
+  double energy_end = 0;    ///< [J]
+  double uncertainty = 0;   ///< [m] RMS between the two finest runs, or `disagreement`
+  double disagreement = 0;  ///< [m] RMS between the end and that of another method
+  double finest = 0;        ///< [s] the smallest step taken
+};
+
+struct Reference {
+  std::vector<Window> windows;
+  double window = 0;        ///< [s] length of each
+  double uncertainty = 0;   ///< [m] mean of the windows'
+  double worst = 0;         ///< [m] largest of the windows'
+  double finest = 0;        ///< [s]
+  double disagreement = 0;  ///< [m] mean of the windows'
+  Method method = Method::kRk, other = Method::kShake;
+};
+
+/// The model with another solver; bodies stay awake, so that all methods have the same work.
+Model withSolver(const Model& model, const SolverSpec& solver);
+
+/// Has the scene anything to touch?
+bool hasContact(const Model& model);
+
+/// `horizon` is split into windows of length `window`, which must divide it. `report` hears of the
+/// share that is done. Throws Error where even the reference leaves the finite numbers.
+Reference makeReference(const Model& model, double horizon, double window,
+                        const std::function<void(double)>& report);
+
+/// `steps` steps of `solver` from the window's start. Throws nothing; the result may not be finite.
+State follow(const Model& model, const SolverSpec& solver, const Window& window, int steps);
+
+/// Whole steps of length `step` in `window`, or 0 where they do not fit.
+int stepsIn(double window, double step);
+
+/// [m] RMS over the particles that users see.
+double rmsDistance(const Model& model, const Points& a, const Points& b);
+
+}  // namespace ragdoll::lab

@@ -1,0 +1,144 @@
+#include "tuning.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "quantity.h"
+#include "survey_text.h"
+
+namespace ragdoll::lab {
+namespace {
+
+constexpr int kBisections = 3;  ///< of a factor of two in the step: to within 9 %
+
+double wrongness(const Target& target, const Measurement& m) {
+  if (!m.finite) return INFINITY;
+  return target.error > 0 ? m.error / target.error : m.cost / target.budget;
+}
+
+bool meets(const Target& target, const Measurement& m) { return wrongness(target, m) <= 1; }
+
+/// What is worth most among those that meet the target.
+double price(const Target& target, const Measurement& m) {
+  return target.error > 0 ? m.cost : m.error;
+}
+
+/// Best first: those that meet the target by price, then the others by how far they are off it.
+bool better(const Target& target, const Measurement& a, const Measurement& b) {
+  if (meets(target, a) != meets(target, b)) return meets(target, a);
+  if (meets(target, a)) return price(target, a) < price(target, b);
+  return wrongness(target, a) < wrongness(target, b);
+}
+
+class Tuner {
+ public:
+  Tuner(const Model& model, const Target& target, const SurveyOptions& options,
+        const Reference& reference)
+      : model_(model), target_(target), options_(options), reference_(reference) {}
+
+  /// The families' neighbours on the grid between which the target is crossed, refined.
+  void refine(std::vector<Measurement>& rows, Progress& progress) const {
+    const std::vector<Measurement> grid = rows;
+    for (std::size_t i = 0; i + 1 < grid.size(); ++i) {
+      const Measurement &coarse = grid[i], &fine = grid[i + 1];
+      if (coarse.configuration.family != fine.configuration.family) continue;
+      if (meets(target_, coarse) == meets(target_, fine)) continue;
+      if (!mayWin(coarse, fine, rows)) continue;
+      progress.show(static_cast<double>(i) / static_cast<double>(grid.size()), "refining");
+      bisect(coarse, fine, rows);
+    }
+  }
+
+ private:
+  int stepsOf(const Measurement& m) const {
+    return stepsIn(options_.window, m.configuration.solver.step);
+  }
+
+  Measurement measure(Configuration configuration, int steps) const {
+    configuration.solver.step = options_.window / steps;
+    Measurement m = measureAccuracy(model_, configuration, reference_, options_.horizon);
+    measureCost(model_, options_.horizon, m);
+    return m;
+  }
+
+  /// Could a step between the two beat the best so far? Halfway cost is no less than the coarse
+  /// step's, halfway error no less than the fine step's.
+  bool mayWin(const Measurement& coarse, const Measurement& fine,
+              const std::vector<Measurement>& rows) const {
+    for (const Measurement& m : rows) {
+      if (!meets(target_, m)) continue;
+      const double bound = target_.error > 0 ? coarse.cost : fine.error;
+      if (price(target_, m) < bound) return false;
+    }
+    return true;
+  }
+
+  void bisect(const Measurement& coarse, const Measurement& fine,
+              std::vector<Measurement>& rows) const {
+    int low = stepsOf(coarse), high = stepsOf(fine);
+    const bool fine_meets = meets(target_, fine);
+    for (int i = 0; i < kBisections && high - low > 1; ++i) {
+      const int middle = static_cast<int>(std::lround(std::sqrt(1.0 * low * high)));
+      const Measurement m = measure(coarse.configuration, std::clamp(middle, low + 1, high - 1));
+      rows.push_back(m);
+      (meets(target_, m) == fine_meets ? high : low) = stepsOf(m);
+    }
+  }
+
+  const Model& model_;
+  const Target& target_;
+  const SurveyOptions& options_;
+  const Reference& reference_;
+};
+
+std::string number(const char* pattern, double value) {
+  char text[80];
+  std::snprintf(text, sizeof text, pattern, value);
+  return text;
+}
+
+}  // namespace
+
+Choice tune(const Model& model, const Target& target, const SurveyOptions& options,
+            Progress& progress) {
+  SurveyOptions without_presets = options;
+  without_presets.presets = false;
+  Survey all = survey(model, without_presets, progress);
+  Tuner(model, target, options, all.reference).refine(all.rows, progress);
+  Choice choice;
+  choice.measurement = *std::min_element(
+      all.rows.begin(), all.rows.end(),
+      [&](const Measurement& a, const Measurement& b) { return better(target, a, b); });
+  choice.horizon = options.horizon;
+  choice.reference = std::move(all.reference);
+  // What the reference cannot tell apart is not met.
+  choice.met = meets(target, choice.measurement) &&
+               (target.error == 0 || choice.reference.uncertainty <= target.error);
+  return choice;
+}
+
+std::string toText(const Choice& choice, const Target& target, const std::string& scene) {
+  const Measurement& m = choice.measurement;
+  const Reference& reference = choice.reference;
+  const bool windows = reference.windows.size() > 1;
+  std::string text;
+  if (!choice.met) text += "# The target is not met; this comes closest.\n";
+  text += toSection(m.configuration.solver);
+  text += "  # Measured on scene " + scene + " by ragdoll_lab tune, asked for ";
+  text += target.error > 0 ? "an error of " + lengthText(target.error)
+                           : "a cost of " + timeText(target.budget) + " per simulated second";
+  text += ":\n  # error " + lengthText(std::max(m.error, reference.uncertainty)) +
+          ", RMS over particles after " + number("%g s", reference.window) +
+          (windows ? ", mean over windows" : "") + "; the reference is sure to " +
+          lengthText(reference.uncertainty) + "\n";
+  text += "  # cost " + timeText(m.cost) + " of CPU time per simulated second, " +
+          number("%.3g", m.ratio) + " of preset thesis\n";
+  text += "  # largest stretch " + number("%.2g", m.stretch) + ", penetration " +
+          number("%.2g m", m.penetration) + ", limit violation " +
+          number("%.2g rad", m.limit_violation) + ", rise of energy " +
+          number("%.2g J", m.energy_rise) + "\n";
+  return text;
+}
+
+}  // namespace ragdoll::lab
