@@ -7,7 +7,7 @@ import time
 import rospy
 from geometry_msgs.msg import Point, Vector3
 from ragdoll_msgs.msg import Model, PokeEvent, State
-from ragdoll_msgs.srv import Poke, PokeRequest, Step
+from ragdoll_msgs.srv import GetState, Poke, PokeRequest, Step
 from std_srvs.srv import SetBool, Trigger
 
 LIMIT = 30.0  # [s] a test that waits longer than this has failed
@@ -56,6 +56,7 @@ class Client:
         self.call_reset = self.service('reset', Trigger)
         self.call_clear = self.service('clear_pokes', Trigger)
         self.call_pause = self.service('pause', SetBool)
+        self.call_get = self.service('get_state', GetState)
 
     def service(self, name, kind):
         rospy.wait_for_service(self.node + '/' + name, LIMIT)
@@ -74,10 +75,16 @@ class Client:
         return self.at(answer.step)
 
     def at(self, step):
-        """The latest state that has been published, once it is the one of this step."""
+        """The published state of this step, once it is out; the node must be paused there.
+
+        The number alone would not do: another scene, or the same before a reset, has it too.
+        """
+        expected = self.call_get().state
+        assert expected.step == step, 'the node is at step %d, not %d' % (expected.step, step)
+
         def latest():
             messages = self.states.all()
-            return messages[-1] if messages and messages[-1].step == step else None
+            return messages[-1] if messages and bits(messages[-1]) == bits(expected) else None
         return wait_for(latest, 'the state of step %d' % step)
 
     def restart(self):

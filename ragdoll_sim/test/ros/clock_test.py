@@ -37,10 +37,12 @@ class ClockTest(unittest.TestCase):
         self.assertTrue(all(a < b for a, b in zip(times, times[1:])))
 
     def test_goes_five_times_as_fast(self):
-        first, begin = self.times()[-1], time.monotonic()
-        wait_for(lambda: self.times()[-1] > first + 10e9, 'ten seconds')
-        factor = (self.times()[-1] - first) * 1e-9 / (time.monotonic() - begin)
-        self.assertAlmostEqual(factor, 5, delta=0.5)
+        def factor():
+            first, begin = self.times()[-1], time.monotonic()
+            wait_for(lambda: self.times()[-1] > first + 5e9, 'five seconds')
+            return (self.times()[-1] - first) * 1e-9 / (time.monotonic() - begin)
+        # A busy machine delivers late, now and then; it does not do so every time.
+        wait_for(lambda: abs(factor() - 5) < 0.25, 'five seconds in one')
 
     def test_stamps_are_of_this_clock_and_never_repeated(self):
         tf = Inbox('/tf', TFMessage)

@@ -6,6 +6,7 @@
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
+#include <cmath>
 #include <future>
 #include <memory>
 #include <string>
@@ -166,10 +167,13 @@ TEST_F(Control, aResetEndsALongStep) {
 TEST_F(Control, runsInRealTime) {
   ASSERT_TRUE(pause(false));
   ASSERT_TRUE(reaches(20));
-  const State a = *states_->last();
-  ASSERT_TRUE(waitFor([&] { return states_->last()->time > a.time + 2; }));
-  const State b = *states_->last();
-  EXPECT_NEAR((b.time - a.time) / (b.header.stamp - a.header.stamp).toSec(), 1, 0.05);
+  // A busy machine holds a message up, now and then; it does not do so every time.
+  EXPECT_TRUE(waitFor([&] {
+    const State a = *states_->last();
+    EXPECT_TRUE(waitFor([&] { return states_->last()->time > a.time + 2; }));
+    const State b = *states_->last();
+    return std::abs((b.time - a.time) / (b.header.stamp - a.header.stamp).toSec() - 1) < 0.02;
+  }));
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ import rospy
 import rostest
 from client import Client, Inbox, bits, wait_for
 from ragdoll_msgs.msg import Model
-from ragdoll_msgs.srv import GetState, LoadScene, SetState
+from ragdoll_msgs.srv import LoadScene, SetState
 
 YAML = '''
 gravity: [0, 0, 0]
@@ -24,7 +24,6 @@ class ScenesTest(unittest.TestCase):
         cls.client = Client()
         cls.models = Inbox('/ragdoll/model', Model)
         cls.call_load = cls.client.service('load_scene', LoadScene)
-        cls.call_get = cls.client.service('get_state', GetState)
         cls.call_set = cls.client.service('set_state', SetState)
 
     def setUp(self):
@@ -85,7 +84,7 @@ class ScenesTest(unittest.TestCase):
         self.client.poke('head', (40, 10, 0), duration=0.5)
         self.client.poke('left_foot', (0, 0, 30), duration=-1)
         self.client.step(20)
-        kept = self.call_get()
+        kept = self.client.call_get()
         self.assertEqual(kept.state.step, 60)
         self.assertEqual(bits(kept.state), bits(self.client.at(60)))
         expected = bits(self.client.step(200))
@@ -101,7 +100,7 @@ class ScenesTest(unittest.TestCase):
         self.assertEqual(bits(self.client.step(200)), expected)
 
     def test_what_is_no_snapshot_of_this_scene_is_refused(self):
-        kept = self.call_get().snapshot
+        kept = self.client.call_get().snapshot
         damaged = kept[:100] + bytes([kept[100] ^ 4]) + kept[101:]
         self.client.step(10)
         cases = [(b'', 'get_state'), (b'nonsense' * 20, 'get_state'), (damaged, 'damaged'),
@@ -110,7 +109,7 @@ class ScenesTest(unittest.TestCase):
             answer = self.call_set(snapshot)
             self.assertFalse(answer.success)
             self.assertIn(word, answer.status_message)
-        self.assertEqual(self.call_get().state.step, 10)
+        self.assertEqual(self.client.call_get().state.step, 10)
         self.load(path='stairs')
         answer = self.call_set(kept)
         self.assertFalse(answer.success)
