@@ -1,0 +1,138 @@
+// One body during one step of a direct method (shake.h). Private to the core. Its stages, a file
+// each: shake_motion.cpp (free motion), shake_contact.cpp (positions), shake_velocity.cpp
+// (velocities, bounces), shake_guard.cpp (step guard), shake_energy.cpp (energy limiter).
+#pragma once
+
+#include <vector>
+
+#include "ragdoll_sim/core/contact.h"
+#include "ragdoll_sim/core/inputs.h"
+#include "ragdoll_sim/core/limits.h"
+#include "ragdoll_sim/core/step.h"
+#include "ragdoll_sim/core/workspace.h"
+
+namespace ragdoll {
+
+class ShakeStep {
+ public:
+  ShakeStep(const Model& model, Workspace::Impl& ws, State& state, int ragdoll, StepReport& report);
+
+  void run(const Inputs& inputs, double h);
+
+  /// Velocity stage once more, at the step's end: what touches there is known.
+  void settle(double h, const std::vector<Contact>& touching, const std::vector<LimitRow>& limits);
+
+ private:
+  static constexpr double kTolerance = 1e-10;        ///< relative error of a stick's squared length
+  static constexpr double kContactTolerance = 1e-6;  ///< [m]
+  static constexpr double kTouching = 1e-5;          ///< [m]
+  static constexpr int kMaxBounces = 4;              ///< in one step; later ones do not bounce
+
+  auto x() { return state_.x.middleCols(ragdoll_.first, n_); }
+  auto v() { return state_.v.middleCols(ragdoll_.first, n_); }
+  double* xData() { return state_.x.data() + 3 * ragdoll_.first; }
+  double* vData() { return state_.v.data() + 3 * ragdoll_.first; }
+  double* multipliers() { return state_.multipliers.data() + ws_.first_stick[index_]; }
+
+  // Start of the step (shake.cpp).
+
+  void makeAffine();
+  bool obstaclesMove(const Inputs& inputs) const;
+  /// Pinned particles move evenly to their targets and carry what is rigid with them.
+  void movePins(const Inputs& inputs, double h);
+
+  // Step guard (shake_guard.cpp).
+
+  /// Explicit steps are stable while h sqrt(Omega2) < 2, Omega2 the largest eigenvalue of the
+  /// tension's stiffness (docs/equations.md#guard): substeps keep it below kStable, a substep that
+  /// fails or whose tension outgrew it is done again at half, and what would take more than
+  /// kMaxSubsteps goes to one implicit step, which no tension can make unstable.
+  void guard(double h);
+  /// Omega2 [1/s^2], a bound: largest row sum of |G| |2 m|, m the multipliers of the last motion.
+  double stiffness();
+  void save();
+  void restore();
+  /// Backward Euler: the free motion, then Newton along the NEW stick directions. First order and
+  /// dissipative; finite whatever the tension.
+  double implicitStep(double h);
+  bool relaxAlongNew();
+
+  // Energy limiter (shake_energy.cpp).
+
+  double kineticEnergy();
+  /// [J] by how much a motion with contact gained more than gravity, pokes and moving things gave
+  /// it: an error of the contact solution, since contact only takes. 0 where nothing pressed.
+  double energyRise();
+  /// Takes the rise out of the motion within the body, which leaves its momentum; out of the whole
+  /// motion only where that is not enough and a contact pressed.
+  void limitEnergy(double rise);
+
+  // Motion (shake_motion.cpp).
+
+  /// Moves the body by `h` or to its first bounce, whichever comes first; returns the time it took.
+  double advance(double h, bool may_bounce);
+  /// As advance, by Dormand-Prince 5 where nothing touches.
+  double advanceSmooth(double h, int taken);
+  /// dx and the sticks' multipliers over h, without contacts.
+  void freeMotion(double h);
+  /// Newton along the old directions until every stick has its length.
+  bool satisfySticks();
+
+  // Contacts and limits, positions (shake_contact.cpp).
+
+  void findConstraints(double h);
+  double gapAt(const Contact& c, const double* dx) const;
+  Vec3 motionOf(const Contact& c, const double* dx) const;
+  /// Rows of contacts and limits that may act; b at the present dx.
+  void gather(double h, bool velocities);
+  /// Contacts that the body was pushed into by those it was free to meet; whether there are any.
+  bool findMissed();
+  /// Solves for the constraints found.
+  void pressFound(double h);
+  /// Position stage: dx so that no contact and no limit is violated and every stick has its length.
+  void press(double h, bool leapfrog = true);
+  /// The impulse that contact or limit `row.source` pressed with last; null: none.
+  const Press* lastPress(const Schur::Row& row) const;
+  Press keyOf(const Schur::Row& row) const;
+  /// Starts p at what pressed in the last step.
+  void recall(double h);
+  void remember(double h);
+  void fillGaps(double h);
+  double worstViolation();
+
+  // Velocities and bounces (shake_velocity.cpp).
+
+  /// Velocity stage at the end of the motion dx over h.
+  void finish(double h, bool leapfrog = true, bool impact = false);
+  /// Keeps the contacts and limits that touch at the end of dx: the others do not act on
+  /// velocities.
+  void restrictToTouching(double h);
+  /// No touching contact approaches, none slips more than friction allows; on impact the fast ones
+  /// bounce.
+  void pushVelocities(StickSolver& sticks, bool impact);
+  /// [m/s] approach above which a contact bounces: slower is rest.
+  double bounceSpeed(const Contact& c) const;
+  bool bounces(const Contact& c, double h) const;
+  /// Time of the earliest bounce within h (gap falling as a parabola), or h.
+  double firstBounce(double h) const;
+  /// Newton's impact law at the present pose for the contacts that touch.
+  void bounce();
+
+  const Model& model_;
+  Workspace::Impl& ws_;
+  ShakeScratch& scratch_;
+  State& state_;
+  StepReport& report_;
+  const int index_;
+  const Ragdoll& ragdoll_;
+  const DirectSystem& system_;
+  const StickRows& rows_;
+  ShakeBody& body_;
+  const int n_;
+  double step_ = 0;       ///< [s] the whole step
+  bool failed_ = false;   ///< the present substep
+  bool driven_ = false;   ///< something moves that gives energy: obstacles, pins
+  bool limited_ = false;  ///< energy was taken out
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,217 @@
+#include <algorithm>
+#include <cmath>
+
+#include "ragdoll_sim/core/shake_step.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr int kMaxRounds = 6;            ///< of contacts and sticks in turn
+constexpr double kContactMargin = 0.02;  ///< [m]
+constexpr double kLimitMargin = 0.3;     ///< [rad]
+constexpr int kMaxSearches = 3;          ///< for contacts that others push the body into
+constexpr double kRecoverySpeed = 2;     ///< [m/s] at which overlap found at the start opens
+constexpr double kUnsettled = 5e-4;      ///< [m] a contact solution this bad is done again at half
+constexpr double kMissed = 1e-4;         ///< [m] deeper than that is found and solved again
+
+}  // namespace
+
+void ShakeStep::findConstraints(double h) {
+  scratch_.contacts.clear();
+  scratch_.limits.clear();
+  if (ws_.obstacles.empty() && model_.skeletonOf(ragdoll_).joints.empty() && !model_.self_collision)
+    return;
+  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  if (!ws_.obstacles.empty())
+    appendContacts(model_, ws_.obstacles, state_.x, ws_.x1, index_, kContactMargin,
+                   scratch_.contacts);
+  if (model_.self_collision)
+    ws_.pairs.appendSelf(model_, state_.x, ws_.x1, index_, kContactMargin, scratch_.contacts);
+  // An overlap found at the start opens at a bounded speed, so that nothing is shot out.
+  for (Contact& c : scratch_.contacts)
+    if (c.gap_start < 0) c.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * h);
+  appendLimits(model_, ws_.x1, state_, index_, kLimitMargin, scratch_.limits);
+}
+
+double ShakeStep::gapAt(const Contact& c, const double* dx) const {
+  double gap = -c.offset;
+  for (int k = 0; k < c.count; ++k) {
+    const int i = c.particle[k];
+    gap += c.weight[k] *
+           c.normal.dot(state_.x.col(i) + Eigen::Map<const Vec3>(dx + 3 * (i - ragdoll_.first)));
+  }
+  return gap;
+}
+
+Vec3 ShakeStep::motionOf(const Contact& c, const double* dx) const {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < c.count; ++k)
+    sum += c.weight[k] * Eigen::Map<const Vec3>(dx + 3 * (c.particle[k] - ragdoll_.first));
+  return sum;
+}
+
+void ShakeStep::gather(double h, bool velocities) {
+  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  Schur& schur = scratch_.schur;
+  schur.start(ragdoll_.first);
+  for (std::size_t i = 0; i < scratch_.contacts.size(); ++i)
+    schur.addContact(scratch_.contacts[i], static_cast<int>(i));
+  for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
+    LimitRow& limit = scratch_.limits[i];
+    if (!velocities) evaluateLimit(model_, ws_.x1, limit);
+    schur.addLimit(limit, static_cast<int>(i), velocities ? 0 : limit.compliance / (h * h));
+  }
+}
+
+bool ShakeStep::findMissed() {
+  if (ws_.obstacles.empty()) return false;
+  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  scratch_.missed.clear();
+  appendContacts(model_, ws_.obstacles, state_.x, ws_.x1, index_, 0, scratch_.missed);
+  bool any = false;
+  for (Contact& c : scratch_.missed) {
+    if (c.gap_start < 0) c.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * step_);
+    if (gapAt(c, scratch_.dx.data()) >= -kMissed) continue;
+    scratch_.contacts.push_back(c);
+    any = true;
+  }
+  return any;
+}
+
+void ShakeStep::pressFound(double h) {
+  Schur& schur = scratch_.schur;
+  gather(h, false);
+  schur.assemble(rows_, body_.start, system_.W);
+  Eigen::VectorXd& p = scratch_.p;
+  scratch_.total.setZero(schur.size());
+  recall(h);
+  for (int round = 0; round < kMaxRounds; ++round) {
+    fillGaps(h);
+    if (round > 0) p = scratch_.total;
+    scratch_.b -= schur.matrix() * scratch_.total;
+    schur.solve(scratch_.b, p);
+    const Eigen::VectorXd change = p - scratch_.total;
+    scratch_.total = p;
+    schur.move(rows_, body_.start, system_.W, change, scratch_.dx.data());
+    if (!satisfySticks() && !relaxAlongNew()) failed_ = true;
+    if (failed_ || worstViolation() < kContactTolerance) break;
+  }
+}
+
+void ShakeStep::press(double h, bool leapfrog) {
+  if (scratch_.contacts.empty() && scratch_.limits.empty()) {
+    scratch_.presses.clear();
+    return;
+  }
+  Schur& schur = scratch_.schur;
+  for (int search = 0; search < kMaxSearches; ++search) {
+    if (search > 0) freeMotion(h);
+    pressFound(h);
+    if (!leapfrog || failed_ || !findMissed()) break;
+    if (search + 1 < kMaxSearches) continue;
+    failed_ = true;  // smaller steps meet fewer things at once
+    scratch_.total.resize(0);
+    return;
+  }
+  failed_ = failed_ || (leapfrog && worstViolation() > kUnsettled);
+  for (int i = 0; i < schur.size(); ++i)
+    if (schur.row(i).kind == Schur::Row::Kind::kNormal && scratch_.total[i] > 0) ++report_.contacts;
+  remember(h);
+}
+
+const Press* ShakeStep::lastPress(const Schur::Row& row) const {
+  Press key = keyOf(row);
+  for (const Press& last : scratch_.presses)
+    if (last.a == key.a && last.b == key.b && last.obstacle == key.obstacle &&
+        last.other == key.other)
+      return &last;
+  return nullptr;
+}
+
+Press ShakeStep::keyOf(const Schur::Row& row) const {
+  Press key;
+  key.ragdoll = index_;
+  if (row.kind == Schur::Row::Kind::kLimit) {
+    key.a = -1 - scratch_.limits[row.source].limit;
+    key.b = scratch_.limits[row.source].joint;
+  } else {
+    const Contact& c = scratch_.contacts[row.source];
+    key.a = c.particle[0];
+    key.b = c.count > 1 ? c.particle[1] : -1;
+    key.obstacle = c.obstacle;
+    if (c.count == 4) key.other = {c.particle[2], c.particle[3]};
+  }
+  return key;
+}
+
+void ShakeStep::recall(double h) {
+  Eigen::VectorXd& p = scratch_.p;
+  p.setZero(scratch_.schur.size());
+  if (scratch_.presses.empty()) return;
+  const Press* last = nullptr;
+  for (int i = 0; i < p.size(); ++i) {
+    const Schur::Row& row = scratch_.schur.row(i);
+    if (row.kind != Schur::Row::Kind::kTangent) last = lastPress(row);
+    if (!last) continue;
+    if (row.kind == Schur::Row::Kind::kLimit)
+      p[i] = last->impulse.x() * h * h;
+    else
+      p[i] = last->impulse.dot(row.direction) * h * h;
+    if (row.kind == Schur::Row::Kind::kNormal) p[i] = std::max(0.0, p[i]);
+  }
+}
+
+void ShakeStep::remember(double h) {
+  scratch_.presses.clear();
+  for (int i = 0; i < scratch_.schur.size(); ++i) {
+    const Schur::Row& row = scratch_.schur.row(i);
+    const double force = scratch_.total[i] / (h * h);
+    if (row.kind == Schur::Row::Kind::kLimit) {
+      if (force == 0) continue;
+      scratch_.presses.push_back(keyOf(row));
+      scratch_.presses.back().impulse = Vec3(force, 0, 0);
+    } else if (row.kind == Schur::Row::Kind::kNormal) {
+      if (force == 0) continue;
+      scratch_.presses.push_back(keyOf(row));
+      scratch_.presses.back().impulse = force * row.direction;
+    } else if (force != 0) {
+      scratch_.presses.back().impulse += force * row.direction;
+    }
+  }
+}
+
+void ShakeStep::fillGaps(double h) {
+  const double share = h / step_;
+  Schur& schur = scratch_.schur;
+  scratch_.b.resize(schur.size());
+  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  for (int i = 0; i < schur.size(); ++i) {
+    const Schur::Row& row = schur.row(i);
+    if (row.kind == Schur::Row::Kind::kLimit) {
+      LimitRow limit = scratch_.limits[row.source];
+      evaluateLimit(model_, ws_.x1, limit);
+      scratch_.b[i] = limit.value + row.compliance * scratch_.total[i];
+    } else if (row.kind == Schur::Row::Kind::kNormal) {
+      scratch_.b[i] = gapAt(scratch_.contacts[row.source], scratch_.dx.data());
+    } else {
+      const Contact& c = scratch_.contacts[row.source];
+      scratch_.b[i] =
+          schur.along(i, scratch_.dx.data()) - row.direction.dot(share * c.surface_motion);
+    }
+  }
+}
+
+double ShakeStep::worstViolation() {
+  double worst = 0;
+  for (const Contact& c : scratch_.contacts) worst = std::max(worst, -gapAt(c, scratch_.dx.data()));
+  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  for (const LimitRow& l : scratch_.limits) {
+    if (l.compliance > 0) continue;
+    LimitRow limit = l;
+    evaluateLimit(model_, ws_.x1, limit);
+    worst = std::max(worst, -limit.value * 0.1);  // 0.1 m: the lever of a radian that is seen
+  }
+  return worst;
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,90 @@
+#include <algorithm>
+
+#include "ragdoll_sim/core/shake_step.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr int kMaxNewton = 25;  ///< iterations; 2 to 4 are usual
+
+}  // namespace
+
+double ShakeStep::advance(double h, bool may_bounce) {
+  body_.start.setPose(rows_, xData());
+  freeMotion(h);
+  findConstraints(h);
+  if (may_bounce) {
+    const double until = firstBounce(h);
+    if (until < h) {
+      if (until > 0) {
+        freeMotion(until);
+        press(until);
+        finish(until, true, true);
+      } else {
+        bounce();
+      }
+      return std::max(until, 1e-6 * h);
+    }
+  }
+  press(h);
+  finish(h);
+  return h;
+}
+
+double ShakeStep::advanceSmooth(double h, int taken) {
+  double* m = multipliers();
+  rungeKutta(rows_, body_.end, xData(), vData(), scratch_.acceleration, h, scratch_.stages,
+             scratch_.dx, scratch_.v1, m);
+  for (int s = 0; s < rows_.s; ++s) m[s] = m[s + rows_.s] = 0.5 * m[s];  // per h^2 of x, not of v
+  body_.start.setPose(rows_, xData());
+  scratch_.lambda.setZero(rows_.width);
+  if (!satisfySticks()) failed_ = true;
+  findConstraints(h);
+  bool free = true;
+  for (const Contact& c : scratch_.contacts)
+    free = free && gapAt(c, scratch_.dx.data()) > kTouching && c.gap_start > kTouching;
+  for (const LimitRow& l : scratch_.limits) free = free && l.value > 0;
+  if (!free) return advance(h, taken < kMaxBounces);
+  scratch_.presses.clear();
+  x() += scratch_.dx;
+  v() = scratch_.v1;
+  body_.end.setPose(rows_, xData());
+  body_.end.projectVelocities(rows_, vData());
+  std::swap(body_.start, body_.end);
+  return h;
+}
+
+void ShakeStep::freeMotion(double h) {
+  scratch_.dx = h * v() + (0.5 * h * h) * scratch_.acceleration;
+  scratch_.lambda.setZero(rows_.width);
+  double* warm = multipliers();     // per h^2: of the last motion,
+  double* before = warm + rows_.s;  // and of the one before it; extrapolated to this one
+  for (int s = 0; s < rows_.s; ++s) scratch_.lambda[s] = (2 * warm[s] - before[s]) * h * h;
+  body_.start.move(rows_, scratch_.lambda.data(), 1, scratch_.dx.data());
+  if (!satisfySticks()) failed_ = true;
+  for (int s = 0; s < rows_.s; ++s) {
+    before[s] = warm[s];
+    warm[s] = scratch_.lambda[s] / (h * h);
+  }
+}
+
+bool ShakeStep::satisfySticks() {
+  scratch_.D1.resize(3, rows_.width);
+  scratch_.residual.setZero(rows_.width);
+  const Eigen::Map<const PaddedRows> D0(body_.start.D(), 3, rows_.width);
+  for (int iteration = 0; iteration < kMaxNewton; ++iteration) {
+    kernels::multiplyPoints(scratch_.dx.data(), rows_.BT.data(), n_, rows_.width,
+                            scratch_.D1.data());
+    scratch_.D1 += D0;
+    const double worst = kernels::lengthResiduals(scratch_.D1.data(), rows_.length2.data(),
+                                                  rows_.width, scratch_.residual.data());
+    if (worst < kTolerance) return true;
+    if (!(worst < 1e6)) return false;
+    body_.start.solve(rows_, scratch_.residual.data());
+    scratch_.lambda += scratch_.residual;
+    body_.start.move(rows_, scratch_.residual.data(), 1, scratch_.dx.data());
+  }
+  return false;
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,113 @@
+#include <algorithm>
+#include <cmath>
+
+#include "ragdoll_sim/core/shake_step.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr double kBounceSteps = 4;       ///< bounce only above an approach speed of 4 g h
+constexpr double kTouchingAngle = 1e-4;  ///< [rad]
+
+}  // namespace
+
+void ShakeStep::finish(double h, bool leapfrog, bool impact) {
+  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  v() = scratch_.dx / h;
+  if (leapfrog) v() += (0.5 * h) * scratch_.acceleration;
+  restrictToTouching(h);
+  x() += scratch_.dx;
+  body_.end.setPose(rows_, xData());
+  body_.end.projectVelocities(rows_, vData());
+  pushVelocities(body_.end, impact);
+  std::swap(body_.start, body_.end);
+}
+
+void ShakeStep::restrictToTouching(double h) {
+  scratch_.touching.clear();
+  scratch_.warm.clear();
+  const bool known = scratch_.total.size() == scratch_.schur.size();
+  int row = 0;  // of the position stage
+  for (const Contact& c : scratch_.contacts) {
+    const int rows = c.friction > 0 ? 3 : 1;
+    if (gapAt(c, scratch_.dx.data()) < kTouching) {
+      scratch_.touching.push_back(c);
+      for (int k = 0; k < rows; ++k)
+        scratch_.warm.push_back(known && h > 0 ? scratch_.total[row + k] / h : 0);
+    }
+    row += rows;
+  }
+  scratch_.touching_limits.clear();
+  for (LimitRow limit : scratch_.limits) {
+    const double pressed = known && h > 0 ? scratch_.total[row] / h : 0;
+    ++row;
+    if (limit.compliance > 0) continue;
+    evaluateLimit(model_, ws_.x1, limit);
+    if (limit.value < kTouchingAngle && limit.count > 0) {
+      scratch_.touching_limits.push_back(limit);
+      scratch_.warm.push_back(pressed);
+    }
+  }
+}
+
+void ShakeStep::pushVelocities(StickSolver& sticks, bool impact) {
+  if (scratch_.touching.empty() && scratch_.touching_limits.empty()) return;
+  Schur& schur = scratch_.schur;
+  schur.start(ragdoll_.first);
+  for (std::size_t i = 0; i < scratch_.touching.size(); ++i)
+    schur.addContact(scratch_.touching[i], static_cast<int>(i));
+  for (std::size_t i = 0; i < scratch_.touching_limits.size(); ++i)
+    schur.addLimit(scratch_.touching_limits[i], static_cast<int>(i), 0);
+  schur.assemble(rows_, sticks, system_.W);
+  scratch_.b.resize(schur.size());
+  for (int i = 0; i < schur.size(); ++i) {
+    const Schur::Row& row = schur.row(i);
+    scratch_.b[i] = schur.along(i, vData());
+    if (row.kind == Schur::Row::Kind::kLimit) continue;
+    const Contact& c = scratch_.touching[row.source];
+    scratch_.b[i] -= row.direction.dot(c.surface_motion) / step_;
+    if (impact && row.kind == Schur::Row::Kind::kNormal && -scratch_.b[i] > bounceSpeed(c))
+      scratch_.b[i] *= 1 + c.restitution;
+  }
+  scratch_.p = Eigen::Map<const Eigen::VectorXd>(scratch_.warm.data(), schur.size());
+  schur.solve(scratch_.b, scratch_.p);
+  schur.move(rows_, sticks, system_.W, scratch_.p, vData());
+}
+
+double ShakeStep::bounceSpeed(const Contact& c) const {
+  return kBounceSteps * step_ * std::abs(c.normal.dot(model_.gravity));
+}
+
+bool ShakeStep::bounces(const Contact& c, double h) const {
+  if (!(c.restitution > 0) || c.gap_start < -kContactTolerance) return false;
+  const double speed =
+      -c.normal.dot(motionOf(c, scratch_.dx.data()) / h - c.surface_motion / step_);
+  return speed > bounceSpeed(c) && gapAt(c, scratch_.dx.data()) < 0;
+}
+
+double ShakeStep::firstBounce(double h) const {
+  double first = h;
+  for (const Contact& c : scratch_.contacts) {
+    if (!bounces(c, h)) continue;
+    const double end = gapAt(c, scratch_.dx.data());
+    const double v0 = c.normal.dot(motionOf(c, state_.v.data() + 3 * ragdoll_.first)) -
+                      c.normal.dot(c.surface_motion) / step_;
+    const double g0 = std::max(
+        0.0, end - c.normal.dot(motionOf(c, scratch_.dx.data()) - h / step_ * c.surface_motion));
+    const double q = (end - g0 - v0 * h) / (h * h);  // gap = g0 + v0 t + q t^2
+    const double root = std::sqrt(std::max(0.0, v0 * v0 - 4 * q * g0));
+    const double t = g0 > 0 ? 2 * g0 / (-v0 + root) : 0;
+    if (t >= 0 && t < first) first = t;
+  }
+  return first;
+}
+
+void ShakeStep::bounce() {
+  scratch_.dx.setZero(3, n_);
+  body_.start.setPose(rows_, xData());
+  ws_.x1.middleCols(ragdoll_.first, n_) = x();
+  restrictToTouching(0);
+  pushVelocities(body_.start, true);
+}
+
+}  // namespace ragdoll
