@@ -21,8 +21,6 @@ Scene randomFall(const std::string& name, std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1, 1);
   Scene scene = loadScene(name);
   scene.ragdolls.resize(1);
-  scene.ragdolls[0].skeleton =
-      parseScene("ragdolls: [{model: human_inertia}]").ragdolls[0].skeleton;
   scene.pokes.clear();
   RagdollSpec& r = scene.ragdolls[0];
   r.pose.orientation = Quat(unit(random), unit(random), unit(random), unit(random)).normalized() *

@@ -104,7 +104,7 @@ def bits(state):
 
 
 def momentum(model, state):
-    """[kg m/s]; exact where masses are lumped."""
+    """[kg m/s] of a model with lumped masses; of segments Model.masses tell only the diagonal."""
     sums = [0.0, 0.0, 0.0]
     for m, r in zip(model.ragdolls, state.ragdolls):
         for mass, v in zip(m.masses, r.velocities):

@@ -17,7 +17,7 @@ from visualization_msgs.msg import MarkerArray
 FLOATING = '''
 gravity: [0, 0, 0]
 ragdolls:
-  - {name: ragdoll, model: human, position: [0, 0, 2]}
+  - {name: ragdoll, model: human_lumped, position: [0, 0, 2]}
 '''
 PUSHED = FLOATING + '''
 obstacles:
