@@ -74,13 +74,21 @@ install_missing() {
   die "apt-get could not install missing packages:" $missing
 }
 
+# Whether nothing has changed since the file: no file or folder of the tree, no system package. The
+# build itself takes a second to find that out, as catkin checks every message anew.
+is_newest() {
+  [ -f "$1" ] && [ -z "$(find "$root" /var/lib/dpkg/status \
+    \( -path "$root/build" -o -path "$root/.git" \) -prune -o -newer "$1" -print -quit 2>&1)" ]
+}
+
 # Configures the tree as one catkin project and builds the given targets.
 build_targets() {
-  local cache="$build/CMakeCache.txt"
+  local cache="$build/CMakeCache.txt" built="$build/devel/.built-$*"
   if [ -f "$cache" ] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache"; then
     say "build/ belongs to another folder, building anew"
     rm -rf "$build"
   fi
+  is_newest "$built" && return
   if [ ! -f "$build/build.ninja" ] && [ ! -f "$build/Makefile" ]; then
     mkdir -p "$build"
     say "configuring (log: build/configure.log)"
@@ -88,10 +96,11 @@ build_targets() {
       -DPYTHON_EXECUTABLE=/usr/bin/python3 >"$build/configure.log" 2>&1 ||
       { tail -n 30 "$build/configure.log" >&2; return 1; }
   fi
+  touch "$build/now"
   # The filter leaves out what is done in every build and changes nothing.
   cmake --build "$build" --parallel "$(nproc)" --target "$@" 2>&1 |
     sed -u '/genmsg_check_deps\|^ninja: no work\|Re-checking globbed/d'
-  return "${PIPESTATUS[0]}"
+  [ "${PIPESTATUS[0]}" = 0 ] && mv "$build/now" "$built"
 }
 
 # ROS on loopback only, unless the user has said where ROS lives. A ROS_MASTER_URI on localhost is
