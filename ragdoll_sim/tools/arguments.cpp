@@ -9,12 +9,18 @@
 
 namespace ragdoll::lab {
 
-bool parse(CommandLine& line, const Words& words, std::string& scene) {
+namespace {
+
+/// scene: null if the command takes none.
+bool parseWords(CommandLine& line, const Words& words, std::string* scene) {
   line.options.add_options()("help,h", "Print this and end");
   po::options_description all;
-  all.add(line.options).add_options()("scene", po::value(&scene));
+  all.add(line.options);
   po::positional_options_description by_place;
-  by_place.add("scene", 1);
+  if (scene) {
+    all.add_options()("scene", po::value(scene));
+    by_place.add("scene", 1);
+  }
   try {
     // A negative number is a value, and half an option is a mistake: no short forms, no guessing.
     const int style = po::command_line_style::unix_style & ~po::command_line_style::allow_guessing;
@@ -22,18 +28,27 @@ bool parse(CommandLine& line, const Words& words, std::string& scene) {
     po::store(po::command_line_parser(words).options(all).positional(by_place).style(style).run(),
               found);
     if (found.count("help")) {
-      std::cout << "Usage: ragdoll_lab " << line.usage << "\n\n"
-                << line.about << "\nSCENE is a file, or the name of a scene such as fall.\n\n"
-                << line.options;
+      std::cout << "Usage: ragdoll_lab " << line.usage << "\n\n" << line.about << "\n";
+      if (scene) std::cout << "SCENE is a file, or the name of a scene such as fall.\n";
+      std::cout << "\n" << line.options;
       return false;
     }
     po::notify(found);
-    if (!found.count("scene")) throw Error("", "SCENE is missing: the scene file, or its name");
+    if (scene && !found.count("scene"))
+      throw Error("", "SCENE is missing: the scene file, or its name");
   } catch (const po::error& error) {
     throw Error("", std::string(error.what()) + " (see --help)");
   }
   return true;
 }
+
+}  // namespace
+
+bool parse(CommandLine& line, const Words& words, std::string& scene) {
+  return parseWords(line, words, &scene);
+}
+
+bool parse(CommandLine& line, const Words& words) { return parseWords(line, words, nullptr); }
 
 Scene loadScene(const std::string& path, const Words& settings) {
   Scene scene = ragdoll::loadScene(path);

@@ -21,6 +21,9 @@ struct CommandLine {
 /// Returns false when --help was asked for and has been printed. Throws Error.
 bool parse(CommandLine& line, const Words& words, std::string& scene);
 
+/// The same for a command that takes no scene.
+bool parse(CommandLine& line, const Words& words);
+
 /// The scene with the settings ("solver.step=0.001") that --set gave. Throws Error.
 Scene loadScene(const std::string& path, const Words& settings);
 

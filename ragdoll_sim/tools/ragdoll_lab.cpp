@@ -19,13 +19,14 @@ constexpr Command kCommands[] = {
     {"run", "Step a scene as fast as possible", runCommand},
     {"trade", "Measure speed against accuracy on a scene", tradeCommand},
     {"tune", "Find the solver setting for an error or a cost", tuneCommand},
+    {"extremes", "Run the stability matrix", extremesCommand},
 };
 
 void printHelp() {
   std::cout << "The ragdoll simulator without ROS.\n"
                "Usage: ragdoll_lab SUBCOMMAND ... (each has its own --help)\n\n";
   for (const Command& command : kCommands) {
-    std::cout << "  " << std::left << std::setw(8) << command.name << command.about << "\n";
+    std::cout << "  " << std::left << std::setw(10) << command.name << command.about << "\n";
   }
   std::cout << "\nExit status: 0 ok, 1 a check failed, 2 bad input.\n";
 }

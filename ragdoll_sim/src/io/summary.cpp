@@ -15,6 +15,7 @@ std::string toJson(const Summary& s) {
   char hash[17];
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(s.hash));
   const nlohmann::json guard = {{"guarded", s.guard.guarded},
+                                {"implicit", s.guard.implicit},
                                 {"limited", s.guard.limited},
                                 {"unresolved", s.guard.unresolved},
                                 {"max_substeps", s.guard.max_substeps}};
@@ -69,6 +70,7 @@ void WatchedRun::step() {
   summary_.wall_seconds += wall.count();
   if (forced) summary_.work += force_.cwiseProduct(state_.x - before_).sum();
   summary_.guard.guarded += report.guarded > 0;
+  summary_.guard.implicit += static_cast<std::uint64_t>(report.implicit);
   summary_.guard.limited += report.limited > 0;
   summary_.guard.unresolved += report.unresolved > 0;
   summary_.guard.max_substeps = std::max(summary_.guard.max_substeps, report.substeps);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "ragdoll_sim/core/inputs.h"
 #include "ragdoll_sim/core/model.h"
@@ -14,6 +15,7 @@ namespace ragdoll {
 /// How often the step guard did what; a step counts once however many ragdolls it was for.
 struct GuardCounts {
   std::uint64_t guarded = 0;     ///< steps in which the method or the step was changed
+  std::uint64_t implicit = 0;    ///< implicit steps taken in place of explicit ones
   std::uint64_t limited = 0;     ///< steps in which energy was limited after a contact
   std::uint64_t unresolved = 0;  ///< steps whose constraints did not converge
   int max_substeps = 1;
@@ -45,6 +47,9 @@ class WatchedRun {
 
   /// One step, timed and measured.
   void step();
+
+  /// Where the obstacles are at the end of the next step; one pose each.
+  void moveObstacles(const std::vector<Pose>& poses) { inputs_.obstacles = poses; }
 
   const State& state() const { return state_; }
   double time() const;  ///< [s] steps times step length

@@ -1,0 +1,96 @@
+#include "extreme_matrix.h"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace ragdoll::lab {
+namespace {
+
+/// Runs work(i) for all i < count, on all processors; `done` is told how many are finished.
+void onAllProcessors(std::size_t count, const std::function<void(std::size_t)>& work,
+                     const std::function<void(std::size_t)>& done) {
+  std::atomic<std::size_t> next{0};
+  std::size_t finished = 0;
+  std::mutex mutex;
+  std::exception_ptr fault;
+  const auto run = [&] {
+    for (std::size_t i = next++; i < count; i = next++) {
+      try {
+        work(i);
+      } catch (...) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        fault = std::current_exception();
+        next = count;
+        return;
+      }
+      const std::lock_guard<std::mutex> lock(mutex);
+      done(++finished);
+    }
+  };
+  std::vector<std::thread> threads;
+  for (unsigned i = 1; i < std::max(1u, std::thread::hardware_concurrency()); ++i)
+    threads.emplace_back(run);
+  run();
+  for (std::thread& t : threads) t.join();
+  if (fault) std::rethrow_exception(fault);
+}
+
+}  // namespace
+
+void RandomTally::add(std::uint32_t seed, const Verdict& v) {
+  ++scenes;
+  worst.stick_error = std::max(worst.stick_error, v.stick_error);
+  worst.energy_rise = std::max(worst.energy_rise, v.energy_rise);
+  worst.depth = std::max(worst.depth, v.depth);
+  worst.guard.max_substeps = std::max(worst.guard.max_substeps, v.guard.max_substeps);
+  if (v.kept()) return;
+  broken.push_back(seed);
+  for (const std::string& law : v.broken) laws.push_back(law);
+}
+
+bool Matrix::defaultKeepsAll() const {
+  bool kept = true;
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    if (!methods[m].is_default) continue;
+    for (const MatrixRow& row : rows) kept = kept && row.verdicts[m].kept();
+    kept = kept && random[m].broken.empty();
+  }
+  return kept;
+}
+
+Matrix runMatrix(const MatrixOptions& options, Progress& progress) {
+  Matrix matrix;
+  matrix.methods = extremeMethods();
+  const std::size_t columns = matrix.methods.size();
+  for (const Extreme& test : extremeTests(options.quick))
+    if ((test.group + ": " + test.name).find(options.only) != std::string::npos)
+      matrix.rows.push_back({test, std::vector<Verdict>(columns)});
+  matrix.random.resize(columns);
+  const std::size_t cells = matrix.rows.size() * columns;
+  std::vector<Verdict> random(static_cast<std::size_t>(options.random) * columns);
+  const auto seed = [&](std::size_t k) {
+    return options.seed + static_cast<std::uint32_t>(k / columns);
+  };
+  const auto work = [&](std::size_t i) {
+    if (i < cells) {
+      MatrixRow& row = matrix.rows[i / columns];
+      row.verdicts[i % columns] = judge(row.test, matrix.methods[i % columns]);
+    } else {
+      const std::size_t k = i - cells;
+      random[k] = judge(randomExtreme(seed(k)), matrix.methods[k % columns]);
+    }
+  };
+  onAllProcessors(cells + random.size(), work, [&](std::size_t finished) {
+    progress.show(static_cast<double>(finished) / static_cast<double>(cells + random.size()),
+                  finished < cells ? matrix.rows[finished / columns].test.group : "random scenes");
+  });
+  for (std::size_t k = 0; k < random.size(); ++k)
+    matrix.random[k % columns].add(seed(k), random[k]);
+  return matrix;
+}
+
+}  // namespace ragdoll::lab

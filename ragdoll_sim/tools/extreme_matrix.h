@@ -1,0 +1,45 @@
+// All tests by all methods: what `extremes` prints.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "extreme_verdict.h"
+#include "progress.h"
+
+namespace ragdoll::lab {
+
+struct MatrixRow {
+  Extreme test;
+  std::vector<Verdict> verdicts;  ///< per method
+};
+
+/// The random scenes of one method.
+struct RandomTally {
+  int scenes = 0;
+  std::vector<std::uint32_t> broken;  ///< seeds
+  std::vector<std::string> laws;      ///< what each of them broke
+  Verdict worst;                      ///< the largest of each figure
+
+  void add(std::uint32_t seed, const Verdict& verdict);
+};
+
+struct Matrix {
+  std::vector<ExtremeMethod> methods;
+  std::vector<MatrixRow> rows;
+  std::vector<RandomTally> random;  ///< per method
+
+  bool defaultKeepsAll() const;
+};
+
+struct MatrixOptions {
+  bool quick = false;
+  int random = 0;          ///< scenes
+  std::uint32_t seed = 0;  ///< of the first
+  std::string only;        ///< only tests whose name contains this
+};
+
+/// Runs everything on all processors. Throws Error.
+Matrix runMatrix(const MatrixOptions& options, Progress& progress);
+
+}  // namespace ragdoll::lab

@@ -1,0 +1,348 @@
+#include "extreme_tests.h"
+
+#include <cmath>
+#include <iterator>
+#include <random>
+#include <sstream>
+
+#include "extreme_scenes.h"
+
+namespace ragdoll::lab {
+namespace {
+
+class Tests {
+ public:
+  explicit Tests(bool quick) : quick_(quick) {}
+
+  std::vector<Extreme> all() {
+    steps();
+    massRatios();
+    forces();
+    drops();
+    gravities();
+    placed();
+    flatBodies();
+    sizes();
+    farFromTheOrigin();
+    fewSweeps();
+    longRuns();
+    wedges();
+    squeezed();
+    return std::move(tests_);
+  }
+
+ private:
+  /// The values of a row, fewer if it has to be quick.
+  std::vector<double> some(const std::vector<double>& all, const std::vector<double>& few) const {
+    return quick_ ? few : all;
+  }
+
+  Extreme& add(const std::string& group, const std::string& name, Scene scene, double seconds) {
+    Extreme e;
+    e.group = group;
+    e.name = name;
+    e.scene = std::move(scene);
+    e.seconds = seconds;
+    tests_.push_back(std::move(e));
+    return tests_.back();
+  }
+
+  void steps() {
+    for (const double h :
+         some({1e-6, 1e-5, 1e-4, 1e-3, 1.0 / 240, 1.0 / 60, 1.0 / 30, 0.1, 0.2, 0.5},
+              {1e-5, 1.0 / 60, 0.1, 0.5})) {
+      const bool tiny = h < 5e-4;  // only the impact: a run of seconds would take minutes
+      const std::string name = shortNumber(h) + " s, ";
+      Extreme& fall = add("step", name + "falls 1 m",
+                          humanScene(tiny ? "position: [0, 0, 1], velocity: [0, 0, -4.4]"
+                                          : "position: [0, 0, 1.95], rpy_deg: [10, 30, 0]",
+                                     kFloor),
+                          tiny ? std::min(0.1, 3e4 * h) : 15);
+      fall.step = h;
+      fall.laws.rest = !tiny;
+      if (tiny) fall.laws.joined = 0;
+      Extreme& swing =
+          add("step", name + "swings by a hand",
+              humanScene("position: [0, 0, 0], rpy_deg: [0, 80, 0]", "pins: [right_hand]\n"),
+              tiny ? std::min(0.1, 3e4 * h) : 10);
+      swing.step = h;
+    }
+  }
+
+  void massRatios() {
+    for (const double ratio : some({1, 10, 100, 1e3, 1e4, 1e5, 1e6}, {1, 1e3, 1e6})) {
+      std::vector<double> last(6, 1.0), every(6, 1.0);
+      last.back() = ratio;
+      for (std::size_t i = 2; i < every.size(); i += 2) every[i] = ratio;
+      const std::string name = "1:" + shortNumber(ratio);
+      add("mass ratio", name + ", hung", chainScene(last, 0.3, 0), 5);
+      add("mass ratio", name + ", swung", chainScene(last, 0.3, 1.2), 5);
+      add("mass ratio", name + ", every other particle, swung", chainScene(every, 0.3, 1.2), 5);
+    }
+    std::vector<double> heavy(11, 0.1);
+    heavy.back() = 100;
+    for (const double tilt : {0.0, 0.5}) {
+      Extreme& chain = add("mass ratio",
+                           tilt > 0 ? "100 kg on 10 links of 0.1 kg, tilted 0.5 rad"
+                                    : "100 kg on 10 links of 0.1 kg, at rest",
+                           chainScene(heavy, 0.1, tilt), 10);
+      chain.step = 1.0 / 60;
+      chain.laws.joined = 0;
+      if (tilt == 0) chain.laws.drift = 1e-3;
+    }
+  }
+
+  void forces() {
+    for (const double force :
+         some({1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12}, {1e3, 1e6, 1e12})) {
+      const std::string newtons = shortNumber(force);
+      add("force for one step", newtons + " N on a hand, weightless",
+          humanScene("position: [0, 0, 0]",
+                     "gravity: [0, 0, 0]\n"
+                     "pokes: [{at: 0.1, body: right_hand, force: [0, " +
+                         newtons + ", 0]}]\n"),
+          2)
+          .laws.joined = 1.1;
+      Extreme& down = add("force for one step", newtons + " N on the head, towards the floor",
+                          humanScene("position: [0, 0, 1.2]",
+                                     kFloor + ("pokes: [{at: 0.1, body: head, force: [0, 0, -" +
+                                               newtons + "]}]\n")),
+                          2);
+      down.laws.joined = 1.1;
+      down.laws.lowest = -0.005;
+    }
+  }
+
+  void drops() {
+    for (const double speed : some({1, 3, 10, 30, 100, 300, 1000}, {1, 100, 1000})) {
+      const std::string metres = shortNumber(speed);
+      const std::string start =
+          "position: [0, 0, 1.3], rpy_deg: [20, 40, 0], velocity: [0, 0, -" + metres + "]";
+      Extreme& plane = add("drop", metres + " m/s on a plane", humanScene(start, kFloor), 15);
+      plane.laws.lowest = -0.005;
+      plane.laws.rest = true;
+      Extreme& box = add("drop", metres + " m/s on a 0.2 m box",
+                         humanScene(start,
+                                    "obstacles: [{type: box, position: [0, 0, -0.1], "
+                                    "size: [2000, 2000, 0.2], friction: 0.6}]\n"),
+                         15);
+      box.laws.lowest = -0.005;
+      box.laws.rest = true;
+    }
+  }
+
+  void gravities() {
+    for (const double g : some({0, 0.1, 1, 10, 100, 1000}, {0, 1000})) {
+      Extreme& e =
+          add("gravity", shortNumber(g) + " m/s^2",
+              humanScene("position: [0, 0, 1.2], rpy_deg: [10, 30, 0], velocity: [0, 0, -1]",
+                         kFloor + ("gravity: [0, 0, -" + shortNumber(g) + "]\n")),
+              g > 0 && g < 1 ? 60 : 15);
+      e.laws.rest = g > 0;
+    }
+  }
+
+  void placed() {
+    const auto place = [&](const std::string& name, const std::string& where, double speed) {
+      Extreme& e =
+          add("placed apart", name,
+              humanScene("position: [0, 0, 0], place: {" + where + "}", "gravity: [0, 0, 0]\n"), 5);
+      e.laws.energy_rise = kUnbounded;  // the energy is that of where its sticks want it
+      e.laws.speed = speed;
+    };
+    place("a hand at its elbow", "right_hand: [-0.01, -0.2583, 0.1727]", 20);
+    place("both hands at one point", "left_hand: [0.4, 0, 0], right_hand: [0.4, 0, 0]", 20);
+    std::string all;
+    const Scene human = humanScene("position: [0, 0, 0]", "");
+    for (const ParticleSpec& p : human.ragdolls[0].skeleton->particles)
+      all += (all.empty() ? "" : ", ") + p.name + ": [0, 0, 0]";
+    place("all particles at one point", all, 20);
+    place("a hand 1 m off", "right_hand: [-0.01, -1.346, -0.1545]", 20);
+    if (!quick_) place("a hip 1 m off", "right_hip: [0, -1.11, 0]", 20);
+    place("a hand 100 m off", "right_hand: [-0.01, -100.346, -0.1545]", 20);
+  }
+
+  void flatBodies() {
+    const std::string tumble = "position: [0, 0, 0], angular_velocity: [1, 2, 3]";
+    const std::string fall = "position: [0, 0, 1.95], rpy_deg: [10, 30, 0]";
+    const std::string weightless = "gravity: [0, 0, 0]\n";
+    Scene flat = humanScene(tumble, weightless), falling = humanScene(fall, kFloor);
+    flattenModel(flat);
+    flattenModel(falling);
+    add("flat and symmetric", "mirror-symmetric human, tumbles", humanScene(tumble, weightless),
+        10);
+    add("flat and symmetric", "flat human, tumbles", flat, 10);
+    add("flat and symmetric", "flat human, falls", falling, 15).laws.rest = true;
+    if (quick_) return;
+    add(
+        "flat and symmetric", "flat human on its back in its own plane",
+        [&] {
+          Scene s = humanScene("position: [0, 0, 0.3], rpy_deg: [0, -90, 0]", kFloor);
+          flattenModel(s);
+          return s;
+        }(),
+        10)
+        .laws.rest = true;
+  }
+
+  void sizes() {
+    for (const double height : some({1e-3, 1e-2, 0.1, 1, 10, 100}, {1e-3, 100})) {
+      const double scale = height / 1.75;
+      Scene scene = humanScene("position: [0, 0, 0], rpy_deg: [10, 30, 0]", kFloor);
+      scaleModel(scene, scale, 1);
+      scene.ragdolls[0].pose.position.z() = 1.2 * scale;
+      Extreme& e = add("size", shortNumber(height) + " m tall, falls", scene,
+                       15 * std::max(1.0, std::sqrt(scale)));
+      e.laws.depth = 5e-3 * scale;
+      e.laws.rest = true;
+    }
+    for (const double mass : some({1e-6, 1e-3, 1, 1e3, 1e6}, {1e-6, 1e6})) {
+      Scene scene = humanScene("position: [0, 0, 1.95], rpy_deg: [10, 30, 0]", kFloor);
+      scaleModel(scene, 1, mass / 75);
+      add("mass", shortNumber(mass) + " kg, falls 1 m", scene, 15).laws.rest = true;
+    }
+  }
+
+  void farFromTheOrigin() {
+    Scene fall = humanScene("position: [1e6, -1e6, 1.95], rpy_deg: [10, 30, 0]", kFloor);
+    add("1e6 m from the origin", "falls 1 m", fall, 15).laws.rest = true;
+    add("1e6 m from the origin", "tumbles",
+        humanScene("position: [1e6, 1e6, 1e6], angular_velocity: [1, 2, 3]",
+                   "gravity: [0, 0, 0]\n"),
+        10);
+  }
+
+  void fewSweeps() {
+    Extreme& e = add("one sweep", "falls 1 m",
+                     humanScene("position: [0, 0, 1.95], rpy_deg: [10, 30, 0]", kFloor), 15);
+    e.sweeps = 1;
+    Extreme& hung =
+        add("one sweep", "swings by a hand",
+            humanScene("position: [0, 0, 0], rpy_deg: [0, 80, 0]", "pins: [right_hand]\n"), 10);
+    hung.sweeps = 1;
+  }
+
+  void longRuns() {
+    const double seconds = quick_ ? 60 : 3600;
+    const std::string time = quick_ ? "a minute" : "an hour";
+    Extreme& rest = add("long", time + " of rest, sleep off",
+                        humanScene("position: [0, 0, 1.2], rpy_deg: [10, 30, 0]", kFloor), seconds);
+    rest.sleep = false;
+    rest.laws.rest = true;
+    rest.laws.drift = 1e-3;
+    add("long", time + " of tumbling",
+        humanScene("position: [0, 0, 0], angular_velocity: [1, 2, 3]", "gravity: [0, 0, 0]\n"),
+        seconds)
+        .laws.energy_rise = 1e-3;
+  }
+
+  void wedges() {
+    for (const double angle : some({10, 30, 60, 90}, {10, 60})) {
+      const double half = 0.5 * angle * M_PI / 180;
+      const std::string x = std::to_string(std::cos(half)), z = std::to_string(std::sin(half));
+      Extreme& e = add("wedge of two planes", shortNumber(angle) + " degrees",
+                       humanScene("position: [0, 0, " + shortNumber(1.2 + 0.8 / std::tan(half)) +
+                                      "], rpy_deg: [10, 30, 0]",
+                                  "obstacles: [{type: plane, normal: [" + x + ", 0, " + z +
+                                      "]}, {type: plane, normal: [-" + x + ", 0, " + z + "]}]\n"),
+                       20);
+      e.laws.rest = true;
+      e.laws.joined = 0;
+    }
+  }
+
+  /// Two walls that close at `speed` to `gap`, hold for 1 s, and open again.
+  void squeeze(const std::string& name, double gap, double speed) {
+    constexpr double kOpen = 1.2;  ///< [m] between the walls
+    const double closing = (kOpen - gap) / (2 * speed);
+    Extreme& e = add("closing walls", name,
+                     humanScene("position: [0, 0, 0.96]",
+                                "obstacles: [{type: plane, friction: 0.6}, "
+                                "{type: box, position: [-1.6, 0, 2], size: [2, 8, 8]}, "
+                                "{type: box, position: [1.6, 0, 2], size: [2, 8, 8]}]\n"),
+                     2 * closing + 6);
+    e.drive = [=](double time, std::vector<Pose>& obstacles) {
+      double way = std::min(time, closing);
+      if (time > closing + 1) way = std::max(0.0, closing - (time - closing - 1));
+      obstacles[1].position.x() = -1 - kOpen / 2 + speed * way;
+      obstacles[2].position.x() = 1 + kOpen / 2 - speed * way;
+    };
+    e.laws.joined = 2 * closing + 2;
+    e.laws.energy_rise = kUnbounded;  // the walls give energy
+    e.laws.speed = 30 + 10 * speed;
+    e.laws.rest = true;
+  }
+
+  void squeezed() {
+    squeeze("to 0.4 m at 0.5 m/s", 0.4, 0.5);
+    squeeze("to 0.25 m at 0.5 m/s", 0.25, 0.5);
+    squeeze("to 0.1 m, less than the head, at 0.5 m/s", 0.1, 0.5);
+    if (!quick_) squeeze("to nothing at 0.5 m/s", 0, 0.5);
+    squeeze("to nothing at 5 m/s", 0, 5);
+  }
+
+  bool quick_;
+  std::vector<Extreme> tests_;
+};
+
+}  // namespace
+
+std::vector<Extreme> extremeTests(bool quick) { return Tests(quick).all(); }
+
+Extreme randomExtreme(std::uint32_t seed) {
+  std::mt19937 random(seed);
+  // Not the standard's distributions, which differ from library to library, and every number drawn
+  // in the order of the text: << has an order, + has none.
+  const auto uniform = [&](double lo, double hi) {
+    return lo + (hi - lo) * static_cast<double>(random()) / 4294967296.0;
+  };
+  const auto chance = [&](double share) { return uniform(0, 1) < share; };
+  const auto vector = [&](double reach) {
+    std::ostringstream text;
+    text << "[" << uniform(-reach, reach) << ", " << uniform(-reach, reach) << ", "
+         << uniform(-reach, reach) << "]";
+    return text.str();
+  };
+  const double speed = std::pow(10, uniform(-1, 1.5));
+  std::ostringstream start, rest;
+  start << "position: [0, 0, " << uniform(2.6, 4) << "], rpy_deg: " << vector(180)
+        << ", velocity: " << vector(speed) << ", angular_velocity: " << vector(uniform(0, 10));
+  rest << "obstacles:\n- {type: plane, friction: " << uniform(0, 1)
+       << ", restitution: " << (chance(0.3) ? uniform(0, 1) : 0) << "}\n";
+  const int obstacles = static_cast<int>(uniform(0, 6));
+  for (int i = 0; i < obstacles; ++i) {
+    rest << "- {friction: " << uniform(0, 1);
+    std::ostringstream at;
+    at << "[" << uniform(-1.5, 1.5) << ", " << uniform(-1.5, 1.5) << ", " << uniform(-0.2, 0.6)
+       << "]";
+    switch (random() % 4) {
+      case 0:
+        rest << ", type: sphere, position: " << at.str() << ", radius: " << uniform(0.05, 0.6);
+        break;
+      case 1:
+        rest << ", type: capsule, from: " << at.str() << ", to: " << vector(0.6)
+             << ", radius: " << uniform(0.03, 0.3);
+        break;
+      default:
+        rest << ", type: box, position: " << at.str() << ", rpy_deg: " << vector(180) << ", size: ["
+             << uniform(0.05, 1) << ", " << uniform(0.05, 1) << ", " << uniform(0.05, 1) << "]";
+    }
+    rest << "}\n";
+  }
+  constexpr const char* kBodies[] = {"head", "right_hand", "left_foot", "torso", "right_thigh"};
+  if (chance(0.2)) rest << "pins: [" << kBodies[random() % 3] << "]\n";
+  if (chance(0.5))
+    rest << "pokes: [{at: " << uniform(0, 1) << ", body: " << kBodies[random() % std::size(kBodies)]
+         << ", force: " << vector(std::pow(10, uniform(1, 5))) << ", duration: " << uniform(0, 0.1)
+         << "}]\n";
+  if (chance(0.2)) rest << "self_collision: true\n";
+  Extreme e;
+  e.group = "random scenes";
+  e.name = "seed " + std::to_string(seed);
+  e.scene = humanScene(start.str(), rest.str());
+  e.seconds = 3;
+  e.laws.joined = 0;
+  return e;
+}
+
+}  // namespace ragdoll::lab

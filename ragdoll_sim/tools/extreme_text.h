@@ -1,0 +1,18 @@
+// The stability matrix as text: a table for the terminal, and Markdown for docs/extremes.md.
+#pragma once
+
+#include <string>
+
+#include "extreme_matrix.h"
+
+namespace ragdoll::lab {
+
+std::string toTable(const Matrix& matrix);
+std::string toMarkdown(const Matrix& matrix);
+
+/// `document` with `tables` in place of what stands between its lines <!-- extremes --> and
+/// <!-- /extremes -->. Throws Error, which names `path`, if it has no such lines.
+std::string withTables(const std::string& document, const std::string& tables,
+                       const std::string& path);
+
+}  // namespace ragdoll::lab

@@ -1,0 +1,65 @@
+// ragdoll_lab extremes: the stability matrix, tests x methods, each cell judged by laws.
+#include <fstream>
+#include <iostream>
+#include <iterator>
+
+#include "arguments.h"
+#include "commands.h"
+#include "extreme_text.h"
+#include "ragdoll_sim/core/error.h"
+
+namespace ragdoll::lab {
+namespace {
+
+constexpr const char* kAbout =
+    "Runs scenes at the extremes by every method and judges each run by what must hold: finite\n"
+    "numbers, energy not above start plus work, sticks whole within a second, nothing in the "
+    "floor\n"
+    "or through a thin box, rest. Prints the matrix: ok, or the laws that were broken. Exit status "
+    "1\n"
+    "if the default method breaks one.";
+
+std::string textOf(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw Error(path, "cannot be read");
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
+int extremes(const MatrixOptions& options, const std::string& path) {
+  std::string document;
+  if (!path.empty()) document = withTables(textOf(path), "", path);  // fails now, not in an hour
+  Matrix matrix;
+  {
+    Progress progress;
+    matrix = runMatrix(options, progress);
+  }
+  std::cout << toTable(matrix);
+  if (!path.empty()) {
+    std::ofstream file(path);
+    file << withTables(document, toMarkdown(matrix), path);
+    if (!file.flush()) throw Error(path, "cannot be written");
+  }
+  if (!std::cout.flush()) throw Error("stdout", "cannot be written");
+  return matrix.defaultKeepsAll() ? kOk : kCheckFailed;
+}
+
+}  // namespace
+
+int extremesCommand(const Words& words) {
+  MatrixOptions options;
+  std::string path;
+  CommandLine line{"extremes [options]", kAbout, {}};
+  auto add = line.options.add_options();
+  add("quick", po::bool_switch(&options.quick), "A part of the tests");
+  add("random", po::value(&options.random)->default_value(1000), "Number of random scenes");
+  add("seed", po::value(&options.seed)->default_value(0), "Of the first random scene");
+  add("only", po::value(&options.only),
+      "Only tests whose name contains this, such as \"step: 0.1\"");
+  add("write", po::value(&path),
+      "Put the tables into this file, between its lines <!-- extremes --> and <!-- /extremes -->");
+  if (!parse(line, words)) return kOk;
+  if (options.random < 0) throw Error("--random", "is negative; a number of scenes is expected");
+  return extremes(options, path);
+}
+
+}  // namespace ragdoll::lab
