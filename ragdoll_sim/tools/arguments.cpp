@@ -11,15 +11,15 @@ namespace ragdoll::lab {
 
 namespace {
 
-/// scene: null if the command takes none.
-bool parseWords(CommandLine& line, const Words& words, std::string* scene) {
+/// input: null if the command takes none.
+bool parseWords(CommandLine& line, const Words& words, std::string* input) {
   line.options.add_options()("help,h", "Print this and end");
   po::options_description all;
   all.add(line.options);
   po::positional_options_description by_place;
-  if (scene) {
-    all.add_options()("scene", po::value(scene));
-    by_place.add("scene", 1);
+  if (input) {
+    all.add_options()("input", po::value(input));
+    by_place.add("input", 1);
   }
   try {
     // A negative number is a value, and half an option is a mistake: no short forms, no guessing.
@@ -29,13 +29,13 @@ bool parseWords(CommandLine& line, const Words& words, std::string* scene) {
               found);
     if (found.count("help")) {
       std::cout << "Usage: ragdoll_lab " << line.usage << "\n\n" << line.about << "\n";
-      if (scene) std::cout << "SCENE is a file, or the name of a scene such as fall.\n";
+      if (input) std::cout << line.input << " is " << line.input_about << ".\n";
       std::cout << "\n" << line.options;
       return false;
     }
     po::notify(found);
-    if (scene && !found.count("scene"))
-      throw Error("", "SCENE is missing: the scene file, or its name");
+    if (input && !found.count("input"))
+      throw Error("", std::string(line.input) + " is missing: " + line.input_about);
   } catch (const po::error& error) {
     throw Error("", std::string(error.what()) + " (see --help)");
   }
@@ -44,8 +44,8 @@ bool parseWords(CommandLine& line, const Words& words, std::string* scene) {
 
 }  // namespace
 
-bool parse(CommandLine& line, const Words& words, std::string& scene) {
-  return parseWords(line, words, &scene);
+bool parse(CommandLine& line, const Words& words, std::string& input) {
+  return parseWords(line, words, &input);
 }
 
 bool parse(CommandLine& line, const Words& words) { return parseWords(line, words, nullptr); }

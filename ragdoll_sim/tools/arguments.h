@@ -1,4 +1,4 @@
-// The command line of one subcommand: options by name, one scene by place, --help.
+// The command line of one subcommand: options by name, one input by place, --help.
 #pragma once
 
 #include <boost/program_options.hpp>
@@ -15,11 +15,13 @@ struct CommandLine {
   const char* usage;  ///< "run SCENE [options]"
   const char* about;  ///< what the command does, a line or a few
   po::options_description options;
+  const char* input = "SCENE";  ///< what stands without a name, as `usage` calls it
+  const char* input_about = "a file, or the name of a scene such as fall";
 };
 
-/// Reads the words into what the options are bound to, and the word without a name into `scene`.
+/// Reads the words into what the options are bound to, and the word without a name into `input`.
 /// Returns false when --help was asked for and has been printed. Throws Error.
-bool parse(CommandLine& line, const Words& words, std::string& scene);
+bool parse(CommandLine& line, const Words& words, std::string& input);
 
 /// The same for a command that takes no scene.
 bool parse(CommandLine& line, const Words& words);

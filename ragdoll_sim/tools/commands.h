@@ -15,6 +15,7 @@ enum ExitStatus {
 using Words = std::vector<std::string>;  ///< what the command line has after the subcommand
 
 int extremesCommand(const Words& words);
+int replayCommand(const Words& words);  ///< only where ROS is
 int runCommand(const Words& words);
 int tradeCommand(const Words& words);
 int tuneCommand(const Words& words);

@@ -3,6 +3,8 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <tuple>
 
 namespace ragdoll {
 
@@ -14,6 +16,14 @@ bool isActive(const Poke& poke, double time, double h) {
   if (now < first) return false;
   if (poke.duration < 0) return true;
   return now < first + std::max(1.0, std::round(poke.duration / h));
+}
+
+bool actsBefore(const Poke& a, const Poke& b, double h) {
+  const auto key = [h](const Poke& p) {
+    return std::make_tuple(std::round(p.start / h), std::cref(p.body_name), p.force.x(),
+                           p.force.y(), p.force.z(), p.point.x(), p.point.y(), p.point.z());
+  };
+  return key(a) < key(b);
 }
 
 void addForce(const Poke& poke, const State& state, Points& forces) {

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/inputs.h"
 #include "ragdoll_sim/core/limits.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/self_pairs.h"
@@ -203,6 +204,9 @@ Model buildModel(const Scene& scene) {
   for (const ObstacleSpec& o : scene.obstacles) model.obstacles.push_back(resolve(o));
   setPins(model, resolvePins(scene, model));
   for (const PokeSpec& p : scene.pokes) model.pokes.push_back(resolve(p, model));
+  std::stable_sort(model.pokes.begin(), model.pokes.end(), [&](const Poke& a, const Poke& b) {
+    return actsBefore(a, b, model.solver.step);
+  });
   return model;
 }
 

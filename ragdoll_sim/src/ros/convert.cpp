@@ -1,6 +1,9 @@
 #include "ragdoll_sim/ros/convert.h"
 
 #include <algorithm>
+#include <sstream>
+
+#include "ragdoll_sim/core/error.h"
 
 namespace ragdoll {
 
@@ -102,10 +105,12 @@ ragdoll_msgs::Model toModelMsg(const Scene& scene, const Model& model,
   return m;
 }
 
-ragdoll_msgs::State toStateMsg(const Model& model, const State& state,
+ragdoll_msgs::State toStateMsg(const Model& model, const State& state, const RunMark& mark,
                                const std_msgs::Header& header) {
   ragdoll_msgs::State m;
   m.header = header;
+  m.run = mark.run;
+  m.told = mark.told;
   m.step = state.step;
   m.time = state.time;
   m.ragdolls.resize(model.ragdolls.size());
@@ -134,7 +139,31 @@ ragdoll_msgs::PokeEvent toPokeEvent(const Event& event, const std_msgs::Header& 
   m.point = toPoint(poke.point);
   m.force = toVector3(poke.force);
   m.duration = ros::Duration(poke.duration);
+  m.run = event.run;
   return m;
+}
+
+std::string shown(const Vec3& v) {
+  std::ostringstream out;
+  out << "(" << v.x() << ", " << v.y() << ", " << v.z() << ")";
+  return out.str();
+}
+
+void checkFinite(const Vec3& v, const char* name, const char* unit) {
+  if (!v.allFinite())
+    throw Error(name, "is " + shown(v) + "; it must be three finite numbers " + unit);
+}
+
+Event fromPokeEvent(const Model& model, const ragdoll_msgs::PokeEvent& m) {
+  Event event{m.step, {}, m.run};
+  event.poke.body_name = m.body_name;
+  event.poke.force = fromVector3(m.force);
+  event.poke.point = fromPoint(m.point);
+  event.poke.duration = m.duration.toSec();
+  checkFinite(event.poke.force, "force", "[N]");
+  checkFinite(event.poke.point, "point", "[m]");
+  if (!m.body_name.empty()) event.poke.body = findBody(model, m.body_name);
+  return event;
 }
 
 std::vector<geometry_msgs::TransformStamped> toTransforms(const FrameTracker& tracker,

@@ -3,7 +3,6 @@
 #include <ros/this_node.h>
 
 #include <optional>
-#include <sstream>
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/ros/answer.h"
@@ -12,17 +11,6 @@
 
 namespace ragdoll {
 namespace {
-
-std::string shown(const Vec3& v) {
-  std::ostringstream out;
-  out << "(" << v.x() << ", " << v.y() << ", " << v.z() << ")";
-  return out.str();
-}
-
-void checkFinite(const Vec3& v, const char* name, const char* unit) {
-  if (!v.allFinite())
-    throw Error(name, "is " + shown(v) + "; it must be three finite numbers " + unit);
-}
 
 constexpr double kWarnPeriod = 1;  ///< [s] a stream that is wrong is reported this often
 
@@ -99,17 +87,7 @@ void Pokes::replay(const ros::MessageEvent<ragdoll_msgs::PokeEvent const>& messa
   if (message.getPublisherName() == ros::this_node::getName()) return;  // ~pokes fed back to itself
   const ragdoll_msgs::PokeEvent& m = *message.getConstMessage();
   try {
-    Event event{m.step, {}};
-    event.poke.body_name = m.body_name;
-    event.poke.force = fromVector3(m.force);
-    event.poke.point = fromPoint(m.point);
-    event.poke.duration = m.duration.toSec();
-    checkFinite(event.poke.force, "force", "[N]");
-    checkFinite(event.poke.point, "point", "[m]");
-    simulation_.call([&](World& world) {
-      if (!m.body_name.empty()) event.poke.body = findBody(*world.model(), m.body_name);
-      world.replay(event);
-    });
+    simulation_.call([&](World& world) { world.replay(fromPokeEvent(*world.model(), m)); });
   } catch (const Error& e) {
     ROS_WARN("~poke_replay ignored: %s", e.what());
   }

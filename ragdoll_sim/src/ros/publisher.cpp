@@ -79,7 +79,8 @@ void Publisher::tick(bool demanded) {
   simulation_.snapshot(world_);
   const ros::Time now = clock_.at(world_.progress);
   const Posture& shown = posture();
-  if (world_.scene != told_scene_) publishModel(now);
+  if (world_.scene != told_scene_ || (world_.mark.run != told_run_ && world_.beginning))
+    publishModel(now);
   publishEvents(now);
   publishTf(shown, now);
   publishState(now, demanded);
@@ -100,7 +101,12 @@ const Posture& Publisher::posture() {
 
 void Publisher::publishModel(const ros::Time& now) {
   told_scene_ = world_.scene;
-  model_.publish(toModelMsg(*world_.scene, *world_.model, toHeader(parameters_.world_frame, now)));
+  told_run_ = world_.mark.run;
+  ragdoll_msgs::Model message =
+      toModelMsg(*world_.scene, *world_.model, toHeader(parameters_.world_frame, now));
+  message.run = world_.mark.run;
+  if (world_.beginning) message.snapshot = *world_.beginning;
+  model_.publish(message);
 }
 
 void Publisher::publishTf(const Posture& posture, const ros::Time& now) {
@@ -116,7 +122,8 @@ void Publisher::publishState(const ros::Time& now, bool demanded) {
   if (world_.paused && !changed && !demanded && !newcomer) return;
   told_revision_ = world_.revision;
   if (state_.getNumSubscribers() == 0) return;
-  state_.publish(toStateMsg(*world_.model, world_.state, toHeader(parameters_.world_frame, now)));
+  state_.publish(
+      toStateMsg(*world_.model, world_.state, world_.mark, toHeader(parameters_.world_frame, now)));
 }
 
 void Publisher::publishEvents(const ros::Time& now) {

@@ -49,7 +49,8 @@ bool Scenes::load(ragdoll_msgs::LoadScene::Request& request,
 bool Scenes::get(ragdoll_msgs::GetState::Request&, ragdoll_msgs::GetState::Response& response) {
   const ros::Time now = clock_.now(simulation_);
   simulation_.call([&](World& world) {
-    response.state = toStateMsg(*world.model(), world.state(), toHeader(world_frame_, now));
+    response.state =
+        toStateMsg(*world.model(), world.state(), world.mark(), toHeader(world_frame_, now));
     response.snapshot = world.save();
   });
   return true;

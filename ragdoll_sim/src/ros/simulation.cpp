@@ -66,6 +66,8 @@ void Simulation::snapshot(Snapshot& out) {
     out.acted = world.takeActed();
     out.events = world.takeEvents();
     out.revision = world.revision();
+    out.mark = world.mark();
+    out.beginning = world.beginning();
     out.paused = paused_;
     out.progress = progress_;
     out.alpha.reset();

@@ -86,19 +86,23 @@ void World::advance() {
 }
 
 void World::reset() {
-  for (Stream& stream : streams_) endStream(stream);
+  endRun();
   if (!samePins(model_->pins, start_pins_)) changePins(start_pins_);
   state_ = startState(*model_);
   setPokes(model_->pokes);
   follow_.restart(*model_, state_);
   restart();
+  beginRun(true);
 }
 
 void World::replaceBy(World& other) {
+  endRun();
   const std::uint64_t revision = std::max(revision_, other.revision_) + 1;
+  const std::uint32_t run = std::max(run_, other.run_) + 1;
   std::swap(*this, other);
   std::swap(events_, other.events_);  // what this one accepted is still to be told
   revision_ = revision;
+  run_ = run;
 }
 
 void World::restart() {
@@ -115,16 +119,44 @@ void World::restart() {
   ++revision_;
 }
 
+void World::endRun() {
+  for (Stream& stream : streams_) {
+    endStream(stream);
+    stream.first = state_.step;
+    for (Poke& poke : stream.pokes) poke.start = state_.time;
+  }
+}
+
+RunMark World::mark() const {
+  RunMark mark{run_, state_.step};
+  for (const Stream& stream : streams_) mark.told = std::min(mark.told, stream.first);
+  return mark;
+}
+
+void World::beginRun(bool at_start) {
+  ++run_;
+  pokes_changed_ = true;
+  beginning_.reset();
+  if (at_start) return;
+  // Streams that go on and clearings to come are told as events of the new run.
+  const std::vector<Stream> streams = std::exchange(streams_, {});
+  beginning_ = std::make_shared<Bytes>(save());
+  streams_ = streams;
+  for (const Clearing& clearing : clearings_) events_.push_back({clearing.step, {}, run_});
+}
+
 void World::configure(std::shared_ptr<const Scene> scene, std::shared_ptr<const Model> model) {
+  endRun();
   const std::vector<Pin> pins = model_->pins;
   const bool other_step = model->solver.step != stepLength();
   scene_ = std::move(scene);
   model_ = std::move(model);
   changePins(pins);
   if (other_step) restart();
+  beginRun(false);
 }
 
-std::vector<std::uint8_t> World::save() const {
+Bytes World::save() const {
   Moment moment{state_, {}, model_->pins, model_->gravity, model_->solver};
   for (const Accepted& a : pokes_) moment.pokes.push_back(a.poke);
   for (const Stream& s : streams_)
@@ -135,17 +167,19 @@ std::vector<std::uint8_t> World::save() const {
   return toBytes(*model_, moment);
 }
 
-void World::restore(const std::vector<std::uint8_t>& bytes) {
+void World::restore(const Bytes& bytes) {
   Moment moment = fromBytes(*model_, bytes);
   Scene scene = *scene_;
   scene.solver = moment.solver;
   scene.gravity = moment.gravity;
   scene.text = toYaml(scene);
   if (scene.text == scene_->text) {
+    endRun();
     if (!samePins(model_->pins, moment.pins)) changePins(moment.pins);
   } else {
     Model model = buildModel(scene);
     setPins(model, moment.pins);
+    endRun();
     model_ = std::make_shared<Model>(std::move(model));
     scene_ = std::make_shared<Scene>(std::move(scene));
   }
@@ -153,6 +187,7 @@ void World::restore(const std::vector<std::uint8_t>& bytes) {
   setPokes(moment.pokes);
   follow_.restart(*model_, state_);
   restart();
+  beginRun(false);
 }
 
 void World::setPokes(const std::vector<Poke>& pokes) {
@@ -174,6 +209,7 @@ Poke World::rounded(Poke poke, std::uint64_t& first) const {
 
 std::uint64_t World::addPoke(Poke poke) {
   Event event;
+  event.run = run_;
   event.poke = rounded(std::move(poke), event.step);
   pokes_.push_back({event.poke, next_order_++});
   pokes_changed_ = true;
@@ -181,7 +217,11 @@ std::uint64_t World::addPoke(Poke poke) {
   return events_.back().step;
 }
 
-std::size_t World::clearPokes() { return clear(next_order_++); }
+std::size_t World::clearPokes() {
+  const std::size_t ended = clear(next_order_++);
+  events_.push_back({state_.step, {}, run_});
+  return ended;
+}
 
 std::size_t World::clear(std::uint64_t order) {
   const std::size_t before = pokes_.size() + streams_.size();
@@ -192,7 +232,6 @@ std::size_t World::clear(std::uint64_t order) {
   streams_.clear();
   acted_.clear();
   pokes_changed_ = true;
-  events_.push_back({state_.step, {}});
   return before - pokes_.size();
 }
 
@@ -202,6 +241,7 @@ void World::replay(const Event& event) {
                         std::to_string(state_.step) + ": reset and pause before a replay");
   if (event.poke.body_name.empty()) {
     clearings_.push_back({event.step, next_order_++});
+    events_.push_back({event.step, {}, run_});
     return;
   }
   Poke poke = event.poke;
@@ -231,7 +271,7 @@ void World::endStream(Stream& s) {
   if (s.first == state_.step) return;  // it never acted
   for (Poke& poke : s.pokes) {
     poke.duration = static_cast<double>(state_.step - s.first) * stepLength();
-    events_.push_back({s.first, poke});
+    events_.push_back({s.first, poke, run_});
   }
 }
 
@@ -256,6 +296,8 @@ void World::gatherPokes() {
   for (const Accepted& a : pokes_) inputs_.pokes.push_back(a.poke);
   for (const Stream& s : streams_)
     inputs_.pokes.insert(inputs_.pokes.end(), s.pokes.begin(), s.pokes.end());
+  std::stable_sort(inputs_.pokes.begin(), inputs_.pokes.end(),
+                   [h](const Poke& a, const Poke& b) { return actsBefore(a, b, h); });
 }
 
 void World::attach(const std::string& body, const std::string& frame) {
@@ -269,7 +311,9 @@ void World::attach(const std::string& body, const std::string& frame) {
       std::remove_if(pins.begin(), pins.end(), [&](const Pin& q) { return q.particle == p; }),
       pins.end());
   pins.push_back({ref.ragdoll, p, state_.x.col(p), frame});
+  endRun();
   changePins(pins);
+  beginRun(false);
 }
 
 void World::detach(const std::string& body) {
@@ -283,7 +327,9 @@ void World::detach(const std::string& body) {
   if (pins.size() == model_->pins.size())
     throw Error("", "'" + body + "' is not held; " +
                         (held.empty() ? "nothing is" : "held are " + joined(held)));
+  endRun();
   changePins(pins);
+  beginRun(false);
 }
 
 void World::changePins(const std::vector<Pin>& pins) {

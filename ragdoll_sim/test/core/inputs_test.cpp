@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <set>
+#include <vector>
+
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -52,6 +56,37 @@ TEST(Poke, OnAGroupHasTheForceAndTheMomentOfItsPoint) {
   for (int i = 0; i < 3; ++i) moment += (world.x(i) - centre).cross(Vec3(forces.col(i)));
   EXPECT_LT((forces.rowwise().sum() - poke.force).norm(), 1e-14);
   EXPECT_LT((moment - poke.point.cross(poke.force)).norm(), 1e-13);
+}
+
+TEST(Poke, ForcesHaveTheSameSumInWhateverOrderTheyCame) {
+  World world(sceneOf(triangle()));
+  const double h = 0.01;
+  std::vector<Poke> pokes(4);
+  const double forces[] = {1e16, 1, -1e16, 1};  // a sum that depends on the order
+  for (std::size_t i = 0; i < pokes.size(); ++i) {
+    pokes[i].body = findBody(world.model, "a");
+    pokes[i].body_name = "a";
+    pokes[i].force.x() = forces[i];
+    pokes[i].start = i < 2 ? 0.3 : 0.1 + 0.2;  // the same step, not the same number
+    pokes[i].point.z() = i == 3;
+  }
+  std::vector<std::size_t> order{0, 1, 2, 3};
+  std::set<double> sums, sorted_sums;
+  do {
+    std::vector<Poke> given;
+    for (const std::size_t i : order) given.push_back(pokes[i]);
+    const auto sum = [&] {
+      Points total = Points::Zero(3, 3);
+      for (const Poke& poke : given) addForce(poke, world.state, total);
+      return total(0, 0);
+    };
+    sums.insert(sum());
+    std::sort(given.begin(), given.end(),
+              [&](const Poke& a, const Poke& b) { return actsBefore(a, b, h); });
+    sorted_sums.insert(sum());
+  } while (std::next_permutation(order.begin(), order.end()));
+  EXPECT_GT(sums.size(), 1u);
+  EXPECT_EQ(sorted_sums.size(), 1u);
 }
 
 TEST(Poke, OnABoneHasNoMomentAboutTheBone) {

@@ -4,18 +4,15 @@
 import io
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import unittest
-from xmlrpc.client import ServerProxy
 
 import rosbag
-import rosgraph
 import rospy
 import rostest
-from client import Client, Inbox, bits, wait_for
+from client import Client, Inbox, Recorder, bits, wait_for
 from ragdoll_msgs.msg import State
 from tf2_msgs.msg import TFMessage
 
@@ -36,22 +33,13 @@ class BagTest(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder)
 
     def record(self, client):
-        recorder = subprocess.Popen(['rosbag', 'record', '--quiet', '-O', self.path] + TOPICS)
-        wait_for(self.is_recorded, 'the recorder')
+        recorder = Recorder(self.path, client.node, TOPICS)
         client.call_reset()
         seen = len(client.states.all())
         wait_for(lambda: len(client.states.all()) > seen + MESSAGES, 'states to record')
-        recorder.send_signal(signal.SIGINT)
-        recorder.wait(30)
-        wait_for(lambda: os.path.exists(self.path), 'the bag')
+        recorder.stop()
         with rosbag.Bag(self.path) as bag:
             return [(topic, message) for topic, message, _ in bag.read_messages()]
-
-    def is_recorded(self):
-        """Whether the node's connections show the recorder on all topics."""
-        node = rosgraph.Master('/bag_test').lookupNode('/ragdoll')
-        _, _, connections = ServerProxy(node).getBusInfo('/bag_test')
-        return {c[4] for c in connections if c[1].startswith('/record')} >= set(TOPICS)
 
     def test_a_bag_holds_what_was_published_and_plays_it(self):
         client = Client()

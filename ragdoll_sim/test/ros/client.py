@@ -1,9 +1,14 @@
 """What the python rostests share: the node's services, its messages, waiting for conditions."""
 
+import os
+import signal
 import struct
+import subprocess
 import threading
 import time
+from xmlrpc.client import ServerProxy
 
+import rosgraph
 import rospy
 from geometry_msgs.msg import Point, Vector3
 from ragdoll_msgs.msg import Model, PokeEvent, State
@@ -92,6 +97,26 @@ class Client:
         assert self.call_pause(True).success
         assert self.call_reset().success
         return self.at(0)
+
+
+class Recorder:
+    """rosbag record, from the moment on at which it hears a node's topics."""
+
+    def __init__(self, path, node, topics):
+        self.path, self.node, self.topics = path, node, set(topics)
+        self.process = subprocess.Popen(['rosbag', 'record', '--quiet', '-O', path] + topics)
+        wait_for(self.is_connected, 'the recorder')
+
+    def is_connected(self):
+        """Whether the node's connections show the recorder on all topics."""
+        node = rosgraph.Master('/recorder').lookupNode(self.node)
+        _, _, connections = ServerProxy(node).getBusInfo('/recorder')
+        return {c[4] for c in connections if c[1].startswith('/record')} >= self.topics
+
+    def stop(self):
+        self.process.send_signal(signal.SIGINT)
+        self.process.wait(LIMIT)
+        wait_for(lambda: os.path.exists(self.path), 'the bag')
 
 
 def bits(state):

@@ -119,7 +119,7 @@ class ReplayTest(unittest.TestCase):
         seen = len(self.client.pokes.all())
         for event in events:
             self.replay.publish(event)
-        self.events_after(seen, 4)  # the clearing is told when it happens
+        self.events_after(seen, 5)
         self.assertEqual(bits(self.client.step(220)), bits(expected))
 
     def test_what_is_past_is_not_replayed(self):

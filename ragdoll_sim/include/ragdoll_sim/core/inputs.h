@@ -23,6 +23,10 @@ Inputs startInputs(const Model& model);
 /// are rounded to whole steps, at least one.
 bool isActive(const Poke& poke, double time, double h);
 
+/// An order of pokes that depends only on when and on what they act: forces that are added in it
+/// give the same sum in whatever order they were asked for. h: length of a step [s].
+bool actsBefore(const Poke& a, const Poke& b, double h);
+
 /// Spreads force and moment of one poke over the particles of its body: the smallest forces (least
 /// squares) with the right sum and moment about the body's own point. A single particle takes no
 /// moment, a bone none about itself. Adds to forces (3 x N) [N].

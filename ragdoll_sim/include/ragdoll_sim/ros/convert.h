@@ -33,16 +33,26 @@ geometry_msgs::Pose toPose(const Pose& pose);
 geometry_msgs::Transform toTransform(const Pose& pose);
 std_msgs::ColorRGBA toColor(const Rgba& color);
 
+/// "(1, 2, 3)"
+std::string shown(const Vec3& v);
+
+/// Throws Error.
+void checkFinite(const Vec3& v, const char* name, const char* unit);
+
 Vec3 fromPoint(const geometry_msgs::Point& p);
 Vec3 fromVector3(const geometry_msgs::Vector3& v);
 Pose fromTransform(const geometry_msgs::Transform& t);
 
 ragdoll_msgs::Model toModelMsg(const Scene& scene, const Model& model,
                                const std_msgs::Header& header);
-ragdoll_msgs::State toStateMsg(const Model& model, const State& state,
+ragdoll_msgs::State toStateMsg(const Model& model, const State& state, const RunMark& mark,
                                const std_msgs::Header& header);
 
 ragdoll_msgs::PokeEvent toPokeEvent(const Event& event, const std_msgs::Header& header);
+
+/// The poke's start is for World::replay to set. Throws Error for a body that the model does not
+/// know, and for numbers that are not finite.
+Event fromPokeEvent(const Model& model, const ragdoll_msgs::PokeEvent& message);
 
 /// All frames of all ragdolls, each in its parent; the roots in header.frame_id.
 std::vector<geometry_msgs::TransformStamped> toTransforms(const FrameTracker& tracker,

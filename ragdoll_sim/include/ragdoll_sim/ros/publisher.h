@@ -56,6 +56,7 @@ class Publisher {
   Posture between_;
   std::shared_ptr<const Scene> told_scene_;
   std::uint64_t told_revision_ = 0;
+  std::uint32_t told_run_ = 0;
   std::optional<JointAngles> angles_;
   std::shared_ptr<const Scene> angles_scene_;
   ros::Time last_stamp_;

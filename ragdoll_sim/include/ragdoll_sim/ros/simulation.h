@@ -40,6 +40,8 @@ struct Snapshot {
   std::vector<Poke> acted;    ///< since the last snapshot
   std::vector<Event> events;  ///< since the last snapshot
   std::uint64_t revision = 0;
+  RunMark mark;
+  std::shared_ptr<const Bytes> beginning;  ///< of the run
   bool paused = false;
   Progress progress;
   /// Where a viewer is between the tracker's last two updates, in [0, 1]; nothing: look at `state`.

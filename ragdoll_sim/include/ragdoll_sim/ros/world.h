@@ -22,10 +22,19 @@ namespace ragdoll {
 /// Whether one of the pokes is this one.
 bool contains(const std::vector<Poke>& pokes, const Poke& poke);
 
+using Bytes = std::vector<std::uint8_t>;
+
 /// What a run must be given again to come out the same.
 struct Event {
   std::uint64_t step = 0;  ///< at which it begins
   Poke poke;               ///< without a body: all pokes end
+  std::uint32_t run = 0;   ///< World::run() that it belongs to
+};
+
+/// Where in its runs a world is.
+struct RunMark {
+  std::uint32_t run = 0;   ///< World::run()
+  std::uint64_t told = 0;  ///< step: events have told all that acted before it
 };
 
 class World {
@@ -42,6 +51,13 @@ class World {
   /// Grows with everything that changes the state.
   std::uint64_t revision() const { return revision_; }
 
+  /// A run is what scene, beginning and events determine: a new one begins with everything else
+  /// that changes the state, its settings or its pins.
+  std::uint32_t run() const { return run_; }
+  RunMark mark() const;
+  /// Where the run began, as save() gives it; null: at the scene's start.
+  const std::shared_ptr<const Bytes>& beginning() const { return beginning_; }
+
   void advance();                ///< one step
   void reset();                  ///< back to the scene's start: its pokes, its pins
   void replaceBy(World& other);  ///< becomes the other, which becomes this one
@@ -50,8 +66,8 @@ class World {
   /// and gravity only.
   void configure(std::shared_ptr<const Scene> scene, std::shared_ptr<const Model> model);
 
-  std::vector<std::uint8_t> save() const;
-  void restore(const std::vector<std::uint8_t>& bytes);  ///< throws Error, then nothing has changed
+  Bytes save() const;
+  void restore(const Bytes& bytes);  ///< throws Error, then nothing has changed
 
   /// Begins at poke.start, or now if that is past; start and duration are rounded to whole steps.
   /// Returns the step at which it begins.
@@ -97,6 +113,8 @@ class World {
   };
 
   void restart();  ///< what is derived begins anew at the present state
+  void endRun();   ///< tells what its streams have done; to be called before anything changes
+  void beginRun(bool at_start);
   void changePins(const std::vector<Pin>& pins);
   void setPokes(const std::vector<Poke>& pokes);
   void gatherPokes();
@@ -113,6 +131,8 @@ class World {
   Follow follow_;
   FrameTracker tracker_;
   std::uint64_t followed_step_ = 0, steps_per_follow_ = 1, revision_ = 0;
+  std::uint32_t run_ = 0;
+  std::shared_ptr<const Bytes> beginning_;
 
   std::vector<Pin> start_pins_;
   std::vector<Accepted> pokes_;  ///< acting and to come, streams apart

@@ -1,0 +1,224 @@
+#!/usr/bin/python3
+"""ragdoll_lab replay: a recorded run again, bit for bit, or the first thing that differs."""
+
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import rosbag
+import roslib.packages
+import rospy
+import rostest
+from client import Client, Recorder, wait_for
+from dynamic_reconfigure.client import Client as Settings
+from geometry_msgs.msg import WrenchStamped
+from ragdoll_msgs.srv import Attach, Detach, LoadScene, SetState
+from std_msgs.msg import String
+from tf2_ros import StaticTransformBroadcaster, TransformStamped
+
+NODE = '/puppet'
+TOPICS = [NODE + '/' + name for name in ('model', 'state', 'pokes')]
+HANGING = '''
+ragdolls: [{name: anna, model: human, position: [0, 0, 2]}]
+pins: [anna/right_hand]
+'''
+
+
+def replay(path):
+    """(exit status, stdout, stderr)"""
+    program = roslib.packages.find_node('ragdoll_sim', 'ragdoll_lab')[0]
+    run = subprocess.run([program, 'replay', path], timeout=120, stdout=subprocess.PIPE,
+                         stderr=subprocess.PIPE, universal_newlines=True)
+    return run.returncode, run.stdout, run.stderr
+
+
+def flipped(value):
+    """The number next to it: its last bit is the other one."""
+    return struct.unpack('<d', struct.pack('<Q', struct.unpack('<Q', struct.pack('<d', value))[0] ^ 1))[0]
+
+
+class LabReplayTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.client = Client(NODE)
+        cls.load = cls.client.service('load_scene', LoadScene)
+        cls.restore = cls.client.service('set_state', SetState)
+        cls.wrench = rospy.Publisher(NODE + '/wrench', WrenchStamped, queue_size=100)
+        wait_for(lambda: cls.wrench.get_num_connections() > 0, 'the node')
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+        self.path = os.path.join(self.folder, 'run.bag')
+        self.assertTrue(self.load(path='fall').success)
+        self.assertTrue(self.client.call_pause(False).success)
+
+    def go(self, steps):
+        """Waits until the node has told that it has made so many more steps."""
+        begin = self.client.call_get().state
+
+        def made():
+            last = self.client.states.all()[-1]
+            return last.run == begin.run and last.step >= begin.step + steps
+        wait_for(made, 'steps')
+
+    def push(self, times):
+        """A stream of forces on two frames, as a controller gives it."""
+        for i in range(times):
+            for frame, force in (('left_hand', 30.0), ('pelvis', 5.0 * i)):
+                message = WrenchStamped()
+                message.header.frame_id = 'ragdoll/' + frame
+                message.wrench.force.z, message.wrench.torque.x = force, 0.1 * i
+                self.wrench.publish(message)
+            self.go(5)
+
+    def record_pokes(self):
+        """A bag with a reset, pokes of all kinds and wrenches in it."""
+        recorder = Recorder(self.path, NODE, TOPICS)
+        self.assertTrue(self.client.call_reset().success)
+        self.go(20)
+        self.assertTrue(self.client.poke('head', (60, 20, 0), duration=0.3).success)
+        self.assertTrue(self.client.poke('right_forearm', (0, 90, 0), frame='ragdoll/head',
+                                         duration=-1).success)
+        self.push(20)
+        self.assertTrue(self.client.call_clear().success)
+        self.assertTrue(self.client.poke('torso', (0, 0, 300), point=(0.1, 0.2, 0),
+                                         duration=0.2).success)
+        self.go(60)
+        self.assertTrue(self.client.call_reset().success)
+        self.assertTrue(self.client.poke('head', (200, 0, 0), duration=0.1).success)
+        self.go(60)
+        recorder.stop()
+
+    def altered(self, change):
+        """A copy of the bag, each of whose messages change(topic, message) has seen."""
+        path = os.path.join(self.folder, 'altered.bag')
+        with rosbag.Bag(self.path) as source, rosbag.Bag(path, 'w') as copy:
+            for topic, message, t in source.read_messages():
+                if change(topic, message) is not False:
+                    copy.write(topic, message, t)
+        return path
+
+    def test_a_run_with_pokes_is_identical(self):
+        self.record_pokes()
+        status, out, errors = replay(self.path)
+        self.assertEqual((status, errors), (0, ''), out)
+        runs = [line for line in out.splitlines() if 'identical' in line]
+        self.assertGreaterEqual(len(runs), 2)  # before and after the second reset
+        self.assertNotIn('not compared', out)
+
+        # One bit of one number of one state.
+        states = {}
+
+        def count(topic, message):
+            if topic == TOPICS[1] and message.step > 50:
+                states[message.run] = message.step
+        self.altered(count)
+        run = max(states)
+        seen = []
+
+        def flip(topic, message):
+            if topic == TOPICS[1] and message.run == run and message.step > 30 and not seen:
+                seen.append(message.step)
+                body = message.ragdolls[0]
+                body.positions[7].y = flipped(body.positions[7].y)
+        status, out, errors = replay(self.altered(flip))
+        particle = self.client.model.ragdolls[0].particles[7]
+        self.assertEqual((status, errors), (1, ''), out)
+        differing = [line for line in out.splitlines() if 'differs' in line]
+        self.assertEqual(len(differing), 1, out)
+        self.assertIn('run %d: differs at step %d: particle ragdoll/%s: position y'
+                      % (run, seen[0], particle), differing[0])
+
+        # A poke that was another, and one that is missing.
+        def weaker(topic, message):
+            if topic == TOPICS[2] and message.body_name == 'ragdoll/torso':
+                message.force.z = flipped(message.force.z)
+        self.assertEqual(replay(self.altered(weaker))[0], 1)
+        status, out, _ = replay(self.altered(lambda topic, _: topic != TOPICS[2]))
+        self.assertEqual(status, 1, out)
+
+    def test_what_changes_a_run_begins_another(self):
+        settings = Settings(NODE, timeout=30)
+        recorder = Recorder(self.path, NODE, TOPICS)
+        self.assertTrue(self.client.call_reset().success)
+        self.assertTrue(self.client.poke('head', (60, 20, 0), duration=2).success)
+        self.go(30)
+        kept = self.client.call_get().snapshot
+        self.push(3)
+        settings.update_configuration({'gravity_x': 1.5, 'step': 0.002})
+        self.push(3)
+        self.assertTrue(self.restore(kept).success)
+        self.go(60)
+        self.assertTrue(self.load(yaml=HANGING).success)
+        self.go(60)
+        self.assertTrue(self.client.service('detach', Detach)('right_hand').success)
+        self.go(60)
+        recorder.stop()
+        status, out, errors = replay(self.path)
+        self.assertEqual((status, errors), (0, ''), out)
+        # as recorded, reset, other settings, restored, loaded, let go
+        self.assertGreaterEqual(out.count('identical'), 5, out)
+
+    def test_a_recording_may_end_while_a_wrench_acts(self):
+        recorder = Recorder(self.path, NODE, TOPICS)
+        self.assertTrue(self.client.call_reset().success)
+        self.push(10)
+        self.go(60)
+        recorder.stop()
+        status, out, errors = replay(self.path)
+        self.assertEqual((status, errors), (0, ''), out)
+        self.assertIn('identical', out)
+        self.assertIn('not compared', out)
+
+    def test_what_follows_others_cannot_be_replayed(self):
+        gripper = TransformStamped()
+        gripper.header.frame_id, gripper.child_frame_id = 'world', 'gripper'
+        gripper.transform.rotation.w = 1
+        StaticTransformBroadcaster().sendTransform(gripper)
+        recorder = Recorder(self.path, NODE, TOPICS)
+        self.assertTrue(self.client.call_reset().success)
+        attach = self.client.service('attach', Attach)
+        wait_for(lambda: attach('left_hand', 'gripper').success, 'the frame')
+        self.go(60)
+        self.assertTrue(self.client.service('detach', Detach)('left_hand').success)
+        self.go(60)
+        recorder.stop()
+        status, out, errors = replay(self.path)
+        self.assertEqual((status, errors), (2, ''), out)
+        self.assertIn('cannot be replayed', out)
+        self.assertIn('gripper', out)
+        self.assertTrue(out.splitlines()[-1].count('identical'), out)  # once it is let go
+
+    def test_what_cannot_be_read_is_named(self):
+        self.record_pokes()
+        text = os.path.join(self.folder, 'text.bag')
+        with open(text, 'w') as file:
+            file.write('not a bag')
+        strange = os.path.join(self.folder, 'strange.bag')
+        with rosbag.Bag(strange, 'w') as bag:
+            bag.write('/chatter', String('hello'))
+
+        def nonsense(topic, message):
+            if topic == TOPICS[0]:
+                message.scene_yaml = 'ragdolls: [{model: nobody}]'
+        cases = [(os.path.join(self.folder, 'nowhere.bag'), ['nowhere.bag']),
+                 (self.folder, [self.folder]), (text, ['text.bag']),
+                 (strange, ['Model', '~model']),
+                 (lambda topic, _: topic != TOPICS[0], ['ragdoll_msgs/Model', '~model']),
+                 (lambda topic, _: topic != TOPICS[1], ['ragdoll_msgs/State', '~state']),
+                 (nonsense, ['nobody'])]
+        for case, words in cases:
+            status, out, errors = replay(self.altered(case) if callable(case) else case)
+            self.assertEqual((status, out), (2, ''), errors)
+            for word in words:
+                self.assertIn(word, errors)
+
+
+if __name__ == '__main__':
+    rospy.init_node('lab_replay_test')
+    rostest.rosrun('ragdoll_sim', 'lab_replay', LabReplayTest, sys.argv)

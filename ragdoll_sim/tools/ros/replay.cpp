@@ -1,0 +1,221 @@
+// ragdoll_lab replay: simulates the runs of a bag again, from ~model and ~pokes, and compares every
+// recorded state with its step, bit for bit.
+#include <cstring>
+#include <iomanip>
+#include <iostream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <sstream>
+
+#include "arguments.h"
+#include "commands.h"
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "ragdoll_sim/ros/convert.h"
+#include "ragdoll_sim/ros/world.h"
+#include "recording.h"
+
+namespace ragdoll::lab {
+namespace {
+
+constexpr std::uint64_t kMaxGap = 1000000000;  ///< steps between two states; more is damage
+
+bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+/// "position x is 1.5, simulated 1.25" for the first of three numbers that differs, else empty.
+template <class Vector>
+std::string difference(const char* what, const Vector& recorded, const Vec3& simulated) {
+  const double numbers[] = {recorded.x, recorded.y, recorded.z};
+  for (int i = 0; i < 3; ++i) {
+    if (same(numbers[i], simulated[i])) continue;
+    std::ostringstream out;
+    out << std::setprecision(17) << what << " "
+        << "xyz"[i] << " is " << numbers[i] << ", simulated " << simulated[i];
+    return out.str();
+  }
+  return "";
+}
+
+/// What differs first between a recorded state and the simulated one; empty: nothing.
+std::string firstDifference(const World& world, const ragdoll_msgs::State& recorded) {
+  const Model& model = *world.model();
+  const State& state = world.state();
+  if (!same(recorded.time, state.time)) return "time differs";
+  for (std::size_t r = 0; r < model.ragdolls.size(); ++r) {
+    const ragdoll_msgs::RagdollState& body = recorded.ragdolls[r];
+    const Ragdoll& ragdoll = model.ragdolls[r];
+    for (std::size_t i = 0; i < body.positions.size(); ++i) {
+      const Eigen::Index p = ragdoll.first + static_cast<Eigen::Index>(i);
+      std::string what = difference("position", body.positions[i], state.x.col(p));
+      if (what.empty()) what = difference("velocity", body.velocities[i], state.v.col(p));
+      if (!what.empty())
+        return "particle " + ragdoll.name + "/" + model.skeletonOf(ragdoll).particles[i] + ": " +
+               what;
+    }
+    if ((body.asleep != 0) != (state.asleep[r] != 0))
+      return "ragdoll " + ragdoll.name + ": asleep differs";
+  }
+  return "";
+}
+
+/// One run: a world that began where it did, and how far it has been compared.
+struct Run {
+  std::uint32_t number = 0;
+  std::unique_ptr<World> world;
+  std::string hindrance;    ///< why it cannot be replayed
+  std::string difference;   ///< the first that was found
+  std::uint64_t first = 0;  ///< step of its first state
+  std::size_t states = 0, compared = 0, events = 0;
+};
+
+struct Outcome {
+  std::size_t states = 0, differing = 0, hindered = 0;
+};
+
+/// All runs of one node, a state at a time.
+class Replay {
+ public:
+  Replay(const std::string& path, const Recording& recording, const NodeTopics& node)
+      : where_(path + ": " + node.state),
+        node_(node),
+        models_(recording.models(node)),
+        pokes_(recording.pokes(node)) {
+    recording.forEachState(node, [this](const ragdoll_msgs::State& s) { last_ = {s.run, s.told}; });
+  }
+
+  void compare(const ragdoll_msgs::State& recorded) {
+    if (!run_ || recorded.run != run_->number) {
+      finish();
+      begin(recorded);
+    }
+    ++run_->states;
+    if (!run_->hindrance.empty() || !run_->difference.empty()) return;
+    if (recorded.run == last_.run && recorded.step > last_.told) return;  // not yet told what acted
+    World& world = *run_->world;
+    checkFits(world, recorded);
+    while (world.state().step < recorded.step) world.advance();
+    world.takeEvents();
+    world.takeActed();
+    ++run_->compared;
+    const std::string what = firstDifference(world, recorded);
+    if (!what.empty()) run_->difference = "step " + std::to_string(recorded.step) + ": " + what;
+  }
+
+  /// Tells of the run that was compared last.
+  void finish() {
+    if (!run_) return;
+    const Run& run = *run_;
+    std::cout << node_.name << " run " << run.number << ": ";
+    if (!run.hindrance.empty()) {
+      std::cout << "cannot be replayed: " << run.hindrance << "\n";
+      ++outcome_.hindered;
+    } else if (!run.difference.empty()) {
+      std::cout << "differs at " << run.difference << "\n";
+      if (run.compared == 1 && run.first > 0)
+        std::cout << "  the recording begins at step " << run.first
+                  << ": what ~pokes told before is not in the bag\n";
+      ++outcome_.differing;
+    } else {
+      std::cout << "identical in " << run.compared << " states, steps " << run.first << " to "
+                << run.world->state().step << ", " << run.events << " pokes\n";
+      outcome_.states += run.compared;
+      if (run.compared < run.states)
+        std::cout
+            << "  " << run.states - run.compared
+            << " states at the end are not compared: a ~wrench acts on them, and the bag ends "
+               "before ~pokes tells of it\n";
+    }
+    run_.reset();
+  }
+
+  const Outcome& outcome() const { return outcome_; }
+
+ private:
+  void begin(const ragdoll_msgs::State& first) {
+    if (first.run < next_) throw Error(where_, restarted(first));
+    next_ = first.run + 1;
+    auto after = models_.upper_bound(first.run);
+    if (after == models_.begin())
+      throw Error(where_, "run " + std::to_string(first.run) +
+                              " has no ragdoll_msgs/Model: record ~model together with ~state");
+    const ragdoll_msgs::Model& model = std::prev(after)->second;
+    run_ = std::make_unique<Run>();
+    run_->number = first.run;
+    run_->first = first.step;
+    run_->world = std::make_unique<World>(parseScene(model.scene_yaml, node_.model));
+    World& world = *run_->world;
+    if (model.run == first.run && !model.snapshot.empty()) world.restore(model.snapshot);
+    const std::vector<std::string> frames = world.followedFrames();
+    if (!frames.empty())
+      run_->hindrance = "obstacles or pins follow " + joined(frames) +
+                        " of another node, whose motion ~pokes does not tell";
+    for (const ragdoll_msgs::PokeEvent& message : pokes_[first.run]) {
+      const Event event = fromPokeEvent(*world.model(), message);
+      if (!event.poke.body_name.empty()) ++run_->events;
+      world.replay(event);
+    }
+  }
+
+  std::string restarted(const ragdoll_msgs::State& state) const {
+    return "goes back to step " + std::to_string(state.step) + " of run " +
+           std::to_string(state.run) +
+           ": the node was started again; record each start into a bag of its own";
+  }
+
+  void checkFits(const World& world, const ragdoll_msgs::State& recorded) const {
+    const Model& model = *world.model();
+    bool fits = recorded.ragdolls.size() == model.ragdolls.size();
+    for (std::size_t r = 0; fits && r < model.ragdolls.size(); ++r) {
+      const auto n = static_cast<std::size_t>(model.skeletonOf(model.ragdolls[r]).named);
+      const ragdoll_msgs::RagdollState& body = recorded.ragdolls[r];
+      fits = body.positions.size() == n && body.velocities.size() == n;
+    }
+    const std::string step = "step " + std::to_string(recorded.step);
+    if (!fits) throw Error(where_, step + " has other particles than its model");
+    if (recorded.step < world.state().step) throw Error(where_, restarted(recorded));
+    if (recorded.step - world.state().step > kMaxGap)
+      throw Error(where_, step + " comes after step " + std::to_string(world.state().step) +
+                              ": the bag is damaged");
+  }
+
+  std::string where_;
+  const NodeTopics& node_;
+  std::map<std::uint32_t, ragdoll_msgs::Model> models_;
+  std::map<std::uint32_t, std::vector<ragdoll_msgs::PokeEvent>> pokes_;
+  RunMark last_;            ///< of the node's last state
+  std::uint32_t next_ = 0;  ///< the smallest number that the next run may have
+  std::unique_ptr<Run> run_;
+  Outcome outcome_;
+};
+
+int replay(const std::string& path) {
+  const Recording recording(path);
+  Outcome all;
+  for (const NodeTopics& node : recording.nodes()) {
+    Replay replay(path, recording, node);
+    recording.forEachState(node, [&](const ragdoll_msgs::State& s) { replay.compare(s); });
+    replay.finish();
+    all.states += replay.outcome().states;
+    all.differing += replay.outcome().differing;
+    all.hindered += replay.outcome().hindered;
+  }
+  if (all.differing > 0) return kCheckFailed;
+  return all.hindered > 0 ? kBadInput : kOk;
+}
+
+}  // namespace
+
+int replayCommand(const Words& words) {
+  std::string bag;
+  CommandLine line{"replay BAG",
+                   "Simulates the runs of a bag with ~model, ~pokes and ~state again and compares "
+                   "every state,\nbit for bit. Status 1: one differs; 2: a run cannot be replayed.",
+                   {},
+                   "BAG",
+                   "the bag file"};
+  return parse(line, words, bag) ? replay(bag) : kOk;
+}
+
+}  // namespace ragdoll::lab
