@@ -27,7 +27,8 @@ Scene weightless(const SkeletonSpec& skeleton) {
 }
 
 class HumanModel : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Models, HumanModel, testing::Values("human", "human_lumped", "human_thesis"));
+INSTANTIATE_TEST_SUITE_P(Models, HumanModel,
+                         testing::Values("human", "human_lumped", "human_thesis"));
 
 TEST_P(HumanModel, StandsWithinItsLimits) {
   const Model model = buildModel(humanScene(GetParam()));
