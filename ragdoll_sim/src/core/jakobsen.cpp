@@ -57,7 +57,7 @@ void constrain(const Model& model, const State& start, Workspace::Impl& ws, Poin
       else
         relaxCoupledSticks(s.coupled, s.relaxed_BW, s.relaxed_G, x.middleCols(r.first, k.size()));
     }
-    if (!ws.limits.empty()) ws.limits.sweep(model, ws.x0, x);
+    if (!ws.limits.empty()) ws.limits.sweep(model, x);
     ws.projection.sweep(x);
   }
 }
@@ -83,7 +83,6 @@ void stepJakobsen(const Model& model, const Inputs& inputs, double h, Workspace:
   } while (model.ragdoll_collision && wakeTouched(ws.contacts, ws.x1, state));
   ws.limits.prepare(model, state, ws.x1, h);
   ws.projection.prepare(model, ws.contacts, state.x, ws.x1, ws.v1, h);
-  ws.x0 = state.x;
   state.x = ws.x1;
   constrain(model, state, ws, state.x);
   state.v = ws.v1 + (state.x - ws.x1) / h;

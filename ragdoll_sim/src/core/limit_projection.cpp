@@ -7,14 +7,6 @@ namespace {
 
 constexpr double kMargin = 0.3;  ///< [rad] limits this near take part, since sweeps may reach them
 
-/// gradient . (x - x0)
-double motionAlong(const LimitRow& row, const Points& x, const Points& x0) {
-  double sum = 0;
-  for (int k = 0; k < row.count; ++k)
-    sum += row.gradient[k].dot(x.col(row.particle[k]) - x0.col(row.particle[k]));
-  return sum;
-}
-
 void moveLumped(const LimitRow& row, const Eigen::MatrixXd& W, int first, double lambda,
                 Points& x) {
   for (int k = 0; k < row.count; ++k) {
@@ -55,8 +47,8 @@ void LimitProjection::prepare(const Model& model, const State& state, const Poin
   for (const LimitRow& limit : found_) {
     Row row;
     row.limit = limit;
-    row.a = limit.compliance / (h * h);
-    row.b = row.a * limit.damping * h;
+    startLimit(model, state.x, row.limit);
+    row.softness = row.limit.eulerSoftness(h);
     evaluate(model, x1, row);
     rows_.push_back(row);
   }
@@ -80,15 +72,15 @@ bool LimitProjection::isInside(const Row& row, const Points& x) const {
   return value > 0;
 }
 
-void LimitProjection::project(const Model& model, const Points& x0, Row& row, Points& x) const {
+void LimitProjection::project(const Model& model, Row& row, Points& x) const {
   if (isInside(row, x)) return;
   evaluate(model, x, row);
   const LimitRow& limit = row.limit;
   // w = 0: all held by pins, or planes that allow where the child is.
   if (!(row.w > 0) || (limit.value >= 0 && row.lambda == 0)) return;
-  double wanted = -limit.value - row.a * row.lambda;
-  if (row.b > 0) wanted -= row.b * motionAlong(limit, x, x0);
-  const double lambda = std::max(0.0, row.lambda + wanted / ((1 + row.b) * row.w + row.a));
+  const LimitRow::Softness& soft = row.softness;
+  const double wanted = -limit.value - soft.offset - soft.compliance * row.lambda;
+  const double lambda = std::max(0.0, row.lambda + wanted / (row.w + soft.compliance));
   const double change = lambda - row.lambda;
   row.lambda = lambda;
   const Ragdoll& ragdoll = model.ragdolls[limit.ragdoll];
@@ -97,8 +89,8 @@ void LimitProjection::project(const Model& model, const Points& x0, Row& row, Po
                 : moveDense(limit, system.W, ragdoll.first, change, x);
 }
 
-void LimitProjection::sweep(const Model& model, const Points& x0, Points& x) {
-  for (Row& row : rows_) project(model, x0, row, x);
+void LimitProjection::sweep(const Model& model, Points& x) {
+  for (Row& row : rows_) project(model, row, x);
 }
 
 }  // namespace ragdoll

@@ -172,6 +172,29 @@ void evaluateLimit(const Model& model, const Points& x, LimitRow& row) {
   fill(limit, valueOf(limit.reference, body), valueOf(limit.child, body), body, ragdoll.first, row);
 }
 
+void startLimit(const Model& model, const Points& x, LimitRow& row) {
+  if (row.compliance == 0) return;
+  LimitRow start = row;
+  evaluateLimit(model, x, start);
+  row.start = std::min(0.0, start.value);
+}
+
+LimitRow::Softness LimitRow::eulerSoftness(double h) const {
+  if (compliance == 0) return {};
+  const double spring = 1 / compliance, damper = damping / h;
+  return {1 / (h * h * (spring + damper)), -damper / (spring + damper) * start};
+}
+
+LimitRow::Softness LimitRow::middleSoftness(double h) const {
+  if (compliance == 0) return {};
+  const double spring = 0.5 / compliance, damper = damping / h;
+  return {2 / (h * h * (spring + damper)), (spring - damper) / (spring + damper) * start};
+}
+
+double LimitRow::springTorque() const {
+  return compliance == 0 ? 0 : std::max(0.0, -0.5 * (start + value) / compliance);
+}
+
 void keepAllowed(const Model& model, State& state) {
   Eigen::Index column = 0;
   for (std::size_t i = 0; i < model.ragdolls.size(); ++i)

@@ -40,12 +40,13 @@ void Schur::addContact(const Contact& c, int source) {
   }
 }
 
-void Schur::addLimit(const LimitRow& limit, int source, double compliance) {
+void Schur::addLimit(const LimitRow& limit, int source, double compliance, double least) {
   Row row;
   row.kind = Row::Kind::kLimit;
   row.source = source;
   row.count = limit.count;
   row.compliance = compliance;
+  row.least = least;
   for (int k = 0; k < limit.count; ++k) {
     row.particle[k] = limit.particle[k] - first_;
     row.gradient[k] = limit.gradient[k];
@@ -106,7 +107,7 @@ bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
     for (int i = 0; i < m; ++i) {
       if (!(A_(i, i) > kHeld * free_[i])) continue;
       if (rows_[i].kind != Row::Kind::kTangent) {
-        set(i, std::max(0.0, p[i] - w_[i] / A_(i, i)));
+        set(i, std::max(rows_[i].least, p[i] - w_[i] / A_(i, i)));
         continue;
       }
       const int j = i + 1;  // tangents come in pairs

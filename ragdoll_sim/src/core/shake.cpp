@@ -58,8 +58,10 @@ void ShakeStep::settle(double h, const std::vector<Contact>& touching,
                        const std::vector<LimitRow>& limits) {
   step_ = h;
   scratch_.touching = touching;
-  scratch_.touching_limits = limits;
-  std::size_t rows = limits.size();
+  scratch_.touching_limits.clear();
+  for (const LimitRow& limit : limits)  // soft ones have acted
+    if (limit.compliance == 0) scratch_.touching_limits.push_back(limit);
+  std::size_t rows = scratch_.touching_limits.size();
   for (const Contact& c : touching) rows += c.friction > 0 ? 3 : 1;
   scratch_.warm.assign(rows, 0.0);
   pushVelocities(body_.start, false);

@@ -31,6 +31,7 @@ void ShakeStep::findConstraints(double h) {
   for (Contact& c : scratch_.contacts)
     if (c.gap_start < 0) c.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * h);
   appendLimits(model_, ws_.x1, state_, index_, kLimitMargin, scratch_.limits);
+  for (LimitRow& limit : scratch_.limits) startLimit(model_, state_.x, limit);
 }
 
 double ShakeStep::gapAt(const Contact& c, const double* dx) const {
@@ -50,16 +51,18 @@ Vec3 ShakeStep::motionOf(const Contact& c, const double* dx) const {
   return sum;
 }
 
-void ShakeStep::gather(double h, bool velocities) {
+void ShakeStep::gather(double h, bool leapfrog) {
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
   Schur& schur = scratch_.schur;
   schur.start(ragdoll_.first);
   for (std::size_t i = 0; i < scratch_.contacts.size(); ++i)
     schur.addContact(scratch_.contacts[i], static_cast<int>(i));
+  scratch_.softness.clear();
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
     LimitRow& limit = scratch_.limits[i];
-    if (!velocities) evaluateLimit(model_, ws_.x1, limit);
-    schur.addLimit(limit, static_cast<int>(i), velocities ? 0 : limit.compliance / (h * h));
+    evaluateLimit(model_, ws_.x1, limit);
+    scratch_.softness.push_back(leapfrog ? limit.middleSoftness(h) : limit.eulerSoftness(h));
+    schur.addLimit(limit, static_cast<int>(i), scratch_.softness.back().compliance);
   }
 }
 
@@ -78,9 +81,9 @@ bool ShakeStep::findMissed() {
   return any;
 }
 
-void ShakeStep::pressFound(double h) {
+void ShakeStep::pressFound(double h, bool leapfrog) {
   Schur& schur = scratch_.schur;
-  gather(h, false);
+  gather(h, leapfrog);
   schur.assemble(rows_, body_.start, system_.W);
   Eigen::VectorXd& p = scratch_.p;
   scratch_.total.setZero(schur.size());
@@ -106,7 +109,7 @@ void ShakeStep::press(double h, bool leapfrog) {
   Schur& schur = scratch_.schur;
   for (int search = 0; search < kMaxSearches; ++search) {
     if (search > 0) freeMotion(h);
-    pressFound(h);
+    pressFound(h, leapfrog);
     if (!leapfrog || failed_ || !findMissed()) break;
     if (search + 1 < kMaxSearches) continue;
     failed_ = true;  // smaller steps meet fewer things at once
@@ -190,7 +193,8 @@ void ShakeStep::fillGaps(double h) {
     if (row.kind == Schur::Row::Kind::kLimit) {
       LimitRow limit = scratch_.limits[row.source];
       evaluateLimit(model_, ws_.x1, limit);
-      scratch_.b[i] = limit.value + row.compliance * scratch_.total[i];
+      scratch_.b[i] =
+          limit.value + scratch_.softness[row.source].offset + row.compliance * scratch_.total[i];
     } else if (row.kind == Schur::Row::Kind::kNormal) {
       scratch_.b[i] = gapAt(scratch_.contacts[row.source], scratch_.dx.data());
     } else {

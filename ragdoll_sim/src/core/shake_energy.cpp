@@ -24,7 +24,19 @@ double ShakeStep::energyRise() {
                 0.5 * (scratch_.saved_v * M).cwiseProduct(scratch_.saved_v).sum() -
                 model_.gravity.dot((moved * M).rowwise().sum());
   if (ws_.forced) rise -= ws_.force.middleCols(ragdoll_.first, n_).cwiseProduct(moved).sum();
-  return rise;
+  return rise - releasedEnergy();
+}
+
+double ShakeStep::releasedEnergy() {
+  double released = 0;
+  for (const LimitRow& limit : scratch_.limits) {
+    if (limit.compliance == 0) continue;
+    LimitRow end = limit;
+    evaluateLimit(model_, state_.x, end);
+    const double value = std::min(0.0, end.value);
+    released += (limit.start * limit.start - value * value) / (2 * limit.compliance);
+  }
+  return released;
 }
 
 void ShakeStep::limitEnergy(double rise) {

@@ -43,7 +43,7 @@ double ShakeStep::advanceSmooth(double h, int taken) {
   bool free = true;
   for (const Contact& c : scratch_.contacts)
     free = free && gapAt(c, scratch_.dx.data()) > kTouching && c.gap_start > kTouching;
-  for (const LimitRow& l : scratch_.limits) free = free && l.value > 0;
+  for (const LimitRow& l : scratch_.limits) free = free && l.value > 0 && l.start == 0;
   if (!free) return advance(h, taken < kMaxBounces);
   scratch_.presses.clear();
   x() += scratch_.dx;

@@ -16,10 +16,11 @@ void ShakeStep::finish(double h, bool leapfrog, bool impact) {
   v() = scratch_.dx / h;
   if (leapfrog) v() += (0.5 * h) * scratch_.acceleration;
   restrictToTouching(h);
+  if (leapfrog) releaseSprings(h);
   x() += scratch_.dx;
   body_.end.setPose(rows_, xData());
   body_.end.projectVelocities(rows_, vData());
-  pushVelocities(body_.end, impact);
+  pushVelocities(body_.end, impact, h);
   std::swap(body_.start, body_.end);
 }
 
@@ -50,14 +51,35 @@ void ShakeStep::restrictToTouching(double h) {
   }
 }
 
-void ShakeStep::pushVelocities(StickSolver& sticks, bool impact) {
+void ShakeStep::releaseSprings(double h) {
+  for (LimitRow limit : scratch_.limits) {
+    if (limit.compliance == 0) continue;
+    evaluateLimit(model_, ws_.x1, limit);
+    const double torque = limit.springTorque();
+    if (limit.count == 0 || torque == 0) continue;
+    for (int k = 0; k < limit.count; ++k)
+      v() += (0.5 * h * torque) * limit.gradient[k] *
+             system_.W.row(limit.particle[k] - ragdoll_.first);
+    if (limit.damping == 0) continue;
+    scratch_.touching_limits.push_back(limit);
+    scratch_.warm.push_back(0);
+  }
+}
+
+void ShakeStep::pushVelocities(StickSolver& sticks, bool impact, double h) {
   if (scratch_.touching.empty() && scratch_.touching_limits.empty()) return;
   Schur& schur = scratch_.schur;
   schur.start(ragdoll_.first);
   for (std::size_t i = 0; i < scratch_.touching.size(); ++i)
     schur.addContact(scratch_.touching[i], static_cast<int>(i));
-  for (std::size_t i = 0; i < scratch_.touching_limits.size(); ++i)
-    schur.addLimit(scratch_.touching_limits[i], static_cast<int>(i), 0);
+  for (std::size_t i = 0; i < scratch_.touching_limits.size(); ++i) {
+    const LimitRow& limit = scratch_.touching_limits[i];
+    if (limit.compliance == 0)
+      schur.addLimit(limit, static_cast<int>(i), 0);
+    else  // the damper may take back what the spring gave, no more: the two together only push
+      schur.addLimit(limit, static_cast<int>(i), 2 / (h * limit.damping),
+                     -0.5 * h * limit.springTorque());
+  }
   schur.assemble(rows_, sticks, system_.W);
   scratch_.b.resize(schur.size());
   for (int i = 0; i < schur.size(); ++i) {

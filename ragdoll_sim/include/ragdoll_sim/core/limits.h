@@ -25,6 +25,20 @@ struct LimitRow {
   Vec3 allowed = Vec3::Zero();               ///< planes: the direction to return to
   double compliance = 0;                     ///< [rad/(N m)]; 0: hard
   double damping = 0;                        ///< [N m s/rad], soft limits only
+  double start = 0;                          ///< [rad] soft limits: C at the step's start, <= 0
+
+  /// The torque of a soft limit, a spring and a damper that only push, as a row of the position
+  /// stage: C + offset + compliance p >= 0, p >= 0, one of the two zero (docs/equations.md#soft).
+  struct Softness {
+    double compliance = 0;  ///< [rad/(N m s^2)]
+    double offset = 0;      ///< [rad]
+  };
+  /// p = h^2 torque, of the step's end: backward Euler.
+  Softness eulerSoftness(double h) const;
+  /// p = h^2/2 torque, of the step's middle.
+  Softness middleSoftness(double h) const;
+  /// [N m] of the spring alone in the step's middle, value being C at its end.
+  double springTorque() const;
 };
 
 /// Rows of all awake ragdolls with a value < margin [rad] at the positions x (3 x N).
@@ -37,6 +51,9 @@ void appendLimits(const Model& model, const Points& x, const State& state, int r
 
 /// Appends a row for every planes joint of the awake ragdolls, to be evaluated.
 void listPlanes(const Model& model, const State& state, std::vector<LimitRow>& rows);
+
+/// Sets row.start from the positions at the step's start.
+void startLimit(const Model& model, const Points& x, LimitRow& row);
 
 /// The same row at other positions. Of planes: 0, without particles, where they allow these.
 void evaluateLimit(const Model& model, const Points& x, LimitRow& row);

@@ -2,9 +2,9 @@
 //
 // The sticks are eliminated exactly, A = J_c W J_c^T - K^T (J_s W J_s^T)^-1 K with K = J_s W J_c^T,
 // and projected Gauss-Seidel [Moreau1988], [Cottle1992, ch. 5] finds impulses p of w = b + A p with
-//   normal and limit rows:  p >= 0, w >= 0, p w = 0;
-//   tangent rows:           |p_t| <= mu p_n, against the slip: the isotropic Coulomb disc, no
-//   pyramid.
+//   normal and limit rows:  p >= 0, w >= 0, p w = 0 (or p >= least <= 0 and p - least in its
+//   place); tangent rows:           |p_t| <= mu p_n, against the slip: the isotropic Coulomb disc,
+//   no pyramid.
 // Works on displacements (b: gaps [m], slips [m]) and on velocities (b: rates) alike.
 #pragma once
 
@@ -30,13 +30,14 @@ class Schur {
     std::array<Vec3, kMaxParticles> gradient;
     Vec3 direction = Vec3::Zero();  ///< contact: of the impulse, unit
     double compliance = 0;          ///< added to A's diagonal
+    double least = 0;               ///< limit rows: of the impulse
     double friction = 0;            ///< normal rows: of the two tangent rows that follow
   };
 
   /// first: the body's first column of the state.
   void start(int first);
   void addContact(const Contact& contact, int source);
-  void addLimit(const LimitRow& limit, int source, double compliance);
+  void addLimit(const LimitRow& limit, int source, double compliance, double least = 0);
   bool empty() const { return rows_.empty(); }
   int size() const { return static_cast<int>(rows_.size()); }
   const Row& row(int i) const { return rows_[i]; }

@@ -24,8 +24,9 @@ struct ShakeScratch {
   Eigen::VectorXd total;                            ///< impulses so far
   std::vector<Contact> contacts, touching, missed;  ///< near; touching at the step's end
   std::vector<LimitRow> limits, touching_limits;
-  std::vector<double> warm;    ///< impulses at which the velocity stage starts
-  std::vector<Press> presses;  ///< of the last motion
+  std::vector<LimitRow::Softness> softness;  ///< of the limits
+  std::vector<double> warm;                  ///< impulses at which the velocity stage starts
+  std::vector<Press> presses;                ///< of the last motion
   Points v1;
   RungeKuttaScratch stages;
   Schur schur;

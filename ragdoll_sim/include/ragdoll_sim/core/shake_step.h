@@ -60,9 +60,12 @@ class ShakeStep {
   // Energy limiter (shake_energy.cpp).
 
   double kineticEnergy();
-  /// [J] by how much a motion with contact gained more than gravity, pokes and moving things gave
-  /// it: an error of the contact solution, since contact only takes. 0 where nothing pressed.
+  /// [J] by how much a motion with contact gained more than gravity, pokes, soft limits and moving
+  /// things gave it: an error of the contact solution, since contact only takes. 0 where nothing
+  /// pressed.
   double energyRise();
+  /// [J] that soft limits gave to the motion: less than at its start is stored in them.
+  double releasedEnergy();
   /// Takes the rise out of the motion within the body, which leaves its momentum; out of the whole
   /// motion only where that is not enough and a contact pressed.
   void limitEnergy(double rise);
@@ -84,11 +87,11 @@ class ShakeStep {
   double gapAt(const Contact& c, const double* dx) const;
   Vec3 motionOf(const Contact& c, const double* dx) const;
   /// Rows of contacts and limits that may act; b at the present dx.
-  void gather(double h, bool velocities);
+  void gather(double h, bool leapfrog);
   /// Contacts that the body was pushed into by those it was free to meet; whether there are any.
   bool findMissed();
   /// Solves for the constraints found.
-  void pressFound(double h);
+  void pressFound(double h, bool leapfrog);
   /// Position stage: dx so that no contact and no limit is violated and every stick has its length.
   void press(double h, bool leapfrog = true);
   /// The impulse that contact or limit `row.source` pressed with last; null: none.
@@ -107,9 +110,11 @@ class ShakeStep {
   /// Keeps the contacts and limits that touch at the end of dx: the others do not act on
   /// velocities.
   void restrictToTouching(double h);
+  /// Springs of soft limits act on velocities; those with a damper join the touching limits.
+  void releaseSprings(double h);
   /// No touching contact approaches, none slips more than friction allows; on impact the fast ones
   /// bounce.
-  void pushVelocities(StickSolver& sticks, bool impact);
+  void pushVelocities(StickSolver& sticks, bool impact, double h = 0);
   /// [m/s] approach above which a contact bounces: slower is rest.
   double bounceSpeed(const Contact& c) const;
   bool bounces(const Contact& c, double h) const;

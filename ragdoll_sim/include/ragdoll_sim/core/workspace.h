@@ -18,7 +18,6 @@ struct Workspace::Impl {
   Points force;                       ///< [N] 3 x N of pokes
   bool forced = false;                ///< any poke this step
   std::vector<std::uint8_t> pressed;  ///< per ragdoll: something pressed on it in this step
-  Points x0;                          ///< positions at the step's start
   Points x1, v1;                      ///< after free motion
   Points acceleration;                ///< of one ragdoll
   std::vector<Contact> contacts;
