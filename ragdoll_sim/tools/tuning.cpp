@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
+#include <string>
 
 #include "quantity.h"
 #include "survey_text.h"
@@ -25,9 +27,14 @@ double price(const Target& target, const Measurement& m) {
 }
 
 /// Best first: those that meet the target by price, then the others by how far they are off it.
+/// Within a family a longer step is the cheaper one: that is known better than times can be measured.
 bool better(const Target& target, const Measurement& a, const Measurement& b) {
   if (meets(target, a) != meets(target, b)) return meets(target, a);
-  if (meets(target, a)) return price(target, a) < price(target, b);
+  if (meets(target, a)) {
+    if (target.error > 0 && a.configuration.family == b.configuration.family)
+      return a.configuration.solver.step > b.configuration.solver.step;
+    return price(target, a) < price(target, b);
+  }
   return wrongness(target, a) < wrongness(target, b);
 }
 
@@ -107,9 +114,15 @@ Choice tune(const Model& model, const Target& target, const SurveyOptions& optio
   Survey all = survey(model, without_presets, progress);
   Tuner(model, target, options, all.reference).refine(all.rows, progress);
   Choice choice;
-  choice.measurement = *std::min_element(
-      all.rows.begin(), all.rows.end(),
-      [&](const Measurement& a, const Measurement& b) { return better(target, a, b); });
+  // Families first, then the best of each: "better" is no order across three of two families.
+  std::map<std::string, Measurement> best;
+  for (const Measurement& m : all.rows) {
+    const auto [known, is_new] = best.emplace(m.configuration.family, m);
+    if (!is_new && better(target, m, known->second)) known->second = m;
+  }
+  choice.measurement = std::min_element(best.begin(), best.end(), [&](const auto& a, const auto& b) {
+                         return better(target, a.second, b.second);
+                       })->second;
   choice.horizon = options.horizon;
   choice.reference = std::move(all.reference);
   // What the reference cannot tell apart is not met.

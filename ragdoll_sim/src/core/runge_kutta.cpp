@@ -14,13 +14,11 @@ constexpr double kA[kStages][kStages - 1] = {
 constexpr double kB[kStages] = {35.0 / 384,     0,        500.0 / 1113, 125.0 / 192,
                                 -2187.0 / 6784, 11.0 / 84};
 
-/// Acceleration at the pose of `sticks` with velocities v.
+/// Acceleration at the pose of `sticks` with velocities v; s.pulls: what `free` does to the sticks.
 void accelerate(const StickRows& rows, StickSolver& sticks, const double* v, const Points& free,
                 RungeKuttaScratch& s, Points& out) {
   s.rates.resize(3, rows.width);
-  s.pulls.resize(3, rows.width);
   kernels::multiplyPoints(v, rows.BT.data(), rows.n, rows.width, s.rates.data());
-  kernels::multiplyPoints(free.data(), rows.BT.data(), rows.n, rows.width, s.pulls.data());
   const Eigen::Map<const PaddedRows> D(sticks.D(), 3, rows.width);
   s.lambda =
       -(D.cwiseProduct(s.pulls).colwise().sum() + s.rates.colwise().squaredNorm()).transpose();
@@ -35,6 +33,8 @@ void rungeKutta(const StickRows& rows, StickSolver& sticks, const double* x, con
                 const Points& free, double h, RungeKuttaScratch& s, Points& dx, Points& v1,
                 double* first_lambda) {
   const Eigen::Map<const Points> x0(x, 3, rows.n), v0(v, 3, rows.n);
+  s.pulls.resize(3, rows.width);
+  kernels::multiplyPoints(free.data(), rows.BT.data(), rows.n, rows.width, s.pulls.data());
   for (int i = 0; i < kStages; ++i) {
     s.x = x0;
     s.v = v0;

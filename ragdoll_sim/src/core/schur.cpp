@@ -66,8 +66,8 @@ void Schur::assemble(const StickRows& c, const StickSolver& sticks, const Eigen:
       for (int k = 1; k < rows_[r].count; ++k) q += bw[rows_[r].particle[k]] * rows_[r].gradient[k];
       K_(s, r) = D[s] * q.x() + D[c.width + s] * q.y() + D[2 * c.width + s] * q.z();
     }
-  Z_ = K_;
-  kernels::solveMany(sticks.U(), sticks.inverse(), c.s, c.width, Z_.data(), columns_);
+  Z_.resize(c.s, columns_);
+  kernels::multiplyRows(sticks.inverse(), K_.data(), c.s, c.width, columns_, Z_.data());
   A_.setZero(m, columns_);
   free_.resize(m);
   answer_.resize(3, c.n);
@@ -80,12 +80,15 @@ void Schur::assemble(const StickRows& c, const StickSolver& sticks, const Eigen:
       double a = 0;
       for (int l = 0; l < rows_[j].count; ++l)
         a += answer_.col(rows_[j].particle[l]).dot(rows_[j].gradient[l]);
-      A_(i, j) = A_(j, i) = a;
+      A_(i, j) = a;
     }
     free_[i] = A_(i, i);
   }
   kernels::subtractProducts(K_.data(), Z_.data(), c.s, m, columns_, A_.data());
-  for (int i = 0; i < m; ++i) A_(i, i) += rows_[i].compliance;
+  for (int i = 0; i < m; ++i) {
+    for (int j = 0; j < i; ++j) A_(i, j) = A_(j, i);
+    A_(i, i) += rows_[i].compliance;
+  }
 }
 
 bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {

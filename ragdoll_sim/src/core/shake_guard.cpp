@@ -40,7 +40,7 @@ void ShakeStep::guard(double h) {
         continue;
       }
       const double rise = energyRise();
-      if (rise > kRedoRise * std::max(1.0, kineticEnergy()) && sub > 1.01 * h / kMaxSubsteps) {
+      if (rise > kRedoRise && rise > kRedoRise * kineticEnergy() && sub > 1.01 * h / kMaxSubsteps) {
         restore();
         sub *= 0.5;
         continue;
@@ -56,17 +56,13 @@ void ShakeStep::guard(double h) {
 }
 
 double ShakeStep::stiffness() {
-  const double* m = multipliers();
+  const Eigen::Map<const Eigen::VectorXd> m(multipliers(), rows_.s);
   scratch_.residual.setZero(rows_.width);
-  for (int s = 0; s < rows_.s; ++s) scratch_.residual[s] = 2 * std::abs(m[s]);
-  double worst = 0;
-  for (int s = 0; s < rows_.s; ++s) {
-    const double* g = rows_.G.data() + s * rows_.width;
-    double sum = 0;
-    for (int t = 0; t < rows_.s; ++t) sum += std::abs(g[t]) * scratch_.residual[t];
-    worst = std::max(worst, sum);
-  }
-  return worst;
+  scratch_.residual.head(rows_.s) = 2 * m.cwiseAbs();
+  scratch_.correction.resize(rows_.width);
+  kernels::multiply(rows_.absolute_G.data(), scratch_.residual.data(), rows_.s, rows_.width,
+                    scratch_.correction.data());
+  return rows_.s > 0 ? scratch_.correction.maxCoeff() : 0;
 }
 
 void ShakeStep::save() {

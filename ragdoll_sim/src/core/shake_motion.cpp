@@ -69,20 +69,26 @@ void ShakeStep::freeMotion(double h) {
 }
 
 bool ShakeStep::satisfySticks() {
-  scratch_.D1.resize(3, rows_.width);
+  PaddedRows& D1 = scratch_.D1;
+  D1.resize(3, rows_.width);
+  kernels::multiplyPoints(scratch_.dx.data(), rows_.BT.data(), n_, rows_.width, D1.data());
+  D1 += Eigen::Map<const PaddedRows>(body_.start.D(), 3, rows_.width);
   scratch_.residual.setZero(rows_.width);
-  const Eigen::Map<const PaddedRows> D0(body_.start.D(), 3, rows_.width);
+  scratch_.correction.setZero(rows_.width);
   for (int iteration = 0; iteration < kMaxNewton; ++iteration) {
-    kernels::multiplyPoints(scratch_.dx.data(), rows_.BT.data(), n_, rows_.width,
-                            scratch_.D1.data());
-    scratch_.D1 += D0;
-    const double worst = kernels::lengthResiduals(scratch_.D1.data(), rows_.length2.data(),
-                                                  rows_.width, scratch_.residual.data());
-    if (worst < kTolerance) return true;
+    const double worst = kernels::lengthResiduals(D1.data(), rows_.length2.data(),
+                                                  rows_.inverse_length2.data(), rows_.width,
+                                                  scratch_.residual.data());
+    if (worst < kTolerance) {
+      if (iteration == 0) return true;
+      scratch_.lambda += scratch_.correction;
+      body_.start.move(rows_, scratch_.correction.data(), 1, scratch_.dx.data());
+      return true;
+    }
     if (!(worst < 1e6)) return false;
     body_.start.solve(rows_, scratch_.residual.data());
-    scratch_.lambda += scratch_.residual;
-    body_.start.move(rows_, scratch_.residual.data(), 1, scratch_.dx.data());
+    scratch_.correction += scratch_.residual;
+    body_.start.moveSticks(rows_, scratch_.residual.data(), D1.data());
   }
   return false;
 }

@@ -24,17 +24,21 @@ StickRows::StickRows(const DirectSystem& d)
       BT(padded(d.B.transpose())),
       G(padded(d.G)),
       BW(padded(d.BW)),
-      length2(Eigen::VectorXd::Zero(width)) {
+      absolute_G(G.cwiseAbs()),
+      length2(Eigen::VectorXd::Zero(width)),
+      inverse_length2(Eigen::VectorXd::Zero(width)) {
   length2.head(s) = d.length.cwiseAbs2();
+  inverse_length2.head(s) = length2.head(s).cwiseInverse();
 }
 
 void StickSolver::resize(const StickRows& rows) {
-  if (D_.cols() == rows.width && S_.rows() == rows.s && pose_.size() == 3 * rows.n) return;
+  if (D_.cols() == rows.width && inverse_.cols() == rows.width && pose_.size() == 3 * rows.n) return;
   D_.setZero(3, rows.width);
   rates_.setZero(3, rows.width);
-  S_.setZero(rows.s, rows.width);
+  inverse_.setZero(rows.s + rows.s % 2, rows.width);
   moved_.setZero(3, rows.columns);
-  inverse_.setZero(rows.width);
+  solved_.setZero(rows.width);
+  work_.setZero(3 * rows.width);
   lambda_.setZero(rows.width);
   pose_.setZero(3 * rows.n);
   valid_ = false;
@@ -45,8 +49,8 @@ void StickSolver::setPose(const StickRows& rows, const double* x) {
   if (valid_ && std::memcmp(pose_.data(), x, bytes) == 0) return;
   std::memcpy(pose_.data(), x, bytes);
   kernels::multiplyPoints(x, rows.BT.data(), rows.n, rows.width, D_.data());
-  kernels::gram(rows.G.data(), D_.data(), rows.s, rows.width, S_.data());
-  kernels::factor(S_.data(), inverse_.data(), rows.s, rows.width, kPivotFloor);
+  kernels::gram(rows.G.data(), D_.data(), rows.s, rows.width, inverse_.data());
+  kernels::invert(inverse_.data(), rows.s, rows.width, kPivotFloor, work_.data());
   valid_ = true;
 }
 

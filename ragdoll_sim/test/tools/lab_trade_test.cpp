@@ -89,15 +89,16 @@ TEST_F(LabTrade, TunePrintsASectionThatLoadsAndKeepsItsWord) {
   EXPECT_THAT(outcome.output, AllOf(StartsWith("solver:\n"), HasSubstr("# error "),
                                     HasSubstr("# cost "), HasSubstr("asked for an error of 1 mm")));
   const Scene scene = parseScene(kPendulum + outcome.output);
-  EXPECT_EQ(scene.solver.method, Method::kShake);
+  EXPECT_NE(scene.solver.method, Method::kJakobsen);
   EXPECT_NO_THROW(buildModel(scene));
-  // Second order: the error of the step that is chosen lies just below what was asked for.
+  // A step 9 % too fine has 0.83 of the error at second order, 0.62 at fifth: it lies just below
+  // what was asked for, whichever is cheaper here.
   const std::size_t at = outcome.output.find("# error ");
   double error = 0;
   char unit[8] = {};
   ASSERT_EQ(std::sscanf(outcome.output.c_str() + at, "# error %lf %7[a-z]", &error, unit), 2);
   EXPECT_EQ(std::string(unit), "um");
-  EXPECT_GT(error, 700);
+  EXPECT_GT(error, 600);
   EXPECT_LE(error, 1000);
 }
 

@@ -20,7 +20,7 @@ struct ShakeScratch {
   Points dx, acceleration, saved_x, saved_v;
   std::vector<double> saved_multipliers;
   PaddedRows D1;
-  Eigen::VectorXd lambda, residual, b, p;
+  Eigen::VectorXd lambda, residual, correction, b, p;
   Eigen::VectorXd total;                            ///< impulses so far
   std::vector<Contact> contacts, touching, missed;  ///< near; touching at the step's end
   std::vector<LimitRow> limits, touching_limits;

@@ -2,8 +2,9 @@
 //
 // Rows are `width` doubles long, a multiple of kLane, 64-byte aligned, zero beyond the last stick.
 // A D is three such rows: x, y, z of the stick vectors. Elementwise and in a fixed order: the
-// result has the same bits on every instruction set. LDL^T keeps U = D L^T in the upper rows
-// (docs/equations.md#dense-rows).
+// result has the same bits on every instruction set. Sums stay in registers over a block of lanes,
+// and the inverse is explicit: to apply factors costs six times as much, as each of their rows waits
+// for the one before (docs/equations.md#dense-rows).
 #pragma once
 
 #include <Eigen/Core>
@@ -22,33 +23,36 @@ namespace kernels {
 /// out (3 rows of width) = X (3 x n, columns) times rows (n rows of width).
 void multiplyPoints(const double* X, const double* rows, int n, int width, double* out);
 
-/// S_ij = G_ij (d_i . d_j) for j >= i, s rows of width.
+/// S_ij = G_ij (d_i . d_j), s rows of width.
 void gram(const double* G, const double* D, int s, int width, double* S);
 
-/// LDL^T in place, U mirrored below the diagonal; inverse: 1 / d. A pivot below floor x its
-/// diagonal gets inverse 0: its stick is dependent in this pose and takes no impulse. Returns how
-/// many.
-int factor(double* S, double* inverse, int s, int width, double floor);
+/// S <- S^-1 in place for a symmetric positive definite S (s rows of width; one row more, zero, if s
+/// is odd), by Gauss-Jordan elimination with pivots in pairs. A stick whose pivot falls below floor
+/// x its diagonal depends on those before it in this pose: its row and column become 0, it takes no
+/// impulse. work: 3 width values. Returns how many such sticks there are.
+int invert(double* S, int s, int width, double floor, double* work);
 
-/// b <- S^-1 b for one right-hand side (width).
-void solve(const double* U, const double* inverse, int s, int width, double* b);
+/// out (width) = A b, A: s symmetric rows of width.
+void multiply(const double* A, const double* b, int s, int width, double* out);
 
-/// b <- S^-1 b for s rows of `columns` right-hand sides (a multiple of kLane).
-void solveMany(const double* U, const double* inverse, int s, int width, double* b, int columns);
+/// out (s rows of columns) = A B, A: s rows of width, B: s rows of columns.
+void multiplyRows(const double* A, const double* B, int s, int width, int columns, double* out);
 
 /// out (3 rows of columns) += D diag(lambda) rows, rows: s rows of columns.
 void addImpulses(const double* D, const double* lambda, int s, int width, const double* rows,
                  int columns, double* out);
 
-/// A (m rows of columns) -= K^T Z, K and Z: s rows of columns.
+/// A (m rows of columns) -= K^T Z, K and Z: s rows of columns; blocks at and right of the diagonal
+/// only.
 void subtractProducts(const double* K, const double* Z, int s, int m, int columns, double* A);
 
 /// y += f x, n values (a multiple of kLane).
 void addScaled(const double* x, double f, int n, double* y);
 
-/// residual = (length2 - |d|^2) / 2; returns the largest |residual| / length2. length2: width
-/// values, those beyond the last stick 0.
-double lengthResiduals(const double* D, const double* length2, int width, double* residual);
+/// residual = (length2 - |d|^2) / 2; returns the largest |residual| / length2, NaN if there is one.
+/// length2 and its inverses: width values, those beyond the last stick 0.
+double lengthResiduals(const double* D, const double* length2, const double* inverse_length2,
+                       int width, double* residual);
 
 }  // namespace kernels
 }  // namespace ragdoll

@@ -1,9 +1,11 @@
 // One body's sticks at one pose, solved directly: J W J^T lambda = rhs with J W J^T = G o (D^T D).
 //
-// An impulse lambda moves the body by D diag(lambda) (B W). For a skeleton of n particles and s
-// sticks a factorisation costs s^3 / 3 multiply-adds on padded rows; no ordering, no fill, one path
-// for lumped masses, segment inertia and rigid groups (docs/equations.md#dense-rows).
+// An impulse lambda moves the body by D diag(lambda) (B W), and its stick vectors by
+// D diag(lambda) G. The inverse costs s^3 multiply-adds on padded rows; no ordering, no fill, one
+// path for lumped masses, segment inertia and rigid groups (docs/equations.md#dense-rows).
 #pragma once
+
+#include <algorithm>
 
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/core/stick_kernels.h"
@@ -20,7 +22,9 @@ struct StickRows {
   PaddedRows BT;            ///< n x width
   PaddedRows G;             ///< s x width
   PaddedRows BW;            ///< s x columns
+  PaddedRows absolute_G;    ///< s x width
   Eigen::VectorXd length2;  ///< [m^2] width, zero beyond the last stick
+  Eigen::VectorXd inverse_length2;  ///< [1/m^2] likewise
 };
 
 /// The sticks of one body at one pose.
@@ -28,17 +32,23 @@ class StickSolver {
  public:
   void resize(const StickRows& rows);
 
-  /// D = X B^T and the factors of G o (D^T D). x: first particle's coordinates. Does nothing if it
-  /// holds that very pose already.
+  /// D = X B^T and (G o (D^T D))^-1. x: first particle's coordinates. Does nothing if it holds that
+  /// very pose already.
   void setPose(const StickRows& rows, const double* x);
 
   const double* D() const { return D_.data(); }
-  const double* U() const { return S_.data(); }
+  /// (J W J^T)^-1, s rows of width.
   const double* inverse() const { return inverse_.data(); }
 
   /// lambda <- (J W J^T)^-1 lambda; width values.
-  void solve(const StickRows& rows, double* lambda) const {
-    kernels::solve(S_.data(), inverse_.data(), rows.s, rows.width, lambda);
+  void solve(const StickRows& rows, double* lambda) {
+    kernels::multiply(inverse_.data(), lambda, rows.s, rows.width, solved_.data());
+    std::copy(solved_.data(), solved_.data() + rows.width, lambda);
+  }
+
+  /// Moves stick vectors D1 (3 rows of width) as the impulses lambda move the body.
+  void moveSticks(const StickRows& rows, const double* lambda, double* D1) const {
+    kernels::addImpulses(D_.data(), lambda, rows.s, rows.width, rows.G.data(), rows.width, D1);
   }
 
   /// Moves x (3 x n, columns) by scale D diag(lambda) (B W).
@@ -48,8 +58,8 @@ class StickSolver {
   void projectVelocities(const StickRows& rows, double* v);
 
  private:
-  PaddedRows D_, S_, moved_, rates_;
-  Eigen::VectorXd inverse_, lambda_, pose_;
+  PaddedRows D_, inverse_, moved_, rates_;
+  Eigen::VectorXd solved_, work_, lambda_, pose_;
   bool valid_ = false;
 };
 
