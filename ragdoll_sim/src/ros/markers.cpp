@@ -19,6 +19,7 @@ constexpr milliseconds kObstaclePeriod{1000};  ///< what stands still is repeate
 constexpr double kBodyLifetime = 0.5;          ///< [s]
 constexpr double kObstacleLifetime = 3;        ///< [s]
 constexpr double kPokeLifetime = 0.15;         ///< [s] a poke of one step is seen this long
+constexpr double kPullWidth = 0.01;            ///< [m]
 constexpr double kStickWidth = 0.012;          ///< [m]
 const Rgba kStickColor{0.15f, 0.16f, 0.19f, 1};
 const Rgba kPokeColor{0.92f, 0.26f, 0.21f, 0.95f};
@@ -57,6 +58,7 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
   moveBodies(world, posture);
   addObstacles(world, all);
   addPokes(world, posture);
+  addPulls(world, posture);
   pokes_.clear();
   publisher_.publish(message_);
 }
@@ -151,6 +153,19 @@ void MarkerPublisher::addPokes(const Snapshot& world, const Posture& posture) {
     m.color = toColor(kPokeColor);
     message_.markers.push_back(std::move(m));
   }
+}
+
+void MarkerPublisher::addPulls(const Snapshot& world, const Posture& posture) {
+  if (world.pulls.empty()) return;
+  Marker m = marker("pulls", 0, kPokeLifetime);
+  m.type = Marker::LINE_LIST;
+  m.scale.x = kPullWidth;
+  m.color = toColor(kPokeColor);
+  for (const Pull& pull : world.pulls) {
+    m.points.push_back(toPoint(posture.x.col(pull.body.particles[0])));
+    m.points.push_back(toPoint(pull.target));
+  }
+  message_.markers.push_back(std::move(m));
 }
 
 }  // namespace ragdoll

@@ -8,6 +8,7 @@
 #include "ragdoll_sim/ros/attachments.h"
 #include "ragdoll_sim/ros/control.h"
 #include "ragdoll_sim/ros/frame_lookup.h"
+#include "ragdoll_sim/ros/handles.h"
 #include "ragdoll_sim/ros/parameters.h"
 #include "ragdoll_sim/ros/pokes.h"
 #include "ragdoll_sim/ros/publisher.h"
@@ -58,6 +59,7 @@ int main(int argc, char** argv) {
                                  [&] { return attachments.missing(); });
     ragdoll::Control control(nh, simulation, publisher);
     ragdoll::Pokes pokes(nh, simulation, clock, frames, parameters.wrench_timeout);
+    ragdoll::Handles handles(nh, simulation, frames);
     ragdoll::Reconfigure reconfigure(nh, simulation);
     ragdoll::Scenes scenes(nh, simulation, publisher, clock, parameters.world_frame,
                            [&] { reconfigure.refresh(); });

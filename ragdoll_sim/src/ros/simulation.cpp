@@ -65,6 +65,7 @@ void Simulation::snapshot(Snapshot& out) {
     out.report = world.report();
     out.acted = world.takeActed();
     out.events = world.takeEvents();
+    out.pulls = world.pulls();
     out.revision = world.revision();
     out.mark = world.mark();
     out.beginning = world.beginning();

@@ -6,6 +6,7 @@
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/core/pull.h"
 #include "ragdoll_sim/core/sleep.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
@@ -77,6 +78,7 @@ void World::advance() {
   for (const Poke& poke : inputs_.pokes)
     if (isActive(poke, state_.time, stepLength()) && !contains(acted_, poke))
       acted_.push_back(poke);
+  addPulls();
   report_ = step(*model_, inputs_, workspace_, state_);
   if (state_.step % steps_per_follow_ == 0) {
     tracker_.update(state_);
@@ -194,6 +196,7 @@ void World::setPokes(const std::vector<Poke>& pokes) {
   pokes_.clear();
   streams_.clear();
   clearings_.clear();
+  pulls_.clear();
   for (const Poke& poke : pokes) pokes_.push_back({poke, next_order_++});
   pokes_changed_ = true;
 }
@@ -230,6 +233,7 @@ std::size_t World::clear(std::uint64_t order) {
                pokes_.end());
   for (Stream& s : streams_) endStream(s);
   streams_.clear();
+  pulls_.clear();
   acted_.clear();
   pokes_changed_ = true;
   return before - pokes_.size();
@@ -296,8 +300,45 @@ void World::gatherPokes() {
   for (const Accepted& a : pokes_) inputs_.pokes.push_back(a.poke);
   for (const Stream& s : streams_)
     inputs_.pokes.insert(inputs_.pokes.end(), s.pokes.begin(), s.pokes.end());
-  std::stable_sort(inputs_.pokes.begin(), inputs_.pokes.end(),
-                   [h](const Poke& a, const Poke& b) { return actsBefore(a, b, h); });
+  sortPokes();
+}
+
+void World::sortPokes() {
+  std::stable_sort(
+      inputs_.pokes.begin(), inputs_.pokes.end(),
+      [h = stepLength()](const Poke& a, const Poke& b) { return actsBefore(a, b, h); });
+}
+
+void World::pull(const std::string& body, const Vec3& target) {
+  const BodyRef ref = findParticle(*model_, body);
+  const auto known = std::find_if(pulls_.begin(), pulls_.end(),
+                                  [&](const Pull& p) { return p.body.particles == ref.particles; });
+  if (known != pulls_.end())
+    known->target = target;
+  else
+    pulls_.push_back({particleName(*model_, ref.particles[0]), ref, target});
+}
+
+void World::release(const std::string& body) {
+  pulls_.erase(std::remove_if(pulls_.begin(), pulls_.end(),
+                              [&](const Pull& p) { return p.body_name == body; }),
+               pulls_.end());
+}
+
+void World::addPulls() {
+  for (const Pull& pull : pulls_) {
+    Poke poke;
+    poke.body = pull.body;
+    poke.body_name = pull.body_name;
+    poke.start = state_.time;
+    poke.duration = stepLength();
+    poke.force = pullForce(*model_, state_, pull.body.particles[0], pull.target);
+    if (poke.force.isZero(0)) continue;
+    inputs_.pokes.push_back(poke);
+    events_.push_back({state_.step, std::move(poke), run_});
+    pokes_changed_ = true;  // the next step has others
+  }
+  if (pokes_changed_) sortPokes();
 }
 
 void World::attach(const std::string& body, const std::string& frame) {

@@ -1,4 +1,4 @@
-// What rviz shows: the coat, the sticks, obstacles and the pokes that act, in one MarkerArray.
+// What rviz shows: the coat, the sticks, obstacles, the pokes and pulls that act, in one MarkerArray.
 // Fixed namespaces and ids, so that each message overwrites the last; short lifetimes, so that
 // nothing stays behind when the node ends.
 #pragma once
@@ -33,6 +33,7 @@ class MarkerPublisher {
   void moveBodies(const Snapshot& world, const Posture& posture);
   void addObstacles(const Snapshot& world, bool all);
   void addPokes(const Snapshot& world, const Posture& posture);
+  void addPulls(const Snapshot& world, const Posture& posture);
 
   std::string world_frame_, coat_;
   std::atomic<bool> newcomer_{true};

@@ -39,6 +39,7 @@ struct Snapshot {
   StepReport report;
   std::vector<Poke> acted;    ///< since the last snapshot
   std::vector<Event> events;  ///< since the last snapshot
+  std::vector<Pull> pulls;
   std::uint64_t revision = 0;
   RunMark mark;
   std::shared_ptr<const Bytes> beginning;  ///< of the run

@@ -37,6 +37,13 @@ struct RunMark {
   std::uint64_t told = 0;  ///< step: events have told all that acted before it
 };
 
+/// A particle that is dragged (core/pull.h).
+struct Pull {
+  std::string body_name;
+  BodyRef body;
+  Vec3 target = Vec3::Zero();  ///< [m]
+};
+
 class World {
  public:
   /// At the scene's start. Throws Error.
@@ -78,6 +85,12 @@ class World {
   /// `pokes` replace those that the same source gave before and act for `seconds`, unless replaced.
   void stream(const std::string& source, std::vector<Poke> pokes, double seconds);
 
+  /// Drags one particle to the target [m] until release(), a jump or a clearing. What acts is told
+  /// as one poke for each step. Throws Error.
+  void pull(const std::string& body, const Vec3& target);
+  void release(const std::string& body);  ///< does nothing if it is not pulled
+  const std::vector<Pull>& pulls() const { return pulls_; }
+
   /// Holds one particle at a frame of someone else's. Throws Error.
   void attach(const std::string& body, const std::string& frame);
   void detach(const std::string& body);  ///< lets go of a particle that is held; throws Error
@@ -118,6 +131,8 @@ class World {
   void changePins(const std::vector<Pin>& pins);
   void setPokes(const std::vector<Poke>& pokes);
   void gatherPokes();
+  void addPulls();
+  void sortPokes();
   std::size_t clear(std::uint64_t order);
   void endStream(Stream& stream);
   Poke rounded(Poke poke, std::uint64_t& first) const;
@@ -139,6 +154,7 @@ class World {
   std::uint64_t next_order_ = 1;
   std::vector<Stream> streams_;
   std::vector<Clearing> clearings_;  ///< to come
+  std::vector<Pull> pulls_;
   bool pokes_changed_ = false;       ///< since inputs_.pokes was gathered
   std::vector<Poke> acted_;
   std::vector<Event> events_;

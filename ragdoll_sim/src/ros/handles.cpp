@@ -1,0 +1,204 @@
+#include "ragdoll_sim/ros/handles.h"
+
+#include <ros/console.h>
+#include <visualization_msgs/InteractiveMarkerUpdate.h>
+
+#include <algorithm>
+#include <set>
+
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/ros/convert.h"
+
+namespace ragdoll {
+namespace {
+
+using std::chrono::milliseconds;
+using visualization_msgs::InteractiveMarker;
+using visualization_msgs::InteractiveMarkerControl;
+using visualization_msgs::InteractiveMarkerFeedback;
+using visualization_msgs::Marker;
+
+constexpr milliseconds kPeriod{66};     ///< between two updates of the handles
+constexpr milliseconds kSilence{1000};  ///< rviz is heard of four times a second while it holds one
+constexpr std::size_t kMaxHandles = 300;  ///< bodies beyond have none
+constexpr double kSize = 1.15;            ///< of a handle, in sizes of its particle
+constexpr double kMinRadius = 0.065;      ///< [m] of a handle
+constexpr double kWarnPeriod = 1;         ///< [s] bad feedback is reported this often
+const Rgba kColor{1.0f, 0.72f, 0.25f, 0.14f};
+
+/// The ends of bones; all particles of a body without bones.
+std::vector<int> mainParticles(const Skeleton& skeleton) {
+  std::vector<bool> end(skeleton.named, false);
+  for (const Segment& s : skeleton.segments)
+    if (!s.group)
+      for (const int p : s.particles) end[p] = true;
+  const bool none = std::find(end.begin(), end.end(), true) == end.end();
+  std::vector<int> particles;
+  for (int p = 0; p < skeleton.named; ++p)
+    if (none || end[p]) particles.push_back(p);
+  return particles;
+}
+
+std::vector<Handle> handlesOf(const Model& model) {
+  std::vector<Handle> handles;
+  for (const Ragdoll& r : model.ragdolls) {
+    const Skeleton& skeleton = model.skeletonOf(r);
+    const std::vector<int> particles = mainParticles(skeleton);
+    if (handles.size() + particles.size() > kMaxHandles) {
+      ROS_INFO("no handles from ragdoll %s on: there are %zu", r.name.c_str(), handles.size());
+      break;
+    }
+    for (const int p : particles)
+      handles.push_back({r.name + "/" + skeleton.particles[p], r.first + p,
+                         std::max(kMinRadius, kSize * skeleton.radius[p])});
+  }
+  return handles;
+}
+
+/// A sphere that moves parallel to the view, with shift towards it.
+InteractiveMarkerControl control(double radius) {
+  Marker sphere;
+  sphere.type = Marker::SPHERE;
+  sphere.scale = toVector3(Vec3::Constant(2 * radius));
+  sphere.color = toColor(kColor);
+  sphere.pose.orientation.w = 1;
+  InteractiveMarkerControl c;
+  c.name = "pull";
+  c.interaction_mode = InteractiveMarkerControl::MOVE_3D;
+  c.orientation.w = 1;
+  c.markers.push_back(sphere);
+  return c;
+}
+
+geometry_msgs::Pose poseAt(const Vec3& position) { return toPose({position, Quat::Identity()}); }
+
+}  // namespace
+
+Handles::Handles(ros::NodeHandle& nh, Simulation& simulation, const FrameLookup& frames)
+    : simulation_(simulation), frames_(frames), server_(nh.resolveName("handles")) {
+  listeners_ = nh.advertise<visualization_msgs::InteractiveMarkerUpdate>("handles/update", 100);
+  thread_ = std::thread([this] { run(); });
+}
+
+Handles::~Handles() {
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  thread_.join();
+}
+
+void Handles::feedback(const Feedback& message) {
+  try {
+    switch (message.event_type) {
+      case Feedback::MOUSE_DOWN:
+      case Feedback::POSE_UPDATE:
+        hold(message);
+        break;
+      case Feedback::KEEP_ALIVE: {
+        std::unique_lock<std::mutex> lock(mutex_);
+        if (grips_.count(message.marker_name) == 0) break;
+        lock.unlock();
+        hold(message);
+        break;
+      }
+      case Feedback::MOUSE_UP: {
+        std::lock_guard<std::mutex> lock(mutex_);
+        grips_.erase(message.marker_name);
+        simulation_.call([&](World& world) { world.release(message.marker_name); });
+        break;
+      }
+      default:
+        break;
+    }
+  } catch (const Error& e) {
+    ROS_WARN_THROTTLE(kWarnPeriod, "~handles/feedback ignored: %s", e.what());
+  }
+}
+
+void Handles::hold(const Feedback& message) {
+  const Vec3 point = fromPoint(message.pose.position);
+  if (!point.allFinite())
+    throw Error("pose", "the position of " + message.marker_name + " must be three finite numbers");
+  const std::string frame = FrameLookup::normal(message.header.frame_id);
+  std::lock_guard<std::mutex> lock(mutex_);
+  simulation_.call([&](World& world) {
+    const std::optional<Pose> own = world.frame(frame);
+    const Pose pose = own ? *own : frames_.inWorld(frame);
+    world.pull(message.marker_name, pose.position + pose.orientation * point);
+  });
+  grips_[message.marker_name] = Simulation::Clock::now();
+}
+
+void Handles::run() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!wake_.wait_for(lock, kPeriod, [this] { return stopping_; })) {
+    try {
+      endSilentGrips();
+      lock.unlock();
+      if (listeners_.getNumSubscribers() > 0) follow();
+    } catch (const Error&) {
+      return;  // the simulation has ended
+    }
+    lock.lock();
+  }
+}
+
+/// REQUIRES: mutex_ is held, so that no feedback comes in between.
+void Handles::endSilentGrips() {
+  const auto now = Simulation::Clock::now();
+  for (auto grip = grips_.begin(); grip != grips_.end();) {
+    if (now - grip->second < kSilence) {
+      ++grip;
+      continue;
+    }
+    simulation_.call([&](World& world) { world.release(grip->first); });
+    ROS_WARN("handle '%s' is let go: nothing more was heard of who held it", grip->first.c_str());
+    grip = grips_.erase(grip);
+  }
+}
+
+void Handles::follow() {
+  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const Model> model;
+  Points x;
+  std::uint64_t revision = 0;
+  simulation_.call([&](World& world) {
+    scene = world.scene();
+    model = world.model();
+    x = world.state().x;
+    revision = world.revision();
+  });
+  if (scene != scene_) rebuild(*model, x);
+  if (revision == revision_ && scene == scene_) return;
+  scene_ = scene;
+  revision_ = revision;
+  // The server is not called under the lock: it holds one of its own around feedback().
+  std::set<std::string> held;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    for (const auto& grip : grips_) held.insert(grip.first);
+  }
+  for (const Handle& handle : handles_)
+    if (held.count(handle.name) == 0) server_.setPose(handle.name, poseAt(x.col(handle.particle)));
+  server_.applyChanges();
+}
+
+void Handles::rebuild(const Model& model, const Points& x) {
+  std::vector<Handle> handles = handlesOf(model);
+  if (handles == handles_) return;  // other settings for the same bodies
+  handles_ = std::move(handles);
+  server_.clear();
+  for (const Handle& handle : handles_) {
+    InteractiveMarker m;
+    m.header.frame_id = frames_.worldFrame();
+    m.name = handle.name;
+    m.pose = poseAt(x.col(handle.particle));
+    m.scale = static_cast<float>(2 * handle.radius);
+    m.controls.push_back(control(handle.radius));
+    server_.insert(m, [this](const InteractiveMarkerFeedback::ConstPtr& f) { feedback(*f); });
+  }
+}
+
+}  // namespace ragdoll
