@@ -38,7 +38,8 @@ def replay(path):
 
 def flipped(value):
     """The number next to it: its last bit is the other one."""
-    return struct.unpack('<d', struct.pack('<Q', struct.unpack('<Q', struct.pack('<d', value))[0] ^ 1))[0]
+    bits = struct.unpack('<Q', struct.pack('<d', value))[0]
+    return struct.unpack('<d', struct.pack('<Q', bits ^ 1))[0]
 
 
 class LabReplayTest(unittest.TestCase):

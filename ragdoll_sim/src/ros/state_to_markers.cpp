@@ -1,0 +1,165 @@
+#include "ragdoll_sim/ros/state_to_markers.h"
+
+#include <ros/this_node.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "ragdoll_sim/ros/convert.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr double kPeriod = 1.0 / 60;    ///< [s] between two pictures
+constexpr double kMaxGap = 0.1;         ///< [s] of simulation; a longer one is a jump
+constexpr double kWarnPeriod = 5;       ///< [s]
+constexpr double kRecordedTfHolds = 1;  ///< [s] without a recorded frame, then they are drawn anew
+
+}  // namespace
+
+StateToMarkers::StateToMarkers(ros::NodeHandle& nh, const std::string& coat)
+    : nh_(nh), coat_(coat) {
+  subscribers_.push_back(nh_.subscribe("model", 10, &StateToMarkers::model, this));
+  subscribers_.push_back(nh_.subscribe("state", 100, &StateToMarkers::state, this));
+  subscribers_.push_back(nh_.subscribe("pokes", 1000, &StateToMarkers::poke, this));
+  subscribers_.push_back(nh_.subscribe("/tf", 100, &StateToMarkers::transforms, this));
+  timer_ = nh_.createWallTimer(ros::WallDuration(kPeriod),
+                               [this](const ros::WallTimerEvent&) { draw(); });
+}
+
+void StateToMarkers::model(const ragdoll_msgs::Model& message) {
+  if (world_.scene && message.scene_yaml == world_.scene->text) return;
+  try {
+    auto scene = std::make_shared<Scene>(parseScene(message.scene_yaml, "~model"));
+    world_.model = std::make_shared<Model>(buildModel(*scene));
+    world_.scene = std::move(scene);
+  } catch (const Error& e) {
+    ROS_ERROR("~model ignored: %s", e.what());
+    return;
+  }
+  world_.state = startState(*world_.model);
+  world_.tracker.emplace(*world_.model);
+  world_.tracker->reset(world_.state);
+  follow_.restart(*world_.model, world_.state);
+  heard_ = false;
+  if (markers_ && world_frame_ == message.header.frame_id) return;
+  world_frame_ = message.header.frame_id;
+  markers_.reset();
+  markers_ = std::make_unique<MarkerPublisher>(nh_, world_frame_, coat_);
+  frames_ = std::make_unique<FrameLookup>(world_frame_);
+}
+
+bool StateToMarkers::fits(const ragdoll_msgs::State& message) const {
+  if (!world_.model || message.ragdolls.size() != world_.model->ragdolls.size()) return false;
+  for (std::size_t i = 0; i < message.ragdolls.size(); ++i) {
+    const Ragdoll& ragdoll = world_.model->ragdolls[i];
+    const ragdoll_msgs::RagdollState& state = message.ragdolls[i];
+    const auto n = static_cast<std::size_t>(world_.model->skeletonOf(ragdoll).named);
+    if (state.name != ragdoll.name || state.positions.size() != n) return false;
+    for (const geometry_msgs::Point& p : state.positions)
+      if (!fromPoint(p).allFinite()) return false;
+  }
+  return true;
+}
+
+void StateToMarkers::state(const ragdoll_msgs::State& message) {
+  if (!fits(message)) {
+    ROS_WARN_THROTTLE(kWarnPeriod, "~state ignored: %s",
+                      world_.model ? "it is not of the scene that ~model told"
+                                   : "no ~model has come yet; was it recorded?");
+    return;
+  }
+  State& state = world_.state;
+  const double passed = message.time - state.time;
+  const bool jump = !heard_ || message.run != world_.mark.run || passed < 0 || passed > kMaxGap;
+  const std::uint64_t before = jump ? message.step : state.step;
+  state.step = message.step;
+  state.time = message.time;
+  for (std::size_t i = 0; i < message.ragdolls.size(); ++i) {
+    const Ragdoll& ragdoll = world_.model->ragdolls[i];
+    const auto& positions = message.ragdolls[i].positions;
+    for (std::size_t p = 0; p < positions.size(); ++p)
+      state.x.col(ragdoll.first + static_cast<Eigen::Index>(p)) = fromPoint(positions[p]);
+  }
+  if (jump)
+    world_.tracker->reset(state);
+  else if (passed > 0)
+    world_.tracker->update(state);
+  world_.mark = {message.run, message.told};
+  heard_ = true;
+  gatherActed(before, state.step);
+}
+
+void StateToMarkers::poke(const ragdoll_msgs::PokeEvent& message) {
+  if (!world_.model) return;
+  try {
+    Told told{fromPokeEvent(*world_.model, message), 0};
+    if (message.body_name.empty()) {
+      for (Told& t : told_)
+        if (t.event.run == message.run) t.end = std::min(t.end, message.step);
+      return;
+    }
+    const double h = world_.model->solver.step;
+    const double steps = std::max(1.0, std::round(told.event.poke.duration / h));
+    told.end = told.event.poke.duration < 0 ? std::numeric_limits<std::uint64_t>::max()
+                                            : message.step + static_cast<std::uint64_t>(steps);
+    told.event.poke.start = static_cast<double>(message.step) * h;
+    // What a ~wrench did is told when it has been done: shown once, late.
+    if (message.run == world_.mark.run && told.end <= world_.state.step)
+      world_.acted.push_back(told.event.poke);
+    else
+      told_.push_back(std::move(told));
+  } catch (const Error& e) {
+    ROS_WARN_THROTTLE(kWarnPeriod, "~pokes ignored: %s", e.what());
+  }
+}
+
+/// The pokes that acted in a step of [before, now).
+void StateToMarkers::gatherActed(std::uint64_t before, std::uint64_t now) {
+  const std::uint32_t run = world_.mark.run;
+  const auto over = [&](const Told& t) {
+    return t.event.run < run || (t.event.run == run && t.end <= before);
+  };
+  told_.erase(std::remove_if(told_.begin(), told_.end(), over), told_.end());
+  for (const Told& t : told_)
+    if (t.event.run == run && t.event.step < now && !contains(world_.acted, t.event.poke))
+      world_.acted.push_back(t.event.poke);
+}
+
+void StateToMarkers::transforms(const ros::MessageEvent<tf2_msgs::TFMessage const>& event) {
+  if (event.getPublisherName() == ros::this_node::getName() || !world_.tracker) return;
+  for (const auto& transform : event.getConstMessage()->transforms)
+    if (world_.tracker->size() > 0 && transform.child_frame_id == world_.tracker->name(0))
+      recorded_tf_ = ros::WallTime::now();
+}
+
+void StateToMarkers::draw() {
+  if (!heard_) return;
+  placeObstacles();
+  markers_->publish(world_, world_.tracker->now());
+  world_.acted.clear();
+  publishTf();
+}
+
+/// Those that follow a frame of someone else's: a recorded one, or one that is there now.
+void StateToMarkers::placeObstacles() {
+  if (follow_.empty()) return;
+  for (const std::string& frame : follow_.frames())
+    if (const std::optional<StampedPose> found = frames_->find(frame))
+      follow_.hear(frame, found->pose);
+  follow_.restart(*world_.model, world_.state);
+}
+
+void StateToMarkers::publishTf() {
+  const ros::Time now = ros::Time::now();
+  if (now.isZero() || now == last_stamp_) return;
+  if ((ros::WallTime::now() - recorded_tf_).toSec() < kRecordedTfHolds) return;
+  last_stamp_ = now;
+  tf_.sendTransform(
+      toTransforms(*world_.tracker, world_.tracker->now(), toHeader(world_frame_, now)));
+}
+
+}  // namespace ragdoll

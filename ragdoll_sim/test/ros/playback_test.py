@@ -1,0 +1,121 @@
+#!/usr/bin/python3
+"""state_to_markers draws of a bag what the node drew when it was recorded."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import roslib.packages
+import rospy
+import rostest
+from client import Client, Inbox, Recorder, position, wait_for
+from ragdoll_msgs.msg import Model, State
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+TOPICS = ['/ragdoll/' + name for name in ('model', 'state', 'pokes')]
+
+
+def numbers(message):
+    """(ns, id) -> points, pose, scale, colour and kind; without pokes, and what clears all."""
+    return {(m.ns, m.id): ([(p.x, p.y, p.z) for p in m.points], m.pose, m.scale, m.color, m.type)
+            for m in message.markers if m.ns not in ('', 'pokes')}
+
+
+class PlaybackTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.client = Client()
+        cls.client.restart()
+        cls.drawn = Inbox('/ragdoll/markers', MarkerArray)
+
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def record(self):
+        """A bag: some steps, a poke that goes on, a last state."""
+        path = os.path.join(self.folder, 'run.bag')
+        recorder = Recorder(path, '/ragdoll', TOPICS)
+        self.client.restart()
+        self.client.step(60)
+        self.assertTrue(self.client.poke('head', (0, 80, 0), duration=-1).success)
+        for _ in range(10):
+            self.last = self.client.step(4)
+        recorder.stop()
+        return path
+
+    def play(self, path):
+        program = roslib.packages.find_node('rosbag', 'play')[0]
+        player = subprocess.Popen(
+            [program, '--quiet', '--keep-alive', '--delay=1', path]
+            + ['%s:=%s' % (topic, topic.replace('ragdoll', 'played')) for topic in TOPICS],
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+        self.addCleanup(player.kill)
+
+    def test_the_picture_is_the_one_that_was_drawn(self):
+        path = self.record()
+        seen = len(self.drawn.all())
+        wait_for(lambda: len(self.drawn.all()) > seen + 40, 'all that the node draws')
+        expected = {}
+        for message in self.drawn.all()[seen:]:
+            expected.update(numbers(message))
+        played = Inbox('/played/markers', MarkerArray)
+        frames = Inbox('/tf', TFMessage)
+        self.play(path)
+
+        sticks = expected[('sticks', 0)]
+        last = played.first(lambda m: numbers(m).get(('sticks', 0)) == sticks,
+                            'the last state, drawn alike')
+        self.assertEqual([m.ns for m in last.markers].count('coat'), 1)
+        wait_for(lambda: {key for m in played.all() for key in numbers(m)} == set(expected),
+                 'the same markers, obstacles too')
+        for message in played.all():
+            for key, value in numbers(message).items():
+                if key[0] == 'obstacles':
+                    self.assertEqual(value, expected[key])
+        arrows = [m for message in played.all() for m in message.markers if m.ns == 'pokes']
+        self.assertTrue(arrows, 'no arrow for the poke')
+        self.assertGreater(arrows[-1].points[1].y - arrows[-1].points[0].y, 0.3)
+
+        # The node still publishes the same frames, so the relay keeps silent.
+        def count(name):
+            return len([m for m in frames.all() if m._connection_header['callerid'] == name])
+
+        def silent():
+            others, own = count('/ragdoll'), count('/played')
+            wait_for(lambda: count('/ragdoll') > others + 30, 'frames')
+            return count('/played') == own
+        wait_for(silent, 'silence of the relay')
+
+    def test_frames_where_nobody_else_has_them(self):
+        """A body of another name, told by hand: what the node does not publish, the relay does."""
+        model = Inbox('/ragdoll/model', Model).first(lambda m: True, 'a model')
+        state = self.client.restart()
+        frames = Inbox('/tf', TFMessage)
+        tell_model = rospy.Publisher('/played/model', Model, latch=True, queue_size=1)
+        tell_state = rospy.Publisher('/played/state', State, latch=True, queue_size=1)
+        model.scene_yaml = model.scene_yaml.replace('name: ragdoll', 'name: other')
+        state.ragdolls[0].name = 'other'
+        tell_model.publish(model)
+
+        def told():
+            tell_state.publish(state)
+            return [t for m in frames.all() for t in m.transforms
+                    if t.child_frame_id == 'other/head']
+        wait_for(told, 'the frames')
+        tree = {t.child_frame_id: t for m in frames.all() for t in m.transforms
+                if t.child_frame_id.startswith('other/')}
+        self.assertEqual(len(tree), 17)
+        root = tree['other/pelvis'].transform.translation
+        hips = [position(self.client.model, state, side + '_hip') for side in ('left', 'right')]
+        for value, a, b in zip((root.x, root.y, root.z), *hips):
+            self.assertAlmostEqual(value, (a + b) / 2)
+
+
+if __name__ == '__main__':
+    rospy.init_node('playback_test')
+    rostest.rosrun('ragdoll_sim', 'playback', PlaybackTest, sys.argv)
