@@ -11,6 +11,7 @@ namespace {
 
 using Clock = Simulation::Clock;
 
+constexpr int kPokesQueue = 10000;  ///< none may be missing in a bag, and one step may have many
 constexpr int kQueue = 100;  ///< messages kept for a slow listener; then the oldest are dropped
 
 }  // namespace
@@ -26,7 +27,7 @@ Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock
   model_ = nh.advertise<ragdoll_msgs::Model>("model", 1, true);
   state_ = nh.advertise<ragdoll_msgs::State>(
       "state", kQueue, [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; });
-  pokes_ = nh.advertise<ragdoll_msgs::PokeEvent>("pokes", kQueue);
+  pokes_ = nh.advertise<ragdoll_msgs::PokeEvent>("pokes", kPokesQueue);
   joints_ = nh.advertise<sensor_msgs::JointState>("joint_states", kQueue);
   thread_ = std::thread([this] { run(); });
 }
