@@ -77,12 +77,15 @@ double turnValue(const Limit& limit, const Vec3& z, const Vec3& w, const double*
   return (limit.angle - std::abs(std::atan2(s, c))) * std::hypot(c, s);
 }
 
+double withinValue(const Limit& limit, const Vec3& r, const Vec3& w) {
+  return limit.angle - std::atan2(r.cross(w).norm(), r.dot(w));
+}
+
 }  // namespace
 
 double limitValue(const Limit& limit, const double* x) {
   const Vec3 r = valueOf(limit.reference, x), w = valueOf(limit.child, x);
-  return limit.kind == Limit::Kind::kWithin ? limit.angle - std::atan2(r.cross(w).norm(), r.dot(w))
-                                            : turnValue(limit, r, w, x);
+  return limit.kind == Limit::Kind::kWithin ? withinValue(limit, r, w) : turnValue(limit, r, w, x);
 }
 
 namespace {
@@ -91,25 +94,29 @@ namespace {
 void findAngles(const Model& model, const Points& x, int ragdoll, double margin,
                 std::vector<LimitRow>& rows) {
   const double sine = std::sin(margin), cosine = std::cos(margin);
-  const int first = model.ragdolls[ragdoll].first;
   const std::vector<Limit>& limits = model.skeletonOf(model.ragdolls[ragdoll]).limits;
   const double* body = bodyOf(model, x, ragdoll);
   for (std::size_t k = 0; k < limits.size(); ++k) {
     const Limit& limit = limits[k];
     const Vec3 r = valueOf(limit.reference, body), w = valueOf(limit.child, body);
-    // Most are far inside, which the cosine alone shows: cos(angle(r, w)) > cos(angle - margin).
-    const double far = limit.cos_angle * cosine + limit.sin_angle * sine;
-    const bool inside = limit.kind == Limit::Kind::kWithin ? limit.angle > margin && r.dot(w) > far
-                                                           : turnValue(limit, r, w, body) >= margin;
-    if (inside) continue;
+    double value;
+    if (limit.kind == Limit::Kind::kWithin) {
+      // Most are far inside, which the cosine alone shows: cos(angle(r, w)) > cos(angle - margin).
+      const double far = limit.cos_angle * cosine + limit.sin_angle * sine;
+      if (limit.angle > margin && r.dot(w) > far) continue;
+      value = withinValue(limit, r, w);
+    } else {
+      value = turnValue(limit, r, w, body);
+      if (value >= margin) continue;
+    }
     rows.emplace_back();
     LimitRow& row = rows.back();
+    row.value = value;
     row.ragdoll = ragdoll;
     row.limit = static_cast<int>(k);
     row.joint = limit.joint;
     row.compliance = limit.compliance;
     row.damping = limit.damping;
-    fill(limit, r, w, body, first, row);
   }
 }
 
@@ -172,11 +179,18 @@ void evaluateLimit(const Model& model, const Points& x, LimitRow& row) {
   fill(limit, valueOf(limit.reference, body), valueOf(limit.child, body), body, ragdoll.first, row);
 }
 
+double valueAt(const Model& model, const Points& x, const LimitRow& row) {
+  if (row.limit >= 0)
+    return limitValue(model.skeletonOf(model.ragdolls[row.ragdoll]).limits[row.limit],
+                      bodyOf(model, x, row.ragdoll));
+  LimitRow there = row;
+  evaluateLimit(model, x, there);
+  return there.value;
+}
+
 void startLimit(const Model& model, const Points& x, LimitRow& row) {
   if (row.compliance == 0) return;
-  LimitRow start = row;
-  evaluateLimit(model, x, start);
-  row.start = std::min(0.0, start.value);
+  row.start = std::min(0.0, valueAt(model, x, row));
 }
 
 LimitRow::Softness LimitRow::eulerSoftness(double h) const {

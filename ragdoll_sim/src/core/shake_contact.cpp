@@ -9,10 +9,17 @@ namespace {
 constexpr int kMaxRounds = 6;            ///< of contacts and sticks in turn
 constexpr double kContactMargin = 0.02;  ///< [m]
 constexpr double kLimitMargin = 0.3;     ///< [rad]
+constexpr double kActiveGap = 1e-3;      ///< [m] contacts nearer than this are solved for at once
+constexpr double kActiveAngle = 0.01;    ///< [rad] likewise
+constexpr double kLever = 0.1;           ///< [m] of a radian that is seen
 constexpr int kMaxSearches = 3;          ///< for contacts that others push the body into
 constexpr double kRecoverySpeed = 2;     ///< [m/s] at which overlap found at the start opens
 constexpr double kUnsettled = 5e-4;      ///< [m] a contact solution this bad is done again at half
 constexpr double kMissed = 1e-4;         ///< [m] deeper than that is found and solved again
+
+bool isForced(const std::vector<std::uint8_t>& forced, std::size_t i) {
+  return i < forced.size() && forced[i] != 0;
+}
 
 }  // namespace
 
@@ -55,15 +62,43 @@ void ShakeStep::gather(double h, bool leapfrog) {
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
   Schur& schur = scratch_.schur;
   schur.start(ragdoll_.first);
-  for (std::size_t i = 0; i < scratch_.contacts.size(); ++i)
-    schur.addContact(scratch_.contacts[i], static_cast<int>(i));
-  scratch_.softness.clear();
+  scratch_.contact_row.assign(scratch_.contacts.size(), -1);
+  for (std::size_t i = 0; i < scratch_.contacts.size(); ++i) {
+    const Contact& c = scratch_.contacts[i];
+    if (!isForced(scratch_.forced_contacts, i) && gapAt(c, scratch_.dx.data()) > kActiveGap && !lastPress(keyOf(c))) continue;
+    scratch_.contact_row[i] = schur.size();
+    schur.addContact(c, static_cast<int>(i));
+  }
+  scratch_.softness.resize(scratch_.limits.size());
+  scratch_.limit_row.assign(scratch_.limits.size(), -1);
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
     LimitRow& limit = scratch_.limits[i];
+    if (!isForced(scratch_.forced_limits, i) && limit.compliance == 0 && limit.limit >= 0 &&
+        valueAt(model_, ws_.x1, limit) > kActiveAngle && !lastPress(keyOf(limit)))
+      continue;
     evaluateLimit(model_, ws_.x1, limit);
-    scratch_.softness.push_back(leapfrog ? limit.middleSoftness(h) : limit.eulerSoftness(h));
-    schur.addLimit(limit, static_cast<int>(i), scratch_.softness.back().compliance);
+    scratch_.softness[i] = leapfrog ? limit.middleSoftness(h) : limit.eulerSoftness(h);
+    scratch_.limit_row[i] = schur.size();
+    schur.addLimit(limit, static_cast<int>(i), scratch_.softness[i].compliance);
   }
+}
+
+bool ShakeStep::forceViolated() {
+  scratch_.forced_contacts.resize(scratch_.contacts.size(), 0);
+  scratch_.forced_limits.resize(scratch_.limits.size(), 0);
+  bool any = false;
+  for (std::size_t i = 0; i < scratch_.contacts.size(); ++i) {
+    if (scratch_.contact_row[i] >= 0) continue;
+    if (gapAt(scratch_.contacts[i], scratch_.dx.data()) < -kContactTolerance)
+      any = scratch_.forced_contacts[i] = 1;
+  }
+  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
+    if (scratch_.limit_row[i] >= 0) continue;
+    if (valueAt(model_, ws_.x1, scratch_.limits[i]) * kLever < -kContactTolerance)
+      any = scratch_.forced_limits[i] = 1;
+  }
+  return any;
 }
 
 bool ShakeStep::findMissed() {
@@ -76,6 +111,7 @@ bool ShakeStep::findMissed() {
     if (c.gap_start < 0) c.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * step_);
     if (gapAt(c, scratch_.dx.data()) >= -kMissed) continue;
     scratch_.contacts.push_back(c);
+    scratch_.forced_contacts.push_back(1);
     any = true;
   }
   return any;
@@ -84,9 +120,10 @@ bool ShakeStep::findMissed() {
 void ShakeStep::pressFound(double h, bool leapfrog) {
   Schur& schur = scratch_.schur;
   gather(h, leapfrog);
+  scratch_.total.setZero(schur.size());
+  if (schur.empty()) return;
   schur.assemble(rows_, body_.start, system_.W);
   Eigen::VectorXd& p = scratch_.p;
-  scratch_.total.setZero(schur.size());
   recall(h);
   for (int round = 0; round < kMaxRounds; ++round) {
     fillGaps(h);
@@ -107,23 +144,32 @@ void ShakeStep::press(double h, bool leapfrog) {
     return;
   }
   Schur& schur = scratch_.schur;
-  for (int search = 0; search < kMaxSearches; ++search) {
-    if (search > 0) freeMotion(h);
+  scratch_.forced_contacts.clear();
+  scratch_.forced_limits.clear();
+  scratch_.free_dx = scratch_.dx;
+  scratch_.free_lambda = scratch_.lambda;
+  for (int search = 0;; ++search) {
     pressFound(h, leapfrog);
-    if (!leapfrog || failed_ || !findMissed()) break;
-    if (search + 1 < kMaxSearches) continue;
-    failed_ = true;  // smaller steps meet fewer things at once
-    scratch_.total.resize(0);
-    return;
+    if (failed_) break;
+    const bool forced = forceViolated();
+    const bool missed = leapfrog && findMissed();
+    if (!forced && !missed) break;
+    if (search + 1 == kMaxSearches) {
+      failed_ = leapfrog;  // smaller steps meet fewer things at once
+      if (failed_) scratch_.total.resize(0);
+      break;
+    }
+    scratch_.dx = scratch_.free_dx;
+    scratch_.lambda = scratch_.free_lambda;
   }
+  if (failed_ && scratch_.total.size() == 0) return;
   failed_ = failed_ || (leapfrog && worstViolation() > kUnsettled);
   for (int i = 0; i < schur.size(); ++i)
     if (schur.row(i).kind == Schur::Row::Kind::kNormal && scratch_.total[i] > 0) ++report_.contacts;
   remember(h);
 }
 
-const Press* ShakeStep::lastPress(const Schur::Row& row) const {
-  Press key = keyOf(row);
+const Press* ShakeStep::lastPress(const Press& key) const {
   for (const Press& last : scratch_.presses)
     if (last.a == key.a && last.b == key.b && last.obstacle == key.obstacle &&
         last.other == key.other)
@@ -131,20 +177,27 @@ const Press* ShakeStep::lastPress(const Schur::Row& row) const {
   return nullptr;
 }
 
-Press ShakeStep::keyOf(const Schur::Row& row) const {
+Press ShakeStep::keyOf(const LimitRow& limit) const {
   Press key;
   key.ragdoll = index_;
-  if (row.kind == Schur::Row::Kind::kLimit) {
-    key.a = -1 - scratch_.limits[row.source].limit;
-    key.b = scratch_.limits[row.source].joint;
-  } else {
-    const Contact& c = scratch_.contacts[row.source];
-    key.a = c.particle[0];
-    key.b = c.count > 1 ? c.particle[1] : -1;
-    key.obstacle = c.obstacle;
-    if (c.count == 4) key.other = {c.particle[2], c.particle[3]};
-  }
+  key.a = -1 - limit.limit;
+  key.b = limit.joint;
   return key;
+}
+
+Press ShakeStep::keyOf(const Contact& c) const {
+  Press key;
+  key.ragdoll = index_;
+  key.a = c.particle[0];
+  key.b = c.count > 1 ? c.particle[1] : -1;
+  key.obstacle = c.obstacle;
+  if (c.count == 4) key.other = {c.particle[2], c.particle[3]};
+  return key;
+}
+
+Press ShakeStep::keyOf(const Schur::Row& row) const {
+  return row.kind == Schur::Row::Kind::kLimit ? keyOf(scratch_.limits[row.source])
+                                              : keyOf(scratch_.contacts[row.source]);
 }
 
 void ShakeStep::recall(double h) {
@@ -154,7 +207,7 @@ void ShakeStep::recall(double h) {
   const Press* last = nullptr;
   for (int i = 0; i < p.size(); ++i) {
     const Schur::Row& row = scratch_.schur.row(i);
-    if (row.kind != Schur::Row::Kind::kTangent) last = lastPress(row);
+    if (row.kind != Schur::Row::Kind::kTangent) last = lastPress(keyOf(row));
     if (!last) continue;
     if (row.kind == Schur::Row::Kind::kLimit)
       p[i] = last->impulse.x() * h * h;
@@ -191,10 +244,8 @@ void ShakeStep::fillGaps(double h) {
   for (int i = 0; i < schur.size(); ++i) {
     const Schur::Row& row = schur.row(i);
     if (row.kind == Schur::Row::Kind::kLimit) {
-      LimitRow limit = scratch_.limits[row.source];
-      evaluateLimit(model_, ws_.x1, limit);
-      scratch_.b[i] =
-          limit.value + scratch_.softness[row.source].offset + row.compliance * scratch_.total[i];
+      scratch_.b[i] = valueAt(model_, ws_.x1, scratch_.limits[row.source]) +
+                      scratch_.softness[row.source].offset + row.compliance * scratch_.total[i];
     } else if (row.kind == Schur::Row::Kind::kNormal) {
       scratch_.b[i] = gapAt(scratch_.contacts[row.source], scratch_.dx.data());
     } else {
@@ -207,14 +258,13 @@ void ShakeStep::fillGaps(double h) {
 
 double ShakeStep::worstViolation() {
   double worst = 0;
-  for (const Contact& c : scratch_.contacts) worst = std::max(worst, -gapAt(c, scratch_.dx.data()));
+  for (std::size_t i = 0; i < scratch_.contacts.size(); ++i)
+    if (scratch_.contact_row[i] >= 0)
+      worst = std::max(worst, -gapAt(scratch_.contacts[i], scratch_.dx.data()));
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
-  for (const LimitRow& l : scratch_.limits) {
-    if (l.compliance > 0) continue;
-    LimitRow limit = l;
-    evaluateLimit(model_, ws_.x1, limit);
-    worst = std::max(worst, -limit.value * 0.1);  // 0.1 m: the lever of a radian that is seen
-  }
+  for (std::size_t i = 0; i < scratch_.limits.size(); ++i)
+    if (scratch_.limit_row[i] >= 0 && scratch_.limits[i].compliance == 0)
+      worst = std::max(worst, -valueAt(model_, ws_.x1, scratch_.limits[i]) * kLever);
   return worst;
 }
 

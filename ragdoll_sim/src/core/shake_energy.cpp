@@ -31,9 +31,7 @@ double ShakeStep::releasedEnergy() {
   double released = 0;
   for (const LimitRow& limit : scratch_.limits) {
     if (limit.compliance == 0) continue;
-    LimitRow end = limit;
-    evaluateLimit(model_, state_.x, end);
-    const double value = std::min(0.0, end.value);
+    const double value = std::min(0.0, valueAt(model_, state_.x, limit));
     released += (limit.start * limit.start - value * value) / (2 * limit.compliance);
   }
   return released;

@@ -27,27 +27,29 @@ void ShakeStep::finish(double h, bool leapfrog, bool impact) {
 void ShakeStep::restrictToTouching(double h) {
   scratch_.touching.clear();
   scratch_.warm.clear();
-  const bool known = scratch_.total.size() == scratch_.schur.size();
-  int row = 0;  // of the position stage
-  for (const Contact& c : scratch_.contacts) {
-    const int rows = c.friction > 0 ? 3 : 1;
-    if (gapAt(c, scratch_.dx.data()) < kTouching) {
-      scratch_.touching.push_back(c);
-      for (int k = 0; k < rows; ++k)
-        scratch_.warm.push_back(known && h > 0 ? scratch_.total[row + k] / h : 0);
-    }
-    row += rows;
+  // Impulses of the position stage, if there was one: where the velocity stage starts.
+  const auto pressed = [&](const std::vector<int>& rows, std::size_t i, int k) {
+    const bool known = h > 0 && i < rows.size() && rows[i] >= 0 &&
+                       rows[i] + k < scratch_.total.size();
+    return known ? scratch_.total[rows[i] + k] / h : 0.0;
+  };
+  for (std::size_t i = 0; i < scratch_.contacts.size(); ++i) {
+    const Contact& c = scratch_.contacts[i];
+    if (gapAt(c, scratch_.dx.data()) >= kTouching) continue;
+    scratch_.touching.push_back(c);
+    for (int k = 0; k < (c.friction > 0 ? 3 : 1); ++k)
+      scratch_.warm.push_back(pressed(scratch_.contact_row, i, k));
   }
   scratch_.touching_limits.clear();
-  for (LimitRow limit : scratch_.limits) {
-    const double pressed = known && h > 0 ? scratch_.total[row] / h : 0;
-    ++row;
-    if (limit.compliance > 0) continue;
-    evaluateLimit(model_, ws_.x1, limit);
-    if (limit.value < kTouchingAngle && limit.count > 0) {
-      scratch_.touching_limits.push_back(limit);
-      scratch_.warm.push_back(pressed);
-    }
+  for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
+    const LimitRow& limit = scratch_.limits[i];
+    if (limit.compliance > 0 || valueAt(model_, ws_.x1, limit) >= kTouchingAngle) continue;
+    scratch_.touching_limits.push_back(limit);
+    evaluateLimit(model_, ws_.x1, scratch_.touching_limits.back());
+    if (scratch_.touching_limits.back().count == 0)
+      scratch_.touching_limits.pop_back();
+    else
+      scratch_.warm.push_back(pressed(scratch_.limit_row, i, 0));
   }
 }
 

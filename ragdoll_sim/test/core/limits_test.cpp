@@ -20,6 +20,11 @@ std::vector<LimitRow> rowsOf(const Model& model, const Points& x, double margin 
   State state = startState(model);
   std::vector<LimitRow> rows;
   findLimits(model, x, state, margin, rows);
+  for (LimitRow& row : rows) {
+    const double value = row.value;
+    evaluateLimit(model, x, row);
+    EXPECT_NEAR(row.value, value, 1e-15);
+  }
   return rows;
 }
 
@@ -30,11 +35,6 @@ Points shaken(const Model& model, double size, unsigned seed) {
   Points x = model.start_position;
   for (Eigen::Index i = 0; i < x.size(); ++i) x.data()[i] += uniform(random);
   return x;
-}
-
-double valueAt(const Model& model, const Points& x, LimitRow row) {
-  evaluateLimit(model, x, row);
-  return row.value;
 }
 
 Quat anyTurn() { return Quat(0.4, -0.3, 0.8, 0.2).normalized(); }

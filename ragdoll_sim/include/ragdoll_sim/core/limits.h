@@ -18,7 +18,7 @@ struct LimitRow {
   int ragdoll = 0;
   int limit = 0;  ///< of the skeleton: Skeleton::limits, or -1 - k of Skeleton::plane_limits
   int joint = 0;  ///< of the skeleton
-  int count = 0;  ///< how many of the particles are used, each once
+  int count = 0;  ///< how many of the particles are used, each once; 0: gradient not evaluated
   std::array<int, kMaxParticles> particle;   ///< columns of the state
   std::array<Vec3, kMaxParticles> gradient;  ///< [rad/m]
   double value = 0;                          ///< [rad] C; < 0: violated by that angle
@@ -41,7 +41,8 @@ struct LimitRow {
   double springTorque() const;
 };
 
-/// Rows of all awake ragdolls with a value < margin [rad] at the positions x (3 x N).
+/// Rows of all awake ragdolls with a value < margin [rad] at the positions x (3 x N), values only:
+/// evaluateLimit has the gradient.
 void findLimits(const Model& model, const Points& x, const State& state, double margin,
                 std::vector<LimitRow>& rows);
 
@@ -55,8 +56,11 @@ void listPlanes(const Model& model, const State& state, std::vector<LimitRow>& r
 /// Sets row.start from the positions at the step's start.
 void startLimit(const Model& model, const Points& x, LimitRow& row);
 
-/// The same row at other positions. Of planes: 0, without particles, where they allow these.
+/// Value and gradient at x. Of planes: 0, without particles, where they allow x.
 void evaluateLimit(const Model& model, const Points& x, LimitRow& row);
+
+/// [rad] The value alone at x.
+double valueAt(const Model& model, const Points& x, const LimitRow& row);
 
 /// Keeps the directions that the planes allow now in state.allowed: once at the end of a step.
 void keepAllowed(const Model& model, State& state);

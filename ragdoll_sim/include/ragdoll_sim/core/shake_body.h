@@ -1,6 +1,7 @@
 // What one body's SHAKE step works with. Private to the core.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "ragdoll_sim/core/runge_kutta.h"
@@ -24,6 +25,10 @@ struct ShakeScratch {
   Eigen::VectorXd total;                            ///< impulses so far
   std::vector<Contact> contacts, touching, missed;  ///< near; touching at the step's end
   std::vector<LimitRow> limits, touching_limits;
+  std::vector<int> contact_row, limit_row;  ///< first row of each in the Schur complement, or -1
+  std::vector<std::uint8_t> forced_contacts, forced_limits;  ///< must be among the rows
+  Points free_dx;                           ///< before contacts and limits
+  Eigen::VectorXd free_lambda;
   std::vector<LimitRow::Softness> softness;  ///< of the limits
   std::vector<double> warm;                  ///< impulses at which the velocity stage starts
   std::vector<Press> presses;                ///< of the last motion

@@ -86,16 +86,21 @@ class ShakeStep {
   void findConstraints(double h);
   double gapAt(const Contact& c, const double* dx) const;
   Vec3 motionOf(const Contact& c, const double* dx) const;
-  /// Rows of contacts and limits that may act; b at the present dx.
+  /// Rows of the contacts and limits that are solved for: violated or nearly so at the present dx,
+  /// pressing in the last step, or forced.
   void gather(double h, bool leapfrog);
+  /// Forces those that the solution for the others violates; whether there are any.
+  bool forceViolated();
   /// Contacts that the body was pushed into by those it was free to meet; whether there are any.
   bool findMissed();
   /// Solves for the constraints found.
   void pressFound(double h, bool leapfrog);
   /// Position stage: dx so that no contact and no limit is violated and every stick has its length.
   void press(double h, bool leapfrog = true);
-  /// The impulse that contact or limit `row.source` pressed with last; null: none.
-  const Press* lastPress(const Schur::Row& row) const;
+  /// The impulse that a contact or limit pressed with last; null: none.
+  const Press* lastPress(const Press& key) const;
+  Press keyOf(const LimitRow& limit) const;
+  Press keyOf(const Contact& contact) const;
   Press keyOf(const Schur::Row& row) const;
   /// Starts p at what pressed in the last step.
   void recall(double h);
