@@ -59,6 +59,7 @@ void addFan(const std::string& name, const Place& place, const AngleRange& range
     fan.mesh.vertices.col(i + 1) = place.origin + place.parent * at(angle) * place.reach;
     if (i > 0) fan.mesh.triangles.push_back({0, i, i + 1});
   }
+  fan.mesh.colors.assign(kSteps + 2, kFan);  // unlit: the same from both sides
   shapes.push_back(fan);
   shapes.push_back(ray(name + "/begin", place, at(range.begin), kBegin));
   shapes.push_back(ray(name + "/end", place, at(range.end), kEnd));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ragdoll_sim/body/limit_shapes.h"
 #include "ragdoll_sim/ros/convert.h"
 #include "ragdoll_sim/ros/looks.h"
 
@@ -60,6 +61,7 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
   addPokes(world, posture);
   addPulls(world, posture);
   pokes_.clear();
+  if (limits_) addLimits(world, posture);
   publisher_.publish(message_);
 }
 
@@ -166,6 +168,16 @@ void MarkerPublisher::addPulls(const Snapshot& world, const Posture& posture) {
     m.points.push_back(toPoint(pull.target));
   }
   message_.markers.push_back(std::move(m));
+}
+
+void MarkerPublisher::addLimits(const Snapshot& world, const Posture& posture) {
+  int id = 0;
+  for (int i = 0; i < world.tracker->ragdolls(); ++i)
+    for (const CoatShape& shape : limitShapes(*world.model, *world.tracker, posture, i)) {
+      Marker m = marker("limits", id++, kBodyLifetime);
+      toMarker(shape, m);
+      message_.markers.push_back(std::move(m));
+    }
 }
 
 }  // namespace ragdoll

@@ -68,6 +68,7 @@ Parameters readParameters(const ros::NodeHandle& nh) {
   in.read("publish_clock", "true or false", p.publish_clock);
   in.read("wrench_timeout", "a number", p.wrench_timeout);
   in.read("coat", "text", p.coat);
+  in.read("show_limits", "true or false", p.show_limits);
 
   in.check(!p.scene.empty(), "scene", "it must name a scene: stairs, a path or package://...");
   if (!p.world_frame.empty() && p.world_frame[0] == '/') p.world_frame.erase(0, 1);

@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
     ragdoll::Control control(nh, simulation, publisher);
     ragdoll::Pokes pokes(nh, simulation, clock, frames, parameters.wrench_timeout);
     ragdoll::Handles handles(nh, simulation, frames);
-    ragdoll::Reconfigure reconfigure(nh, simulation);
+    ragdoll::Reconfigure reconfigure(nh, simulation, publisher, parameters.show_limits);
     ragdoll::Scenes scenes(nh, simulation, publisher, clock, parameters.world_frame,
                            [&] { reconfigure.refresh(); });
     std::unique_ptr<ragdoll::ClockPublisher> ticks;

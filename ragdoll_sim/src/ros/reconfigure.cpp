@@ -7,7 +7,7 @@
 namespace ragdoll {
 namespace {
 
-SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity) {
+SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, bool show_limits) {
   SolverConfig c = SolverConfig::__getDefault__();
   c.preset = solver.preset;
   c.method = static_cast<int>(solver.method);
@@ -19,6 +19,7 @@ SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity) {
   c.gravity_x = gravity.x();
   c.gravity_y = gravity.y();
   c.gravity_z = gravity.z();
+  c.show_limits = show_limits;
   return c;
 }
 
@@ -36,7 +37,10 @@ SolverSpec fromConfig(const SolverConfig& config, SolverSpec solver) {
 
 }  // namespace
 
-Reconfigure::Reconfigure(ros::NodeHandle& nh, Simulation& simulation) : simulation_(simulation) {
+Reconfigure::Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,
+                         bool show_limits)
+    : simulation_(simulation), publisher_(publisher) {
+  present_.show_limits = show_limits;
   refresh();
   server_ = std::make_unique<dynamic_reconfigure::Server<SolverConfig>>(mutex_, nh);
   server_->setConfigDefault(present_);
@@ -47,11 +51,13 @@ Reconfigure::Reconfigure(ros::NodeHandle& nh, Simulation& simulation) : simulati
 void Reconfigure::refresh() {
   const auto model = simulation_.call([](World& world) { return world.model(); });
   boost::recursive_mutex::scoped_lock lock(mutex_);
-  present_ = toConfig(model->solver, model->gravity);
+  present_ = toConfig(model->solver, model->gravity, present_.show_limits);
   if (server_) server_->updateConfig(present_);
 }
 
 void Reconfigure::changed(SolverConfig& config) {
+  publisher_.showLimits(config.show_limits);
+  present_.show_limits = config.show_limits;
   try {
     const auto [scene, pins] = simulation_.call(
         [](World& world) { return std::pair(world.scene(), world.model()->pins); });
@@ -68,7 +74,7 @@ void Reconfigure::changed(SolverConfig& config) {
       simulation_.jump([&](World& world) { world.configure(shared, model); });
     }
     const auto model = simulation_.call([](World& world) { return world.model(); });
-    config = toConfig(model->solver, model->gravity);
+    config = toConfig(model->solver, model->gravity, config.show_limits);
     present_ = config;
   } catch (const Error& e) {
     ROS_WARN("settings refused: %s", e.what());

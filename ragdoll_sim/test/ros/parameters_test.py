@@ -16,6 +16,7 @@ CASES = [
     ('realtime_factor', '-2', ['-1', '> 0']),
     ('realtime_factor', '0', ['-1', '> 0']),
     ('start_paused', 'perhaps', ['perhaps', 'true or false']),
+    ('show_limits', 'perhaps', ['perhaps', 'true or false']),
     ('world_frame', '/', ['frame']),
     ('wrench_timeout', '0', ['(0, 60]']),
     ('coat', 'fur', ['fur', 'capsules']),

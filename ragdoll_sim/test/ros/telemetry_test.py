@@ -6,7 +6,7 @@ import unittest
 
 import rospy
 import rostest
-from client import Client, Inbox, wait_for
+from client import Client, Inbox, position, wait_for
 from dynamic_reconfigure.client import Client as Settings
 from ragdoll_msgs.msg import Metrics, Model
 from ragdoll_msgs.srv import LoadScene
@@ -67,6 +67,35 @@ class TelemetryTest(unittest.TestCase):
         for m in after:
             self.assertEqual(m.header.frame_id, 'world')
             self.assertGreater(m.lifetime.to_sec(), 0)
+
+    def test_limits_are_drawn_while_asked_for(self):
+        markers = Inbox('/ragdoll/markers', MarkerArray)
+
+        def limits(message):
+            return {m.id: m for m in message.markers if m.ns == 'limits'}
+        wait_for(lambda: len(markers.all()) > 10, 'markers')
+        self.assertEqual([limits(m) for m in markers.all() if limits(m)], [])
+        self.settings.update_configuration({'show_limits': True})
+        shown = limits(markers.first(limits, 'limits'))
+        # Of the human's ten joints five are hinges, a fan between two rays, and five are cones, a
+        # surface with a rim.
+        self.assertEqual(len(shown), 5 * 3 + 5 * 2)
+        surfaces = [m for m in shown.values() if m.type == Marker.TRIANGLE_LIST]
+        self.assertEqual(len(surfaces), 10)
+        for m in surfaces:
+            self.assertLess(m.color.a, 1)
+        # A fan's triangles share their first corner, the joint.
+        model, state = self.client.model, self.client.states.all()[-1]
+        corners = [m.points[0] for m in surfaces if m.points[0] == m.points[3]]
+        for joint in ('left_knee', 'right_knee', 'left_elbow', 'right_elbow'):
+            p = position(model, state, joint)
+            self.assertTrue(any(max(abs(c.x - p[0]), abs(c.y - p[1]), abs(c.z - p[2])) < 1e-9
+                                for c in corners), joint)
+        self.load(path='fall')  # another scene does not hide them
+        seen = len(markers.all())
+        wait_for(lambda: [m for m in markers.all()[seen:] if limits(m)], 'limits')
+        self.settings.update_configuration({'show_limits': False})
+        wait_for(lambda: not any(limits(m) for m in markers.all()[-10:]), 'the end of limits')
 
     def test_markers_at_most_thirty_a_second(self):
         markers = Inbox('/ragdoll/markers', MarkerArray)

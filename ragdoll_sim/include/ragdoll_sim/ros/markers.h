@@ -1,6 +1,6 @@
-// What rviz shows: the coat, the sticks, obstacles, the pokes and pulls that act, in one MarkerArray.
-// Fixed namespaces and ids, so that each message overwrites the last; short lifetimes, so that
-// nothing stays behind when the node ends.
+// What rviz shows: the coat, the sticks, obstacles, the pokes and pulls that act, and the joints'
+// limits while they are asked for, in one MarkerArray. Fixed namespaces and ids, so that each
+// message overwrites the last; short lifetimes, so that nothing stays behind when the node ends.
 #pragma once
 
 #include <ros/publisher.h>
@@ -24,6 +24,9 @@ class MarkerPublisher {
 
   bool wanted() const { return publisher_.getNumSubscribers() > 0; }
 
+  /// Joint limits from the next message on, or no more (body/limit_shapes.h). Of any thread.
+  void showLimits(bool show) { limits_ = show; }
+
   /// Does nothing while nobody listens, and more often than kRate.
   void publish(const Snapshot& world, const Posture& posture);
 
@@ -34,9 +37,10 @@ class MarkerPublisher {
   void addObstacles(const Snapshot& world, bool all);
   void addPokes(const Snapshot& world, const Posture& posture);
   void addPulls(const Snapshot& world, const Posture& posture);
+  void addLimits(const Snapshot& world, const Posture& posture);
 
   std::string world_frame_, coat_;
-  std::atomic<bool> newcomer_{true};
+  std::atomic<bool> newcomer_{true}, limits_{false};
   ros::Publisher publisher_;
   std::shared_ptr<const Scene> scene_;
   std::vector<Coat> coats_;

@@ -16,6 +16,7 @@ struct Parameters {
   bool publish_clock = false;
   double wrench_timeout = 0.2;  ///< [s] in (0, 60]
   std::string coat;             ///< empty: what the scene says
+  bool show_limits = false;     ///< draw the joints' limits
 };
 
 /// Throws Error that names the parameter, its value and what would be right. Warns of parameters

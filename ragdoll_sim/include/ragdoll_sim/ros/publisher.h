@@ -31,6 +31,9 @@ class Publisher {
             const Parameters& parameters, std::function<std::vector<std::string>()> missing);
   ~Publisher();
 
+  /// Draw the joints' limits, or no more.
+  void showLimits(bool show) { markers_.showLimits(show); }
+
   /// Returns once the present state has been published, whatever the tick.
   void publishNow();
 

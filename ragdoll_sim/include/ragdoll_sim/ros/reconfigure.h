@@ -1,4 +1,5 @@
-// dynamic_reconfigure: the solver's settings and gravity, while the simulation runs.
+// dynamic_reconfigure: the solver's settings, gravity and whether limits are drawn, while the
+// simulation runs.
 #pragma once
 
 #include <dynamic_reconfigure/server.h>
@@ -7,6 +8,7 @@
 
 #include <memory>
 
+#include "ragdoll_sim/ros/publisher.h"
 #include "ragdoll_sim/ros/simulation.h"
 
 namespace ragdoll {
@@ -15,7 +17,7 @@ using ragdoll_sim::SolverConfig;
 
 class Reconfigure {
  public:
-  Reconfigure(ros::NodeHandle& nh, Simulation& simulation);
+  Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher, bool show_limits);
 
   /// Shows the present settings to whoever looks: after another scene or state.
   void refresh();
@@ -24,6 +26,7 @@ class Reconfigure {
   void changed(SolverConfig& config);
 
   Simulation& simulation_;
+  Publisher& publisher_;
   boost::recursive_mutex mutex_;
   SolverConfig present_;
   std::unique_ptr<dynamic_reconfigure::Server<SolverConfig>> server_;
