@@ -88,7 +88,10 @@ void StateToMarkers::state(const ragdoll_msgs::State& message) {
     world_.tracker->reset(state);
   else if (passed > 0)
     world_.tracker->update(state);
+  const bool other_run = !heard_ || message.run != world_.mark.run;
   world_.mark = {message.run, message.told};
+  if (other_run)
+    for (const Poke& poke : world_.model->pokes) tell(poke, message.run);
   heard_ = true;
   gatherActed(before, state.step);
 }
@@ -96,25 +99,29 @@ void StateToMarkers::state(const ragdoll_msgs::State& message) {
 void StateToMarkers::poke(const ragdoll_msgs::PokeEvent& message) {
   if (!world_.model) return;
   try {
-    Told told{fromPokeEvent(*world_.model, message), 0};
+    Event event = fromPokeEvent(*world_.model, message);
     if (message.body_name.empty()) {
       for (Told& t : told_)
         if (t.event.run == message.run) t.end = std::min(t.end, message.step);
       return;
     }
-    const double h = world_.model->solver.step;
-    const double steps = std::max(1.0, std::round(told.event.poke.duration / h));
-    told.end = told.event.poke.duration < 0 ? std::numeric_limits<std::uint64_t>::max()
-                                            : message.step + static_cast<std::uint64_t>(steps);
-    told.event.poke.start = static_cast<double>(message.step) * h;
+    event.poke.start = static_cast<double>(message.step) * world_.model->solver.step;
+    tell(event.poke, message.run);
     // What a ~wrench did is told when it has been done: shown once, late.
-    if (message.run == world_.mark.run && told.end <= world_.state.step)
-      world_.acted.push_back(told.event.poke);
-    else
-      told_.push_back(std::move(told));
+    if (message.run == world_.mark.run && told_.back().end <= world_.state.step)
+      world_.acted.push_back(event.poke);
   } catch (const Error& e) {
     ROS_WARN_THROTTLE(kWarnPeriod, "~pokes ignored: %s", e.what());
   }
+}
+
+void StateToMarkers::tell(const Poke& poke, std::uint32_t run) {
+  const double h = world_.model->solver.step;
+  const auto step = static_cast<std::uint64_t>(std::max(0.0, std::round(poke.start / h)));
+  Told told{{step, poke, run}, std::numeric_limits<std::uint64_t>::max()};
+  if (poke.duration >= 0)
+    told.end = step + static_cast<std::uint64_t>(std::max(1.0, std::round(poke.duration / h)));
+  told_.push_back(std::move(told));
 }
 
 /// The pokes that acted in a step of [before, now).

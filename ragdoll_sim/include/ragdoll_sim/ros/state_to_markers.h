@@ -41,6 +41,7 @@ class StateToMarkers {
   void draw();
 
   bool fits(const ragdoll_msgs::State& message) const;
+  void tell(const Poke& poke, std::uint32_t run);
   void gatherActed(std::uint64_t before, std::uint64_t now);
   void placeObstacles();
   void publishTf();
