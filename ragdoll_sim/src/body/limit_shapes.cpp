@@ -1,6 +1,7 @@
 #include "ragdoll_sim/body/limit_shapes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -11,13 +12,15 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kReach = 0.7;        ///< of the child bone's length
+constexpr double kReach = 0.9;        ///< of the child bone's length
 constexpr double kLineWidth = 0.006;  ///< [m]
 constexpr int kSteps = 32;            ///< of a fan, or around a cone
 constexpr int kLaps = 6;              ///< of a cone's cap, from its axis to its rim
 constexpr Rgba kBegin{0.90f, 0.10f, 0.10f, 1};
 constexpr Rgba kEnd{0.10f, 0.25f, 0.95f, 1};
-constexpr Rgba kFan{0.95f, 0.85f, 0.20f, 0.35f};
+constexpr Rgba kFan{0.96f, 0.80f, 0.15f, 0.55f};
+constexpr std::array<Rgba, 3> kPlaneFans{
+    {kFan, {0.55f, 0.35f, 0.80f, 0.45f}, {0.20f, 0.70f, 0.60f, 0.45f}}};  ///< xy, yz, xz
 constexpr Rgba kCone{0.30f, 0.85f, 0.45f, 0.30f};
 
 /// Where a joint is and how its parent lies.
@@ -47,11 +50,11 @@ CoatShape ray(const std::string& name, const Place& place, const Vec3& direction
 /// A fan over a range of angles; at(angle) is a unit vector of the parent's rest axes.
 template <class Function>
 void addFan(const std::string& name, const Place& place, const AngleRange& range,
-            const Function& at, std::vector<CoatShape>& shapes) {
+            const Function& at, const Rgba& color, std::vector<CoatShape>& shapes) {
   CoatShape fan;
   fan.type = CoatShape::Type::kMesh;
   fan.name = name + "/region";
-  fan.color = kFan;
+  fan.color = color;
   fan.mesh.vertices.resize(3, kSteps + 2);
   fan.mesh.vertices.col(0) = place.origin;
   for (int i = 0; i <= kSteps; ++i) {
@@ -59,7 +62,7 @@ void addFan(const std::string& name, const Place& place, const AngleRange& range
     fan.mesh.vertices.col(i + 1) = place.origin + place.parent * at(angle) * place.reach;
     if (i > 0) fan.mesh.triangles.push_back({0, i, i + 1});
   }
-  fan.mesh.colors.assign(kSteps + 2, kFan);  // unlit: the same from both sides
+  fan.mesh.colors.assign(kSteps + 2, color);  // unlit: the same from both sides
   shapes.push_back(fan);
   shapes.push_back(ray(name + "/begin", place, at(range.begin), kBegin));
   shapes.push_back(ray(name + "/end", place, at(range.end), kEnd));
@@ -71,7 +74,7 @@ void addHinge(const std::string& name, const Place& place, const HingeGeometry& 
   const auto at = [&](double angle) {
     return Vec3(Eigen::AngleAxisd(angle, hinge.axis) * hinge.straight);
   };
-  addFan(name, place, range, at, shapes);
+  addFan(name, place, range, at, kFan, shapes);
 }
 
 void addPlanes(const std::string& name, const Place& place, const Joint& joint, bool left,
@@ -83,7 +86,7 @@ void addPlanes(const std::string& name, const Place& place, const Joint& joint, 
     const auto at = [&](double angle) {
       return Vec3(std::cos(angle) * plane.zero + std::sin(angle) * plane.quarter);
     };
-    addFan(name + kNames[i], place, *joint.planes[i], at, shapes);
+    addFan(name + kNames[i], place, *joint.planes[i], at, kPlaneFans[i], shapes);
   }
 }
 

@@ -1,0 +1,61 @@
+// Random falls in shipped scenes and what a user sees of them: the law and the bench share it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/worlds.h"
+
+namespace ragdoll::test {
+
+/// The shipped scene with its first ragdoll turned and thrown at random, without its pokes.
+inline Scene randomFall(const std::string& name, std::mt19937& random) {
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Scene scene = loadScene(name);
+  scene.ragdolls.resize(1);
+  scene.pokes.clear();
+  RagdollSpec& r = scene.ragdolls[0];
+  r.pose.orientation = Quat(unit(random), unit(random), unit(random), unit(random)).normalized() *
+                       r.pose.orientation;
+  r.pose.position.z() += 0.6;
+  r.velocity += Vec3(unit(random), unit(random), unit(random));
+  r.angular_velocity = 3 * Vec3(unit(random), unit(random), unit(random));
+  return scene;
+}
+
+/// Worst of all steps of all falls.
+struct FallRecord {
+  double limit_deg = 0;       ///< by which a joint limit is violated
+  double stretch = 0;         ///< of a stick's length
+  double penetration_mm = 0;  ///< of a particle's sphere in an obstacle
+  double rise = 0;            ///< [J] of the energy above its start
+  int falls = 0;
+  int resting = 0;  ///< of the falls: at the end nothing moves faster than 1 mm/s
+};
+
+/// Runs the scene until the body sleeps, `seconds` at most.
+inline void addFall(const Scene& scene, double seconds, FallRecord& record) {
+  World world(scene);
+  const auto energy = [&world] {
+    return kineticEnergy(world.model, world.state) + potentialEnergy(world.model, world.state);
+  };
+  const double start = energy();
+  const int steps = static_cast<int>(std::lround(seconds / world.model.solver.step));
+  for (int i = 0; i < steps && !world.state.asleep[0]; ++i) {
+    world.steps(1);
+    record.limit_deg =
+        std::max(record.limit_deg, maxLimitViolation(world.model, world.state) * 180 / M_PI);
+    record.stretch = std::max(record.stretch, maxStickError(world.model, world.state));
+    record.penetration_mm =
+        std::max(record.penetration_mm, 1e3 * maxPenetration(world.model, world.state));
+    record.rise = std::max(record.rise, energy() - start);
+  }
+  ++record.falls;
+  record.resting += world.state.v.colwise().norm().maxCoeff() < 1e-3;
+}
+
+}  // namespace ragdoll::test
