@@ -38,7 +38,7 @@ void runCrowd(benchmark::State& b, const std::string& flags) {
       parseScene("ragdolls: [{name: r, model: human, count: " + std::to_string(b.range(0)) +
                      ", spacing: [0.9, 0.9, 0], position: [0, 0, 1.2], rpy_deg: [10, 25, 0]}]\n"
                      "obstacles: [{type: plane, friction: 0.6}]\n"
-                     "solver: {method: jakobsen, step: 0.004}\n" +
+                     "solver: {method: jakobsen, step: 0.004, sleep: false}\n" +
                      flags,
                  "bench"));
   State state = startState(model);

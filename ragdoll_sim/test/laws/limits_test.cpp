@@ -37,6 +37,11 @@ TEST_P(HumanModel, StandsWithinItsLimits) {
     EXPECT_EQ(warning.find("joint"), std::string::npos) << warning;
 }
 
+TEST_P(HumanModel, IsWellConditioned) {
+  const Model model = buildModel(humanScene(GetParam()));
+  EXPECT_LE(model.systems[0].direct.condition, 100);
+}
+
 /// [rad] of the worst joint over a poke of 0.2 s at a limb, weightless, and a second more.
 double worstAfterPoke(const std::string& model, double step, const std::string& body,
                       const Vec3& force) {

@@ -38,6 +38,25 @@ class TelemetryTest(unittest.TestCase):
         self.assertLess(lying.max_penetration, 0.02)
         self.assertIn('step', lying.solver)
 
+    def test_a_body_at_rest_is_shown_asleep_until_something_disturbs_it(self):
+        def asleep(state):
+            return state.ragdolls[0].asleep
+
+        def lie_down():
+            self.client.restart()
+            self.assertFalse(asleep(self.client.step(1)))
+            still = self.client.step(1500)
+            self.assertTrue(asleep(still))
+            after = self.client.step(100)
+            self.assertEqual(after.ragdolls[0].positions, still.ragdolls[0].positions)
+        lie_down()
+        self.settings.update_configuration({'gravity_x': 0.5})
+        self.assertFalse(asleep(self.client.step(1)))
+        self.settings.update_configuration({'gravity_x': 0.0})
+        lie_down()
+        self.assertTrue(self.client.poke('right_hand', (0, 0, 50)).success)
+        self.assertFalse(asleep(self.client.step(1)))
+
     def test_joint_angles(self):
         joints = Inbox('/ragdoll/joint_states', JointState)
         first = joints.first(lambda m: True, 'joint states')
