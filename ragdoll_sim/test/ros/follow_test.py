@@ -8,7 +8,7 @@ import unittest
 import rospy
 import rostest
 import tf2_ros
-from client import Client, Inbox, momentum, position, wait_for
+from client import Client, Inbox, momentum, position, velocity, wait_for
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped, Vector3
 from ragdoll_msgs.srv import Attach, Detach, LoadScene
@@ -22,6 +22,13 @@ ragdolls:
 PUSHED = FLOATING + '''
 obstacles:
   - {type: box, frame: pusher, position: [0, 0, 0.5], size: [0.2, 1, 1]}
+'''
+BALL = '''
+gravity: [0, 0, 0]
+ragdolls:
+  - {name: ball, model: {particles: {p: {position: [0, 0, 0], mass: 5, radius: 0.1}}}, position: [0, 0, 1]}
+obstacles:
+  - {type: box, frame: pusher, position: [0, 0, 0], size: [0.2, 1, 1], friction: 0}
 '''
 PINNED = FLOATING + '''
 pins: [{particle: ragdoll/left_hand, frame: gripper}]
@@ -149,6 +156,23 @@ class FollowTest(unittest.TestCase):
             rospy.rostime.wallsleep(0.015)
         wait_for(lambda: momentum(self.client.model, self.client.states.all()[-1])[0] > 1,
                  'a pushed body')
+
+    def test_an_obstacle_gives_its_velocity(self):
+        self.robot.frames['pusher'] = (-0.5, 0, 1)
+        self.scene(BALL)
+        self.client = Client()  # of this model
+        wait_for(lambda: self.client.states.all()[-1:] and self.client.states.all()[-1].step > 20,
+                 'steps')
+        begin = rospy.Time.now()
+        for i in range(1, 81):  # 0.8 m at about 1 m/s
+            self.robot.frames['pusher'] = (-0.5 + 0.01 * i, 0, 1)
+            rospy.rostime.wallsleep(0.01)
+        speed = 0.8 / (rospy.Time.now() - begin).to_sec()
+        left_at = self.client.states.all()[-1].step
+        after = self.client.states.first(lambda m: m.step > left_at + 50, 'free flight')
+        # Inelastic, without friction: as fast as the box was, where that was fastest.
+        self.assertGreater(velocity(self.client.model, after, 'p')[0], 0.95 * speed)
+        self.assertGreater(position(self.client.model, after, 'p')[0], 0.3 + 0.2 - 1e-3)
 
     def test_a_frame_that_disappears_is_reported_and_holds_its_place(self):
         self.robot.frames['pusher'] = (-2, 0, 1)

@@ -70,6 +70,14 @@ class TelemetryTest(unittest.TestCase):
         bent = joints.first(lambda m: abs(m.position[knee]) > 0.3, 'a bent knee')
         self.assertGreater(bent.position[knee], 0)  # and never the wrong way
 
+    def test_joint_angles_of_several_bodies(self):
+        self.assertTrue(self.load(path='two').success)
+        joints = Inbox('/ragdoll/joint_states', JointState)
+        both = joints.first(lambda m: 'ben/left_knee_y' in m.name, 'the second body')
+        first = [n for n in both.name if '/' not in n]
+        self.assertEqual(both.name, first + ['ben/' + n for n in first])
+        self.assertEqual(len(both.position), len(both.name))
+
     def test_markers_are_few_fixed_and_begin_anew_with_a_scene(self):
         markers = Inbox('/ragdoll/markers', MarkerArray)
         self.client.call_pause(False)
