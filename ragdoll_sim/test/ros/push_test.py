@@ -44,5 +44,5 @@ class PushTest(unittest.TestCase):
 
 
 if __name__ == '__main__':
-    rospy.init_node('push_test')
-    rostest.rosrun('ragdoll_sim', 'push', PushTest, sys.argv)
+    rospy.init_node('push_demo_test')
+    rostest.rosrun('ragdoll_sim', 'push_demo', PushTest, sys.argv)
