@@ -1,6 +1,7 @@
 // What the C++ rostests share: the node's messages in order, waiting for conditions.
 #pragma once
 
+#include <ragdoll_msgs/State.h>
 #include <ros/ros.h>
 
 #include <chrono>
@@ -22,6 +23,18 @@ inline bool waitFor(const std::function<bool()>& condition) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return false;
+}
+
+/// The bytes of everything that is physics.
+inline std::string bits(const ragdoll_msgs::State& state) {
+  std::string out(reinterpret_cast<const char*>(&state.step), sizeof state.step);
+  const auto add = [&](double v) { out.append(reinterpret_cast<const char*>(&v), sizeof v); };
+  add(state.time);
+  for (const auto& r : state.ragdolls) {
+    for (const auto& p : r.positions) add(p.x), add(p.y), add(p.z);
+    for (const auto& v : r.velocities) add(v.x), add(v.y), add(v.z);
+  }
+  return out;
 }
 
 /// All messages of a topic, in order. Needs a spinner.

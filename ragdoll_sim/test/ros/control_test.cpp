@@ -16,22 +16,11 @@
 namespace {
 
 using ragdoll_msgs::State;
+using ragdoll_test::bits;
 using ragdoll_test::Inbox;
 using ragdoll_test::waitFor;
 
 constexpr std::uint32_t kLong = 10000000;  ///< steps; as many as one call may ask for
-
-/// The bytes of everything that is physics.
-std::string bits(const State& state) {
-  std::string out(reinterpret_cast<const char*>(&state.step), sizeof state.step);
-  const auto add = [&](double v) { out.append(reinterpret_cast<const char*>(&v), sizeof v); };
-  add(state.time);
-  for (const auto& r : state.ragdolls) {
-    for (const auto& p : r.positions) add(p.x), add(p.y), add(p.z);
-    for (const auto& v : r.velocities) add(v.x), add(v.y), add(v.z);
-  }
-  return out;
-}
 
 class Control : public ::testing::Test {
  protected:
