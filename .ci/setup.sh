@@ -11,7 +11,7 @@ die() { say "$@"; exit 1; }
 needed_packages() {
   local package
   echo build-essential cmake ninja-build python3 libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev \
-    libboost-program-options-dev libgtest-dev libgmock-dev gnuplot-nox
+    libboost-program-options-dev libgtest-dev libgmock-dev gnuplot-nox qtbase5-dev
   if is_noetic; then
     for package in catkin diagnostic-msgs diagnostic-updater dynamic-reconfigure geometry-msgs \
         interactive-markers message-generation message-runtime rosbag rosbag-storage rosbash \
@@ -26,7 +26,7 @@ needed_packages() {
     python3-rosnode python3-rosparam python3-rosservice python3-rostest python3-rostopic
   echo libdiagnostic-updater-dev libdynamic-reconfigure-config-init-mutex-dev \
     libinteractive-markers-dev librosbag-dev librosbag-storage-dev libroscpp-dev libroslib-dev \
-    librostest-dev libtf2-dev libtf2-eigen-dev libtf2-geometry-msgs-dev libtf2-ros-dev
+    librostest-dev librviz-dev libtf2-dev libtf2-eigen-dev libtf2-geometry-msgs-dev libtf2-ros-dev
   echo python3-dynamic-reconfigure python3-tf2-ros ros-message-generation ros-message-runtime
   # Of each message package: the headers, the definitions, the python classes.
   for package in diagnostic-msgs geometry-msgs sensor-msgs std-msgs std-srvs tf2-msgs \

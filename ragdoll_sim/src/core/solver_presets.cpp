@@ -11,15 +11,17 @@ struct Preset {
   Integrator integrator;
   double step;  ///< [s]
   int sweeps;
+  const char* error;
 };
 
-// Relaxation is first order in the step: below its 1/60 s it never catches up with the direct method.
+// Relaxation is first order in the step: below its 1/60 s it never catches up with the direct
+// method.
 constexpr Preset kPresets[] = {
-    {"thesis", Method::kJakobsen, Integrator::kVerlet, 1.0 / 60, 10},
-    {"draft", Method::kShake, Integrator::kVerlet, 1.0 / 60, 10},
-    {"balanced", Method::kShake, Integrator::kVerlet, 1.0 / 120, 10},
-    {"precise", Method::kShake, Integrator::kVerlet, 1.0 / 500, 10},
-    {"reference", Method::kRk, Integrator::kVerlet, 1.0 / 1000, 10},
+    {"thesis", Method::kJakobsen, Integrator::kVerlet, 1.0 / 60, 10, "20 mm"},
+    {"draft", Method::kShake, Integrator::kVerlet, 1.0 / 60, 10, "5 mm"},
+    {"balanced", Method::kShake, Integrator::kVerlet, 1.0 / 120, 10, "4 mm"},
+    {"precise", Method::kShake, Integrator::kVerlet, 1.0 / 500, 10, "1.5 mm"},
+    {"reference", Method::kRk, Integrator::kVerlet, 1.0 / 1000, 10, "1 mm"},
 };
 
 }  // namespace
@@ -31,6 +33,15 @@ const std::vector<std::string>& presetNames() {
     return list;
   }();
   return names;
+}
+
+std::string errorClass(const SolverSpec& solver) {
+  for (const Preset& p : kPresets)
+    if (solver.preset == p.name && solver.method == p.method && solver.step == p.step &&
+        (p.method != Method::kJakobsen ||
+         (solver.integrator == p.integrator && solver.sweeps == p.sweeps)))
+      return p.error;
+  return "";
 }
 
 SolverSpec preset(const std::string& name) {

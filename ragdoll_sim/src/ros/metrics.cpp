@@ -5,6 +5,7 @@
 
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/core/solver_presets.h"
 
 namespace ragdoll {
 namespace {
@@ -34,10 +35,8 @@ std::string describe(const SolverSpec& solver) {
 
 }  // namespace
 
-Metrics::Metrics(ros::NodeHandle& nh, double realtime_factor,
-                 std::function<std::vector<std::string>()> missing)
-    : wanted_factor_(realtime_factor),
-      missing_(std::move(missing)),
+Metrics::Metrics(ros::NodeHandle& nh, std::function<std::vector<std::string>()> missing)
+    : missing_(std::move(missing)),
       updater_(ros::NodeHandle(), nh, nh.getNamespace()),
       last_(Simulation::Clock::now()) {
   publisher_ = nh.advertise<ragdoll_msgs::Metrics>("metrics", 10);
@@ -74,6 +73,8 @@ void Metrics::measure(const Snapshot& world, double seconds) {
   before_ = now;
   was_paused_ = paused_;
   paused_ = world.paused;
+  wanted_factor_ = world.realtime_factor;
+  message_.paused = world.paused;
   message_.realtime_factor = since_.simulated / seconds;
   message_.step_time = since_.steps > 0 ? since_.stepping / static_cast<double>(since_.steps) : 0;
   message_.contacts = static_cast<std::uint32_t>(world.report.contacts);
@@ -81,6 +82,7 @@ void Metrics::measure(const Snapshot& world, double seconds) {
       world.state.asleep.begin(), world.state.asleep.end(), [](auto a) { return a; }));
   message_.ragdolls = static_cast<std::uint32_t>(world.model->ragdolls.size());
   message_.solver = describe(world.model->solver);
+  message_.error_class = errorClass(world.model->solver);
 }
 
 void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {

@@ -23,7 +23,7 @@ Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock
       clock_(clock),
       parameters_(parameters),
       markers_(nh, parameters.world_frame, parameters.coat),
-      metrics_(nh, parameters.realtime_factor, std::move(missing)) {
+      metrics_(nh, std::move(missing)) {
   markers_.showLimits(parameters.show_limits);
   model_ = nh.advertise<ragdoll_msgs::Model>("model", 1, true);
   state_ = nh.advertise<ragdoll_msgs::State>(

@@ -36,7 +36,7 @@ ragdoll::Simulation::Options pace(const ragdoll::Parameters& parameters) {
   ragdoll::Simulation::Options options;
   options.realtime_factor = parameters.realtime_factor;
   options.paused = parameters.start_paused;
-  if (ros::Time::isSimTime() && !parameters.publish_clock && parameters.realtime_factor > 0)
+  if (ros::Time::isSimTime() && !parameters.publish_clock)
     options.external_clock = [] { return ros::Time::now().toSec(); };
   return options;
 }

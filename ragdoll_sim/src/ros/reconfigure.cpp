@@ -7,7 +7,8 @@
 namespace ragdoll {
 namespace {
 
-SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, bool show_limits) {
+SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double realtime_factor,
+                      bool show_limits) {
   SolverConfig c = SolverConfig::__getDefault__();
   c.preset = solver.preset;
   c.method = static_cast<int>(solver.method);
@@ -19,6 +20,7 @@ SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, bool show_l
   c.gravity_x = gravity.x();
   c.gravity_y = gravity.y();
   c.gravity_z = gravity.z();
+  c.realtime_factor = realtime_factor;
   c.show_limits = show_limits;
   return c;
 }
@@ -51,7 +53,8 @@ Reconfigure::Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher&
 void Reconfigure::refresh() {
   const auto model = simulation_.call([](World& world) { return world.model(); });
   boost::recursive_mutex::scoped_lock lock(mutex_);
-  present_ = toConfig(model->solver, model->gravity, present_.show_limits);
+  present_ =
+      toConfig(model->solver, model->gravity, simulation_.realtimeFactor(), present_.show_limits);
   if (server_) server_->updateConfig(present_);
 }
 
@@ -59,13 +62,17 @@ void Reconfigure::changed(SolverConfig& config) {
   publisher_.showLimits(config.show_limits);
   present_.show_limits = config.show_limits;
   try {
-    const auto [scene, pins] = simulation_.call(
-        [](World& world) { return std::pair(world.scene(), world.model()->pins); });
+    if (config.realtime_factor <= 0 && config.realtime_factor != -1)
+      throw Error("realtime_factor", "is " + std::to_string(config.realtime_factor) +
+                                         "; it must be > 0, or -1 to run free");
+    const auto scene = simulation_.call([](World& world) { return world.scene(); });
     Scene next = *scene;
-    if (config.preset != present_.preset)  // a preset sets all knobs
+    if (config.preset != present_.preset) {  // a preset sets all knobs that are shown
       next.solver = preset(config.preset);
-    else
+      next.solver.joint_damping = scene->solver.joint_damping;
+    } else {
       next.solver = fromConfig(config, scene->solver);
+    }
     next.gravity = Vec3(config.gravity_x, config.gravity_y, config.gravity_z);
     next.text = toYaml(next);
     if (next.text != scene->text) {
@@ -73,8 +80,10 @@ void Reconfigure::changed(SolverConfig& config) {
       auto shared = std::make_shared<Scene>(std::move(next));
       simulation_.jump([&](World& world) { world.configure(shared, model); });
     }
+    simulation_.setRealtimeFactor(config.realtime_factor);
     const auto model = simulation_.call([](World& world) { return world.model(); });
-    config = toConfig(model->solver, model->gravity, config.show_limits);
+    config =
+        toConfig(model->solver, model->gravity, simulation_.realtimeFactor(), config.show_limits);
     present_ = config;
   } catch (const Error& e) {
     ROS_WARN("settings refused: %s", e.what());

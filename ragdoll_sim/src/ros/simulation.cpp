@@ -17,7 +17,10 @@ constexpr double kMaxClockJump = 1;   ///< [s] of another clock: more than this 
 }  // namespace
 
 Simulation::Simulation(World world, Options options)
-    : world_(std::move(world)), options_(std::move(options)), paused_(options_.paused) {
+    : world_(std::move(world)),
+      options_(std::move(options)),
+      paused_(options_.paused),
+      realtime_factor_(options_.realtime_factor) {
   rebase();
   thread_ = std::thread([this] { run(); });
 }
@@ -35,6 +38,14 @@ void Simulation::setPaused(bool paused) {
   call([&](World&) {
     if (paused_ && !paused) rebase();
     paused_ = paused;
+  });
+}
+
+void Simulation::setRealtimeFactor(double factor) {
+  call([&](World&) {
+    if (factor == realtime_factor_) return;
+    realtime_factor_ = factor;
+    rebase();
   });
 }
 
@@ -70,9 +81,10 @@ void Simulation::snapshot(Snapshot& out) {
     out.mark = world.mark();
     out.beginning = world.beginning();
     out.paused = paused_;
+    out.realtime_factor = realtime_factor_;
     out.progress = progress_;
     out.alpha.reset();
-    if (paused_ || options_.external_clock || options_.realtime_factor < 0) return;
+    if (paused_ || options_.external_clock || realtime_factor_ < 0) return;
     const double interval =
         duration<double>(wallStep()).count() * static_cast<double>(world.stepsPerFollow());
     const double age = duration<double>(Clock::now() - followed_due_).count();
@@ -132,10 +144,10 @@ void Simulation::drain() {
 bool Simulation::stepIsDue() {
   if (!step_jobs_.empty()) return true;
   if (paused_) return false;
-  if (options_.realtime_factor < 0) return true;
+  if (realtime_factor_ < 0) return true;
   if (!options_.external_clock) return Clock::now() >= due_;
   const double now = options_.external_clock();
-  if (now < external_due_ - world_.stepLength() / options_.realtime_factor - kMaxClockJump)
+  if (now < external_due_ - world_.stepLength() / realtime_factor_ - kMaxClockJump)
     external_due_ = now;  // it was set back
   return now > external_due_;
 }
@@ -163,7 +175,7 @@ void Simulation::advance() {
     if (paused_) return;
   }
   due_ += wallStep();
-  external_due_ += world_.stepLength() / options_.realtime_factor;
+  external_due_ += world_.stepLength() / realtime_factor_;
   const bool late = options_.external_clock
                         ? options_.external_clock() - external_due_ > kMaxClockJump
                         : end - due_ > kMaxLag;
@@ -189,9 +201,8 @@ void Simulation::rebase() {
 }
 
 Simulation::Clock::duration Simulation::wallStep() const {
-  if (options_.realtime_factor < 0) return Clock::duration::zero();
-  return duration_cast<Clock::duration>(
-      duration<double>(world_.stepLength() / options_.realtime_factor));
+  if (realtime_factor_ < 0) return Clock::duration::zero();
+  return duration_cast<Clock::duration>(duration<double>(world_.stepLength() / realtime_factor_));
 }
 
 }  // namespace ragdoll

@@ -28,10 +28,12 @@ class TelemetryTest(unittest.TestCase):
     def test_metrics_of_a_fall(self):
         metrics = Inbox('/ragdoll/metrics', Metrics)
         standing = metrics.first(lambda m: m.realtime_factor == 0 and m.contacts == 0, 'a pause')
+        self.assertTrue(standing.paused)
         self.client.call_pause(False)
         running = metrics.first(lambda m: abs(m.realtime_factor - 1) < 0.05 and
                                 1e-7 < m.step_time < 1e-2, 'real time')
         self.assertEqual(running.ragdolls, 1)
+        self.assertFalse(running.paused)
         lying = metrics.first(lambda m: m.contacts > 3 or m.asleep == 1, 'contacts')
         self.assertLess(lying.potential_energy, standing.potential_energy - 300)
         self.assertLess(lying.max_stick_error, 0.05)
@@ -149,6 +151,27 @@ class TelemetryTest(unittest.TestCase):
         h = after.time - before.time
         mean = [sum(v.x for v in s.ragdolls[0].velocities) / 16 for s in (before, after)]
         self.assertAlmostEqual(mean[1] - mean[0], 2.0 * h, delta=0.5 * h)
+
+    def test_the_pace_changes_while_it_runs(self):
+        metrics = Inbox('/ragdoll/metrics', Metrics)
+        self.client.call_pause(False)
+        for factor in (0.5, 3.0):
+            config = self.settings.update_configuration({'realtime_factor': factor})
+            self.assertEqual(config['realtime_factor'], factor)
+            metrics.first(lambda m: abs(m.realtime_factor - factor) < 0.05 * factor,
+                          '%g times real time' % factor)
+        for wrong in (0.0, -0.5):
+            config = self.settings.update_configuration({'realtime_factor': wrong, 'step': 0.001})
+            self.assertEqual(config['realtime_factor'], 3.0)
+            self.assertNotEqual(config['step'], 0.001)  # nothing is half applied
+        self.settings.update_configuration({'realtime_factor': 1.0})
+
+    def test_the_error_class_is_the_presets_as_long_as_its_knobs_are(self):
+        metrics = Inbox('/ragdoll/metrics', Metrics)
+        self.settings.update_configuration({'preset': 'thesis'})
+        metrics.first(lambda m: m.error_class == '20 mm', 'the error class of thesis')
+        self.settings.update_configuration({'sweeps': 11})
+        metrics.first(lambda m: m.error_class == '', 'no error class')
 
     def test_a_knob_and_a_preset(self):
         config = self.settings.update_configuration({'step': 0.002})

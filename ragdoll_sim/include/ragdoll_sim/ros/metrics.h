@@ -16,8 +16,7 @@ namespace ragdoll {
 class Metrics {
  public:
   /// missing: frames that something follows and that TF does not give.
-  Metrics(ros::NodeHandle& nh, double realtime_factor,
-          std::function<std::vector<std::string>()> missing);
+  Metrics(ros::NodeHandle& nh, std::function<std::vector<std::string>()> missing);
 
   /// Once a second, from what has happened since; else nothing.
   void publish(const Snapshot& world, const std_msgs::Header& header);
@@ -26,7 +25,7 @@ class Metrics {
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   void measure(const Snapshot& world, double seconds);
 
-  double wanted_factor_;
+  double wanted_factor_ = 1;
   std::function<std::vector<std::string>()> missing_;
   ros::Publisher publisher_;
   diagnostic_updater::Updater updater_;

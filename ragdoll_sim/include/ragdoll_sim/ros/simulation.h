@@ -44,6 +44,7 @@ struct Snapshot {
   RunMark mark;
   std::shared_ptr<const Bytes> beginning;  ///< of the run
   bool paused = false;
+  double realtime_factor = 1;  ///< that is wanted; -1: free
   Progress progress;
   /// Where a viewer is between the tracker's last two updates, in [0, 1]; nothing: look at `state`.
   std::optional<double> alpha;
@@ -103,7 +104,8 @@ class Simulation {
   void snapshot(Snapshot& out);
   Progress progress();
 
-  double realtimeFactor() const { return options_.realtime_factor; }
+  double realtimeFactor() const { return realtime_factor_; }
+  void setRealtimeFactor(double factor);  ///< > 0; -1: free
 
  private:
   using Queued = std::function<void(bool alive)>;
@@ -125,6 +127,7 @@ class Simulation {
   World world_;
   Options options_;
   std::atomic<bool> paused_;
+  std::atomic<double> realtime_factor_;
   Clock::time_point due_, followed_due_;
   double external_due_ = 0;
   Progress progress_;

@@ -1,0 +1,369 @@
+#include "panel.h"
+
+#include <dynamic_reconfigure/Reconfigure.h>
+#include <pluginlib/class_list_macros.hpp>
+#include <ragdoll_msgs/LoadScene.h>
+#include <ragdoll_msgs/Step.h>
+#include <ros/package.h>
+#include <rviz/properties/property.h>
+#include <rviz/tool.h>
+#include <rviz/tool_manager.h>
+#include <rviz/visualization_manager.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+
+#include <QComboBox>
+#include <QDir>
+#include <QDoubleSpinBox>
+#include <QFormLayout>
+#include <QFrame>
+#include <QHBoxLayout>
+#include <QLabel>
+#include <QLineEdit>
+#include <QPushButton>
+#include <QRegularExpression>
+#include <QSignalBlocker>
+#include <QSpinBox>
+#include <QTimer>
+
+namespace ragdoll_rviz {
+namespace {
+
+constexpr int kLookPeriod = 250;   ///< [ms] between two looks whether the node is there
+constexpr int kSilence = 3500;     ///< [ms] without metrics, which come once a second
+constexpr double kStrength = 600;  ///< [N] of a poke at first
+
+QString messageOf(const std_srvs::TriggerResponse& r) { return QString::fromStdString(r.message); }
+QString messageOf(const std_srvs::SetBoolResponse& r) { return QString::fromStdString(r.message); }
+QString messageOf(const dynamic_reconfigure::ReconfigureResponse&) { return {}; }
+template <class Response>
+QString messageOf(const Response& r) {
+  return QString::fromStdString(r.status_message);
+}
+
+QHBoxLayout* row(std::initializer_list<QWidget*> widgets) {
+  auto* layout = new QHBoxLayout;
+  for (QWidget* widget : widgets) layout->addWidget(widget);
+  return layout;
+}
+
+/// A length or a ratio with three digits.
+QString figure(double value) { return QString::number(value, 'g', 3); }
+
+}  // namespace
+
+RagdollPanel::RagdollPanel(QWidget* parent) : rviz::Panel(parent) {
+  auto* form = new QFormLayout(this);
+  form->setContentsMargins(8, 8, 8, 8);
+  form->setVerticalSpacing(5);
+  makeControls(form);
+  auto* line = new QFrame;
+  line->setFrameShape(QFrame::HLine);
+  line->setFrameShadow(QFrame::Sunken);
+  form->addRow(line);
+  makeFigures(form);
+
+  connect(node_edit_, &QLineEdit::editingFinished, this, [this] { setNode(node_edit_->text()); });
+  connect(pause_, &QPushButton::clicked, this, [this] { pause(); });
+  connect(step_, &QPushButton::clicked, this, [this] { step(); });
+  connect(reset_, &QPushButton::clicked, this, [this] { reset(); });
+  connect(scene_, QOverload<int>::of(&QComboBox::activated), this, [this](int) { loadScene(); });
+  connect(preset_, QOverload<int>::of(&QComboBox::activated), this, [this](int) {
+    dynamic_reconfigure::Config change;
+    change.strs.resize(1);
+    change.strs[0].name = "preset";
+    change.strs[0].value = preset_->currentText().toStdString();
+    set(change);
+  });
+  connect(factor_, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this, [this](double f) {
+    dynamic_reconfigure::Config change;
+    change.doubles.resize(1);
+    change.doubles[0].name = "realtime_factor";
+    change.doubles[0].value = f > 0 ? f : -1;
+    set(change);
+  });
+  connect(strength_, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this, [this](double f) {
+    if (strength_property_) strength_property_->setValue(f);
+    Q_EMIT configChanged();
+  });
+  auto* look = new QTimer(this);
+  connect(look, &QTimer::timeout, this, [this] { showState(); });
+  look->start(kLookPeriod);
+  setNode("/ragdoll");
+}
+
+void RagdollPanel::makeControls(QFormLayout* form) {
+  node_edit_ = new QLineEdit;
+  node_edit_->setObjectName("node");
+  node_edit_->setToolTip("name of the simulation's node");
+  form->addRow("Node", node_edit_);
+  state_label_ = new QLabel;
+  state_label_->setObjectName("state");
+  form->addRow("State", state_label_);
+
+  pause_ = new QPushButton("Pause");
+  pause_->setObjectName("pause");
+  reset_ = new QPushButton("Reset");
+  reset_->setObjectName("reset");
+  reset_->setToolTip("back to the scene's start");
+  form->addRow(row({pause_, reset_}));
+  step_ = new QPushButton("Step");
+  step_->setObjectName("step");
+  step_->setToolTip("so many steps, while paused");
+  steps_ = new QSpinBox;
+  steps_->setObjectName("steps");
+  steps_->setRange(1, 100000);
+  form->addRow(row({step_, steps_}));
+
+  scene_ = new QComboBox;
+  scene_->setObjectName("scene");
+  const QString share = QString::fromStdString(ros::package::getPath("ragdoll_sim"));
+  const QDir scenes(share + "/scenes");
+  if (!share.isEmpty())
+    for (const QFileInfo& file : scenes.entryInfoList({"*.yaml"}, QDir::Files, QDir::Name))
+      scene_->addItem(file.completeBaseName());
+  scene_->setCurrentIndex(-1);
+  scene_->setToolTip("load one of ragdoll_sim's scenes");
+  form->addRow("Scene", scene_);
+
+  factor_ = new QDoubleSpinBox;
+  factor_->setObjectName("factor");
+  factor_->setRange(0, 1000);
+  factor_->setSingleStep(0.25);
+  factor_->setKeyboardTracking(false);
+  factor_->setSpecialValueText("free");
+  factor_->setValue(1);
+  factor_->setToolTip("simulated time per real time; lowest: as fast as it goes");
+  form->addRow("Speed", factor_);
+
+  preset_ = new QComboBox;
+  preset_->setObjectName("preset");
+  preset_->setToolTip("settings of the solver");
+  form->addRow("Solver", preset_);
+
+  strength_ = new QDoubleSpinBox;
+  strength_->setObjectName("strength");
+  strength_->setRange(0, 100000);
+  strength_->setDecimals(0);
+  strength_->setSingleStep(100);
+  strength_->setKeyboardTracking(false);
+  strength_->setSuffix(" N");
+  strength_->setValue(kStrength);
+  form->addRow("Poke", strength_);
+  showStrength();
+
+  message_ = new QLabel;
+  message_->setObjectName("message");
+  message_->setWordWrap(true);
+  message_->setMinimumHeight(2 * message_->fontMetrics().lineSpacing());
+  message_->setAlignment(Qt::AlignTop | Qt::AlignLeft);
+  message_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+  form->addRow(message_);
+}
+
+void RagdollPanel::makeFigures(QFormLayout* form) {
+  speed_ = addFigure(form, "speed", "Real time",
+                     "simulated time per real time over the last second, time of a step");
+  energy_ = addFigure(form, "energy", "Energy",
+                      "kinetic and potential energy; potential is 0 at the world's origin");
+  stretch_ = addFigure(form, "stretch", "Stretch", "largest relative error of a stick's length");
+  overlap_ = addFigure(form, "overlap", "Overlap", "deepest penetration into an obstacle");
+  error_ = addFigure(form, "error", "Error class",
+                     "of the solver's preset: distance from the exact motion (RMS) after 0.1 s of "
+                     "falling on things");
+  solver_ = addFigure(form, "solver", "Method", "");
+  solver_->setWordWrap(true);
+}
+
+QLabel* RagdollPanel::addFigure(QFormLayout* form, const QString& name, const QString& title,
+                                const QString& tip) {
+  auto* label = new QLabel;
+  label->setObjectName(name);
+  label->setToolTip(tip);
+  form->addRow(title, label);
+  return label;
+}
+
+void RagdollPanel::load(const rviz::Config& config) {
+  rviz::Panel::load(config);
+  QString node;
+  if (config.mapGetString("Node", &node)) setNode(node);
+}
+
+void RagdollPanel::save(rviz::Config config) const {
+  rviz::Panel::save(config);
+  config.mapSetValue("Node", node_);
+}
+
+void RagdollPanel::setNode(const QString& node) {
+  QString name = node.trimmed();
+  std::string problem;
+  if (name.isEmpty() || !ros::names::validate(name.toStdString(), problem)) {
+    say(name.isEmpty() ? "a node has a name, such as /ragdoll" : QString::fromStdString(problem));
+    node_edit_->setText(node_);
+    return;
+  }
+  if (!name.startsWith('/')) name.prepend('/');
+  node_edit_->setText(name);
+  if (name == node_) return;
+  node_ = name;
+  if (node_property_) node_property_->setValue(node_);
+  say("");
+  heard_.invalidate();
+  const std::string prefix = node_.toStdString() + "/";
+  using Metrics = ragdoll_msgs::Metrics;
+  using dynamic_reconfigure::Config;
+  using dynamic_reconfigure::ConfigDescription;
+  metrics_ = nh_.subscribe<Metrics>(prefix + "metrics", 10,
+                                    [this](const Metrics::ConstPtr& m) { hearMetrics(*m); });
+  settings_ = nh_.subscribe<Config>(prefix + "parameter_updates", 10,
+                                    [this](const Config::ConstPtr& m) { hearSettings(*m); });
+  description_ = nh_.subscribe<ConfigDescription>(
+      prefix + "parameter_descriptions", 10,
+      [this](const ConfigDescription::ConstPtr& m) { hearDescription(*m); });
+  showState();
+  Q_EMIT configChanged();
+}
+
+void RagdollPanel::hearMetrics(const ragdoll_msgs::Metrics& m) {
+  heard_.start();
+  paused_ = m.paused;
+  speed_->setText(QString("x %1, step %2 us")
+                      .arg(m.realtime_factor, 0, 'f', 2)
+                      .arg(1e6 * m.step_time, 0, 'f', 0));
+  energy_->setText(
+      QString("%1 J + %2 J").arg(m.kinetic_energy, 0, 'f', 1).arg(m.potential_energy, 0, 'f', 1));
+  stretch_->setText(figure(m.max_stick_error));
+  overlap_->setText(figure(1e3 * m.max_penetration) + " mm");
+  error_->setText(m.error_class.empty() ? "unknown" : QString::fromStdString(m.error_class));
+  solver_->setText(QString::fromStdString(m.solver));
+  showState();
+}
+
+void RagdollPanel::hearSettings(const dynamic_reconfigure::Config& m) {
+  const QSignalBlocker factor(factor_), preset(preset_);
+  for (const auto& d : m.doubles)
+    if (d.name == "realtime_factor") factor_->setValue(d.value > 0 ? d.value : 0);
+  for (const auto& s : m.strs) {
+    if (s.name != "preset") continue;
+    const QString name = QString::fromStdString(s.value);
+    if (preset_->findText(name) < 0) preset_->addItem(name);
+    preset_->setCurrentText(name);
+  }
+}
+
+void RagdollPanel::hearDescription(const dynamic_reconfigure::ConfigDescription& m) {
+  const QSignalBlocker preset(preset_);
+  const QString present = preset_->currentText();
+  preset_->clear();
+  for (const auto& group : m.groups) {
+    for (const auto& p : group.parameters) {
+      if (p.name != "preset") continue;
+      // A python dictionary of dictionaries with the key value.
+      static const QRegularExpression value("'value': '([^']*)'");
+      auto match = value.globalMatch(QString::fromStdString(p.edit_method));
+      while (match.hasNext()) preset_->addItem(match.next().captured(1));
+    }
+  }
+  preset_->setCurrentText(present);
+}
+
+void RagdollPanel::showState() {
+  if (metrics_.getNumPublishers() == 0) {
+    heard_.invalidate();
+    state_ = State::kNoNode;
+  } else if (!heard_.isValid() || heard_.elapsed() > kSilence) {
+    state_ = State::kSilent;
+  } else {
+    state_ = paused_ ? State::kPaused : State::kRunning;
+  }
+  static const char* const kNames[] = {"no node", "no news", "paused", "running"};
+  static const char* const kColors[] = {"#b3261e", "#a15c00", "#5b6770", "#1f7a3d"};
+  const int i = static_cast<int>(state_);
+  state_label_->setText(QString("<b style='color:%1'>%2</b>").arg(kColors[i], kNames[i]));
+  const bool there = state_ != State::kNoNode;
+  for (QWidget* w : std::initializer_list<QWidget*>{pause_, reset_, scene_, factor_, preset_})
+    w->setEnabled(there);
+  step_->setEnabled(state_ == State::kPaused);
+  pause_->setText(paused_ && there ? "Run" : "Pause");
+  if (there) return;
+  for (QLabel* label : {speed_, energy_, stretch_, overlap_, error_, solver_}) label->setText("-");
+}
+
+template <class Service>
+void RagdollPanel::ask(const char* service, const typename Service::Request& request) {
+  say("...");
+  caller_.call<Service>(node_.toStdString() + "/" + service, request, this,
+                        [this](const QString& problem, const typename Service::Response& response) {
+                          say(problem.isEmpty() ? messageOf(response) : problem);
+                        });
+}
+
+void RagdollPanel::pause() {
+  std_srvs::SetBoolRequest request;
+  request.data = !paused_;
+  say("...");
+  caller_.call<std_srvs::SetBool>(
+      node_.toStdString() + "/pause", request, this,
+      [this, wanted = !paused_](const QString& problem, const std_srvs::SetBoolResponse& response) {
+        if (problem.isEmpty() && response.success) paused_ = wanted;
+        say(problem.isEmpty() ? messageOf(response) : problem);
+        showState();
+      });
+}
+
+void RagdollPanel::step() {
+  ragdoll_msgs::StepRequest request;
+  request.steps = static_cast<std::uint32_t>(steps_->value());
+  ask<ragdoll_msgs::Step>("step", request);
+}
+
+void RagdollPanel::reset() { ask<std_srvs::Trigger>("reset", {}); }
+
+void RagdollPanel::loadScene() {
+  ragdoll_msgs::LoadSceneRequest request;
+  request.path = scene_->currentText().toStdString();
+  ask<ragdoll_msgs::LoadScene>("load_scene", request);
+}
+
+void RagdollPanel::set(const dynamic_reconfigure::Config& change) {
+  dynamic_reconfigure::ReconfigureRequest request;
+  request.config = change;
+  ask<dynamic_reconfigure::Reconfigure>("set_parameters", request);
+}
+
+void RagdollPanel::say(const QString& text) { message_->setText(text); }
+
+void RagdollPanel::onInitialize() {
+  rviz::ToolManager* tools = vis_manager_->getToolManager();
+  connect(tools, &rviz::ToolManager::toolAdded, this, [this](rviz::Tool* t) { findTool(t); });
+  for (int i = 0; i < tools->numTools(); ++i) findTool(tools->getTool(i));
+}
+
+void RagdollPanel::findTool(rviz::Tool* tool) {
+  if (tool->getClassId() != "ragdoll_rviz/Poke") return;
+  rviz::Property* properties = tool->getPropertyContainer();
+  strength_property_ = properties->subProp("Strength");
+  node_property_ = properties->subProp("Node");
+  node_property_->setValue(node_);
+  connect(strength_property_, &rviz::Property::changed, this, [this] { showStrength(); });
+  connect(strength_property_, &QObject::destroyed, this, [this](QObject* gone) {
+    if (gone != strength_property_) return;
+    strength_property_ = node_property_ = nullptr;
+    showStrength();
+  });
+  showStrength();
+}
+
+void RagdollPanel::showStrength() {
+  strength_->setEnabled(strength_property_ != nullptr);
+  strength_->setToolTip(strength_property_ ? "force of the tool Poke, for 0.1 s"
+                                           : "of the tool Poke: add it with + in the toolbar");
+  if (!strength_property_) return;
+  const QSignalBlocker blocker(strength_);
+  strength_->setValue(strength_property_->getValue().toDouble());
+}
+
+}  // namespace ragdoll_rviz
+
+PLUGINLIB_EXPORT_CLASS(ragdoll_rviz::RagdollPanel, rviz::Panel)

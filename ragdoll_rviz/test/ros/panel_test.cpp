@@ -1,0 +1,247 @@
+// The panel against a running node, without a screen: its buttons are clicked as a user would.
+#include "panel.h"
+
+#include <gtest/gtest.h>
+#include <ragdoll_msgs/Model.h>
+#include <ragdoll_msgs/State.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <rviz/config.h>
+#include <rviz/panel.h>
+#include <rviz/tool.h>
+#include <std_srvs/Trigger.h>
+
+#include <QApplication>
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QElapsedTimer>
+#include <QLabel>
+#include <QLineEdit>
+#include <QPushButton>
+#include <QSpinBox>
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <pluginlib/class_loader.hpp>
+#include <thread>
+
+namespace {
+
+using ragdoll_rviz::RagdollPanel;
+
+constexpr int kLimit = 30000;  ///< [ms] a test that waits longer than this has failed
+
+/// Lets Qt and ROS work, as rviz does, until the condition comes true; false if it does not.
+bool waitFor(const std::function<bool()>& condition) {
+  QElapsedTimer timer;
+  timer.start();
+  while (timer.elapsed() < kLimit) {
+    QCoreApplication::processEvents(QEventLoop::AllEvents, 5);
+    ros::spinOnce();
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return false;
+}
+
+class Panel : public ::testing::Test {
+ protected:
+  template <class Widget>
+  Widget* find(const char* name) {
+    auto* widget = panel_.findChild<Widget*>(name);
+    EXPECT_NE(widget, nullptr) << name;
+    return widget;
+  }
+  void click(const char* name) { find<QPushButton>(name)->click(); }
+  bool says(const char* label, const char* text) {
+    return waitFor([&] { return find<QLabel>(label)->text().contains(text); });
+  }
+
+  void SetUp() override {
+    state_ = nh_.subscribe<ragdoll_msgs::State>(
+        "/ragdoll/state", 10, [this](const ragdoll_msgs::State::ConstPtr& m) { last_ = m; });
+    model_ = nh_.subscribe<ragdoll_msgs::Model>(
+        "/ragdoll/model", 10, [this](const ragdoll_msgs::Model::ConstPtr& m) { scene_ = m; });
+    ASSERT_TRUE(ros::service::waitForService("/ragdoll/reset", kLimit));
+    ASSERT_TRUE(waitFor([&] { return last_ && scene_; }));
+    ASSERT_TRUE(waitFor([&] {
+      const QString state = find<QLabel>("state")->text();
+      return state.contains("paused") || state.contains("running");
+    }));
+    if (find<QLabel>("state")->text().contains("running")) click("pause");
+    ASSERT_TRUE(says("state", "paused"));
+    click("reset");
+    ASSERT_TRUE(says("message", "start"));
+    ASSERT_TRUE(waitFor([&] { return last_->step == 0; }));
+  }
+
+  ros::NodeHandle nh_;
+  ros::Subscriber state_, model_;
+  ragdoll_msgs::State::ConstPtr last_;
+  ragdoll_msgs::Model::ConstPtr scene_;
+  RagdollPanel panel_;
+};
+
+TEST_F(Panel, stepsWhilePausedAndResets) {
+  find<QSpinBox>("steps")->setValue(7);
+  click("step");
+  ASSERT_TRUE(says("message", "at step 7"));
+  EXPECT_TRUE(waitFor([&] { return last_->step == 7; }));
+  click("reset");
+  EXPECT_TRUE(waitFor([&] { return last_->step == 0; }));
+}
+
+TEST_F(Panel, pausesAndRuns) {
+  EXPECT_EQ(find<QPushButton>("pause")->text(), "Run");
+  click("pause");
+  EXPECT_TRUE(says("state", "running"));
+  EXPECT_TRUE(waitFor([&] { return last_->step > 20; }));
+  EXPECT_FALSE(find<QPushButton>("step")->isEnabled());
+  EXPECT_EQ(find<QPushButton>("pause")->text(), "Pause");
+  click("pause");
+  EXPECT_TRUE(says("state", "paused"));
+}
+
+TEST_F(Panel, choosesAScene) {
+  auto* scene = find<QComboBox>("scene");
+  for (const char* name : {"hang", "fall"}) {
+    const int i = scene->findText(name);
+    ASSERT_GE(i, 0) << name;
+    const auto before = scene_;
+    scene->setCurrentIndex(i);
+    Q_EMIT scene->activated(i);
+    EXPECT_TRUE(says("message", "1 ragdolls"));
+    ASSERT_TRUE(waitFor([&] { return scene_ != before; }));
+    EXPECT_EQ(scene_->scene_yaml.find("pins") != std::string::npos, name == std::string("hang"));
+  }
+}
+
+TEST_F(Panel, choosesAPresetAndShowsItsError) {
+  auto* preset = find<QComboBox>("preset");
+  ASSERT_TRUE(waitFor([&] { return preset->count() == 5 && !preset->currentText().isEmpty(); }));
+  for (const char* name : {"thesis", "balanced"}) {
+    preset->setCurrentText(name);
+    Q_EMIT preset->activated(preset->currentIndex());
+    EXPECT_TRUE(says("solver", name));
+    EXPECT_TRUE(says("error", name == std::string("thesis") ? "20 mm" : "4 mm"));
+  }
+}
+
+TEST_F(Panel, setsTheSpeed) {
+  auto* factor = find<QDoubleSpinBox>("factor");
+  ASSERT_TRUE(waitFor([&] { return factor->value() == 1; }));
+  click("pause");
+  // A busy machine may be late, now and then: some stretch is as it should be.
+  const auto runs = [&](const std::function<bool(double)>& right) {
+    return waitFor([&] {
+      const auto a = last_;
+      EXPECT_TRUE(waitFor([&] { return last_->time > a->time + 2; }));
+      return right((last_->time - a->time) / (last_->header.stamp - a->header.stamp).toSec());
+    });
+  };
+  factor->setValue(4);
+  EXPECT_TRUE(runs([](double x) { return std::abs(x - 4) < 0.2; }));
+  factor->setValue(0);  // free
+  EXPECT_TRUE(runs([](double x) { return x > 8; }));
+  factor->setValue(1);
+  EXPECT_TRUE(runs([](double x) { return std::abs(x - 1) < 0.05; }));
+}
+
+TEST_F(Panel, showsTheFiguresOfTheMetrics) {
+  ragdoll_msgs::Metrics::ConstPtr last;
+  const auto subscriber = nh_.subscribe<ragdoll_msgs::Metrics>(
+      "/ragdoll/metrics", 10, [&](const ragdoll_msgs::Metrics::ConstPtr& m) { last = m; });
+  click("pause");
+  ASSERT_TRUE(waitFor([&] { return last && last->realtime_factor > 0.5; }));
+  const auto shows = [&](const char* label, const QString& text) {
+    EXPECT_TRUE(waitFor([&] { return find<QLabel>(label)->text().contains(text); }))
+        << label << ": " << find<QLabel>(label)->text().toStdString();
+  };
+  click("pause");  // so that they stay
+  ASSERT_TRUE(waitFor([&] { return last->paused && last->realtime_factor == 0; }));
+  shows("speed", "x 0.00");
+  shows("energy", QString::number(last->kinetic_energy, 'f', 1) + " J + " +
+                      QString::number(last->potential_energy, 'f', 1) + " J");
+  shows("stretch", QString::number(last->max_stick_error, 'g', 3));
+  shows("overlap", QString::number(1e3 * last->max_penetration, 'g', 3) + " mm");
+  shows("solver", QString::fromStdString(last->solver));
+  EXPECT_GT(last->max_stick_error, 0);
+}
+
+TEST_F(Panel, keepsTheNodeInItsConfig) {
+  rviz::Config config;
+  panel_.setNode("/other");
+  panel_.save(config);
+  RagdollPanel restored;
+  restored.load(config);
+  EXPECT_EQ(restored.node(), "/other");
+  EXPECT_EQ(restored.findChild<QLineEdit*>("node")->text(), "/other");
+}
+
+TEST_F(Panel, refusesANameThatIsNone) {
+  for (const char* name : {"", "a b", "/ragdoll?"}) {
+    find<QLineEdit>("node")->setText(name);
+    Q_EMIT find<QLineEdit>("node")->editingFinished();
+    EXPECT_EQ(panel_.node(), "/ragdoll") << name;
+    EXPECT_EQ(find<QLineEdit>("node")->text(), "/ragdoll") << name;
+    EXPECT_FALSE(find<QLabel>("message")->text().isEmpty()) << name;
+  }
+}
+
+TEST_F(Panel, saysThatThereIsNoNode) {
+  panel_.setNode("/nobody");
+  EXPECT_TRUE(says("state", "no node"));
+  EXPECT_FALSE(find<QPushButton>("reset")->isEnabled());
+  EXPECT_EQ(find<QLabel>("energy")->text(), "-");
+  panel_.setNode("/ragdoll");
+  EXPECT_TRUE(says("state", "paused"));
+}
+
+TEST_F(Panel, aNodeThatHangsHoldsNothingUp) {
+  // A service that does not answer until it is told to, in threads of its own.
+  ros::CallbackQueue queue;
+  ros::NodeHandle other("/hung");
+  other.setCallbackQueue(&queue);
+  std::atomic<bool> called{false}, answer{false};
+  boost::function<bool(std_srvs::Trigger::Request&, std_srvs::Trigger::Response&)> hang =
+      [&](std_srvs::Trigger::Request&, std_srvs::Trigger::Response&) {
+        called = true;
+        while (!answer) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        return true;
+      };
+  const auto server = other.advertiseService("reset", hang);
+  const auto metrics = other.advertise<ragdoll_msgs::Metrics>("metrics", 1);
+  ros::AsyncSpinner spinner(1, &queue);
+  spinner.start();
+  {
+    RagdollPanel panel;
+    panel.setNode("/hung");
+    auto* reset = panel.findChild<QPushButton*>("reset");
+    ASSERT_TRUE(waitFor([&] { return reset->isEnabled(); }));
+    EXPECT_TRUE(panel.findChild<QLabel*>("state")->text().contains("no news"));
+    for (int i = 0; i < 10; ++i) reset->click();
+    ASSERT_TRUE(waitFor([&] { return called.load(); }));
+    EXPECT_TRUE(waitFor(
+        [&] { return panel.findChild<QLabel*>("message")->text().contains("still waiting"); }));
+  }  // the panel goes although no answer has come
+  EXPECT_FALSE(answer);
+  answer = true;
+}
+
+TEST(Plugins, areFoundByRviz) {
+  pluginlib::ClassLoader<rviz::Panel> panels("rviz", "rviz::Panel");
+  EXPECT_TRUE(panels.isClassAvailable("ragdoll_rviz/Ragdoll"));
+  pluginlib::ClassLoader<rviz::Tool> tools("rviz", "rviz::Tool");
+  EXPECT_TRUE(tools.isClassAvailable("ragdoll_rviz/Poke"));
+  EXPECT_NE(tools.createUniqueInstance("ragdoll_rviz/Poke"), nullptr);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "panel_test");
+  ros::NodeHandle nh;  // keeps ROS going
+  QApplication application(argc, argv);
+  return RUN_ALL_TESTS();
+}
