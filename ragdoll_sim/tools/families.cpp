@@ -24,6 +24,8 @@ const std::vector<MethodEntry>& methods() {
 }
 
 constexpr int kUsualSweeps = 10;  ///< of the thesis
+constexpr double kAdaptiveRate = 30;  ///< [Hz] of the whole steps; substeps follow the tolerance
+constexpr const char* kTolerances[] = {"0.1", "0.01", "0.001", "1e-05", "1e-07"};  ///< [m]
 constexpr const char* kIntegrators[] = {"verlet", "euler", "symplectic_euler", "midpoint",
                                         "velocity_verlet"};
 
@@ -46,6 +48,13 @@ std::vector<Family> families(bool integrators) {
     family.solver.preset.clear();
     family.solver.method = entry.method;
     if (entry.sweeps.empty()) all.push_back(family);
+    if (entry.method == Method::kRk)
+      for (const char* tolerance : kTolerances) {
+        Family adaptive{std::string("rk to ") + tolerance, family.solver, kAdaptiveRate,
+                        kAdaptiveRate};
+        adaptive.solver.tolerance = std::stod(tolerance);
+        all.push_back(adaptive);
+      }
     for (const int sweeps : entry.sweeps) {
       family.solver.sweeps = sweeps;
       family.name = entry.name + (" " + std::to_string(sweeps));
@@ -76,6 +85,10 @@ std::string toSection(const SolverSpec& solver) {
   if (solver.method == Method::kJakobsen) {
     text += "  sweeps: " + std::to_string(solver.sweeps) + "\n";
     text += "  integrator: " + std::string(integratorName(solver.integrator)) + "\n";
+  }
+  if (solver.tolerance > 0) {
+    std::snprintf(step, sizeof step, "  tolerance: %.17g   # [m]\n", solver.tolerance);
+    text += step;
   }
   if (solver.damping > 0) {
     std::snprintf(step, sizeof step, "  damping: %.17g\n", solver.damping);

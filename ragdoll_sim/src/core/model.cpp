@@ -26,6 +26,8 @@ void checkSolver(const SolverSpec& s) {
   if (s.sweeps < 1 || s.sweeps > 100000)
     throw Error(s.where + ".sweeps",
                 "sweeps is " + std::to_string(s.sweeps) + "; it must be in 1 ... 100000");
+  if (!(std::isfinite(s.tolerance) && s.tolerance >= 0))
+    throw Error(s.where + ".tolerance", "tolerance must be >= 0 [m]; 0 is a fixed step");
   if (!(std::isfinite(s.damping) && s.damping >= 0))
     throw Error(s.where + ".damping", "damping must be >= 0 [1/s]");
   if (!(std::isfinite(s.joint_damping) && s.joint_damping >= 0))

@@ -1,5 +1,8 @@
 #include "ragdoll_sim/core/runge_kutta.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace ragdoll {
 namespace {
 
@@ -13,6 +16,9 @@ constexpr double kA[kStages][kStages - 1] = {
     {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656}};
 constexpr double kB[kStages] = {35.0 / 384,     0,        500.0 / 1113, 125.0 / 192,
                                 -2187.0 / 6784, 11.0 / 84};
+/// Weights of the fifth order less those of the fourth, the last for the stage at the end.
+constexpr double kE[kStages + 1] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
+                                    -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 
 /// Acceleration at the pose of `sticks` with velocities v; s.pulls: what `free` does to the sticks.
 void accelerate(const StickRows& rows, StickSolver& sticks, const double* v, const Points& free,
@@ -33,6 +39,7 @@ void rungeKutta(const StickRows& rows, StickSolver& sticks, const double* x, con
                 const Points& free, double h, RungeKuttaScratch& s, Points& dx, Points& v1,
                 double* first_lambda) {
   const Eigen::Map<const Points> x0(x, 3, rows.n), v0(v, 3, rows.n);
+  s.free = free;
   s.pulls.resize(3, rows.width);
   kernels::multiplyPoints(free.data(), rows.BT.data(), rows.n, rows.width, s.pulls.data());
   for (int i = 0; i < kStages; ++i) {
@@ -54,6 +61,17 @@ void rungeKutta(const StickRows& rows, StickSolver& sticks, const double* x, con
     dx += h * kB[i] * s.dx[i];
     v1 += h * kB[i] * s.dv[i];
   }
+}
+
+double rungeKuttaError(const StickRows& rows, StickSolver& sticks, const double* v1, double h,
+                       RungeKuttaScratch& s) {
+  accelerate(rows, sticks, v1, s.free, s, s.last_dv);
+  s.error = kE[kStages] * Eigen::Map<const Points>(v1, 3, rows.n);
+  for (int i = 0; i < kStages; ++i) s.error += kE[i] * s.dx[i];
+  const double positions = h * std::sqrt(s.error.colwise().squaredNorm().maxCoeff());
+  s.error = kE[kStages] * s.last_dv;
+  for (int i = 0; i < kStages; ++i) s.error += kE[i] * s.dv[i];
+  return std::max(positions, h * h * std::sqrt(s.error.colwise().squaredNorm().maxCoeff()));
 }
 
 }  // namespace ragdoll

@@ -48,7 +48,10 @@ void ShakeStep::run(const Inputs& inputs, double h) {
   for (const Press& last : state_.presses)
     if (last.ragdoll == index_ && last.other[0] < ragdoll_.first + n_)  // not on another body
       scratch_.presses.push_back(last);
-  guard(h);
+  if (model_.solver.method == Method::kRk && model_.solver.tolerance > 0)
+    adapt(h);
+  else
+    guard(h);
   for (const Press& press : scratch_.presses)
     if (press.obstacle >= 0) ws_.pressed[index_] = 1;
   ws_.presses.insert(ws_.presses.end(), scratch_.presses.begin(), scratch_.presses.end());
@@ -111,7 +114,7 @@ void stepShake(const Model& model, const Inputs& inputs, double h, Workspace::Im
   int sticks = 0;
   for (const Ragdoll& r : model.ragdolls) {
     ws.first_stick.push_back(sticks);
-    sticks += 2 * model.systemOf(r).direct.rows->s;
+    sticks += multiplierCount(*model.systemOf(r).direct.rows);
   }
   if (static_cast<int>(state.multipliers.size()) != sticks) state.multipliers.assign(sticks, 0.0);
   ws.x1.resize(3, model.size());

@@ -32,6 +32,12 @@ double ShakeStep::advance(double h, bool may_bounce) {
 }
 
 double ShakeStep::advanceSmooth(double h, int taken) {
+  if (!smoothMotion(h)) return advance(h, taken < kMaxBounces);
+  moveSmoothly();
+  return h;
+}
+
+bool ShakeStep::smoothMotion(double h) {
   double* m = multipliers();
   rungeKutta(rows_, body_.end, xData(), vData(), scratch_.acceleration, h, scratch_.stages,
              scratch_.dx, scratch_.v1, m);
@@ -40,18 +46,20 @@ double ShakeStep::advanceSmooth(double h, int taken) {
   scratch_.lambda.setZero(rows_.width);
   if (!satisfySticks()) failed_ = true;
   findConstraints(h);
-  bool free = true;
   for (const Contact& c : scratch_.contacts)
-    free = free && gapAt(c, scratch_.dx.data()) > kTouching && c.gap_start > kTouching;
-  for (const LimitRow& l : scratch_.limits) free = free && l.value > 0 && l.start == 0;
-  if (!free) return advance(h, taken < kMaxBounces);
+    if (gapAt(c, scratch_.dx.data()) <= kTouching || c.gap_start <= kTouching) return false;
+  for (const LimitRow& l : scratch_.limits)
+    if (l.value <= 0 || l.start != 0) return false;
+  return true;
+}
+
+void ShakeStep::moveSmoothly() {
   scratch_.presses.clear();
   x() += scratch_.dx;
   v() = scratch_.v1;
   body_.end.setPose(rows_, xData());
   body_.end.projectVelocities(rows_, vData());
   std::swap(body_.start, body_.end);
-  return h;
 }
 
 void ShakeStep::freeMotion(double h) {

@@ -71,8 +71,8 @@ class Together {
     state_.x.middleCols(first(i), size(i)) = p_.x0.middleCols(first(i), size(i));
     state_.v.middleCols(first(i), size(i)) =
         p_.v0.middleCols(first(i), size(i)) + p_.kick.middleCols(first(i), size(i));
-    const int sticks = 2 * model_.systemOf(model_.ragdolls[i]).direct.rows->s;
-    std::copy_n(p_.multipliers0.begin() + ws_.first_stick[i], sticks,
+    std::copy_n(p_.multipliers0.begin() + ws_.first_stick[i],
+                multiplierCount(*model_.systemOf(model_.ragdolls[i]).direct.rows),
                 state_.multipliers.begin() + ws_.first_stick[i]);
     ShakePairs::Own& own = p_.own[i];
     ws_.presses.clear();

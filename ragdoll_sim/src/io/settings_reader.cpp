@@ -38,7 +38,8 @@ const std::vector<std::string>& coatNames() {
 
 const std::vector<std::string>& solverKeys() {
   static const std::vector<std::string> keys = {"preset", "method", "integrator",
-                                                "step",   "sweeps", "damping", "joint_damping", "sleep"};
+                                                "step",   "sweeps", "tolerance",
+                                                "damping", "joint_damping", "sleep"};
   return keys;
 }
 
@@ -61,6 +62,8 @@ void readSolverKnob(const std::string& key, const Reader& value, SolverSpec& sol
     solver.step = value.within(kSmallestStep, kLargestStep);
   } else if (key == "sweeps") {
     solver.sweeps = value.integer(1, kMaxSweeps);
+  } else if (key == "tolerance") {
+    solver.tolerance = value.notNegative();
   } else if (key == "damping") {
     solver.damping = value.notNegative();
   } else if (key == "joint_damping") {

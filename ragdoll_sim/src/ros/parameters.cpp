@@ -86,7 +86,7 @@ Parameters readParameters(const ros::NodeHandle& nh) {
       throw Error("parameter " + nh.resolveName("coat"), e.what());
     }
   }
-  in.warnOfOthers({"preset", "method", "integrator", "step", "sweeps", "damping", "sleep",
+  in.warnOfOthers({"preset", "method", "integrator", "step", "sweeps", "tolerance", "damping", "sleep",
                    "gravity_x", "gravity_y", "gravity_z", "diagnostic_period"});
   return p;
 }

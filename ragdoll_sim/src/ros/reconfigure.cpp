@@ -15,6 +15,7 @@ SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double real
   c.integrator = static_cast<int>(solver.integrator);
   c.step = solver.step;
   c.sweeps = solver.sweeps;
+  c.tolerance = solver.tolerance;
   c.damping = solver.damping;
   c.sleep = solver.sleep;
   c.gravity_x = gravity.x();
@@ -32,6 +33,7 @@ SolverSpec fromConfig(const SolverConfig& config, SolverSpec solver) {
   solver.integrator = static_cast<Integrator>(config.integrator);
   solver.step = config.step;
   solver.sweeps = config.sweeps;
+  solver.tolerance = config.tolerance;
   solver.damping = config.damping;
   solver.sleep = config.sleep;
   return solver;

@@ -131,6 +131,28 @@ TEST(DoublePendulum, RungeKuttaMeetsItAtFifth) {
   EXPECT_NEAR(order(Method::kRk, {60, 120, 240, 480}), 5, 0.3);
 }
 
+TEST(DoublePendulum, AdaptiveRungeKuttaKeepsToItsToleranceAtAnyStep) {
+  const Vec3 exact = tipByLagrangian(65536);
+  for (const int rate : {4, 15, 60}) {
+    int last_substeps = 0;
+    for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-8}) {
+      Scene scene = pendulum(Method::kRk, 1.0 / rate);
+      scene.solver.tolerance = tolerance;
+      World world(scene);
+      int substeps = 0;
+      for (int i = 0; i < rate; ++i) substeps += world.steps(1).substeps;
+      const double error = (world.x(2) - exact).norm();
+      // What is kept to is the error that is made; the motion carries it on and lets it grow.
+      EXPECT_LT(error, 3 * tolerance * kSeconds) << rate << " steps per second";
+      EXPECT_GT(error, tolerance * 1e-4) << "more work than asked for";
+      EXPECT_GE(substeps, last_substeps);
+      EXPECT_GE(substeps, rate);
+      last_substeps = substeps;
+    }
+    EXPECT_GT(last_substeps, 100);
+  }
+}
+
 TEST(DoublePendulum, RelaxationWithTheSameMassMatrixMeetsItAtFirst) {
   EXPECT_LT(tipError(Method::kJakobsen, 15360), 1e-2);
   EXPECT_NEAR(order(Method::kJakobsen, {3840, 7680, 15360}), 1, 0.05);

@@ -15,7 +15,7 @@ namespace ragdoll {
 /// Scratch of one step.
 struct RungeKuttaScratch {
   static constexpr int kStages = 6;
-  Points x, v;
+  Points x, v, free, last_dv, error;
   std::array<Points, kStages> dx, dv;
   PaddedRows rates, pulls;
   Eigen::VectorXd lambda;
@@ -26,5 +26,11 @@ struct RungeKuttaScratch {
 void rungeKutta(const StickRows& rows, StickSolver& sticks, const double* x, const double* v,
                 const Points& free, double h, RungeKuttaScratch& scratch, Points& dx, Points& v1,
                 double* first_lambda);
+
+/// [m] Estimate of the error that the last rungeKutta made over h: the largest distance of a
+/// particle, or of h times its velocity, from the embedded motion of fourth order [Dormand1980].
+/// `sticks` and v1: of the motion's end; scratch: as rungeKutta left it.
+double rungeKuttaError(const StickRows& rows, StickSolver& sticks, const double* v1, double h,
+                       RungeKuttaScratch& scratch);
 
 }  // namespace ragdoll

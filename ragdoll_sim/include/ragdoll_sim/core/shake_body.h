@@ -10,6 +10,9 @@
 
 namespace ragdoll {
 
+/// Values in State::multipliers of one body.
+inline int multiplierCount(const StickRows& rows) { return 2 * rows.s + 1; }
+
 /// Sticks at the step's start and end; kept from step to step so that the factors at the end serve
 /// as those at the next start.
 struct ShakeBody {

@@ -1,6 +1,7 @@
 // One body during one step of a direct method (shake.h). Private to the core. Its stages, a file
 // each: shake_motion.cpp (free motion), shake_contact.cpp (positions), shake_velocity.cpp
-// (velocities, bounces), shake_guard.cpp (step guard), shake_energy.cpp (energy limiter).
+// (velocities, bounces), shake_guard.cpp (step guard), shake_adapt.cpp (adaptive rk),
+// shake_energy.cpp (energy limiter).
 #pragma once
 
 #include <vector>
@@ -57,6 +58,12 @@ class ShakeStep {
   double implicitStep(double h);
   bool relaxAlongNew();
 
+  // Adaptive rk (shake_adapt.cpp).
+
+  /// Substeps of Dormand-Prince 5 whose estimated error per simulated second stays within the
+  /// scene's tolerance; where something touches, the rest of the step goes to guard.
+  void adapt(double h);
+
   // Energy limiter (shake_energy.cpp).
 
   double kineticEnergy();
@@ -76,6 +83,10 @@ class ShakeStep {
   double advance(double h, bool may_bounce);
   /// As advance, by Dormand-Prince 5 where nothing touches.
   double advanceSmooth(double h, int taken);
+  /// dx and velocities (scratch_.v1) over h by Dormand-Prince 5; whether nothing touches.
+  bool smoothMotion(double h);
+  /// Makes that motion.
+  void moveSmoothly();
   /// dx and the sticks' multipliers over h, without contacts.
   void freeMotion(double h);
   /// Newton along the old directions until every stick has its length.
