@@ -89,14 +89,16 @@ bool ShakeStep::forceViolated() {
   bool any = false;
   for (std::size_t i = 0; i < scratch_.contacts.size(); ++i) {
     if (scratch_.contact_row[i] >= 0) continue;
-    if (gapAt(scratch_.contacts[i], scratch_.dx.data()) < -kContactTolerance)
-      any = scratch_.forced_contacts[i] = 1;
+    if (gapAt(scratch_.contacts[i], scratch_.dx.data()) >= -kContactTolerance) continue;
+    scratch_.forced_contacts[i] = 1;
+    any = true;
   }
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
     if (scratch_.limit_row[i] >= 0) continue;
-    if (valueAt(model_, ws_.x1, scratch_.limits[i]) * kLever < -kContactTolerance)
-      any = scratch_.forced_limits[i] = 1;
+    if (valueAt(model_, ws_.x1, scratch_.limits[i]) * kLever >= -kContactTolerance) continue;
+    scratch_.forced_limits[i] = 1;
+    any = true;
   }
   return any;
 }
