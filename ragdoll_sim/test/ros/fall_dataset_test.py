@@ -127,4 +127,4 @@ class FallDatasetTest(unittest.TestCase):
 
 if __name__ == '__main__':
     rospy.init_node('fall_dataset_test')
-    rostest.rosrun('ragdoll_sim', 'fall_dataset', FallDatasetTest, sys.argv)
+    rostest.rosrun('ragdoll_sim', 'dataset', FallDatasetTest, sys.argv)
