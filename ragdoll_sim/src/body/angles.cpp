@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "ragdoll_sim/core/direction.h"
+
 namespace ragdoll {
 namespace {
 
@@ -9,6 +11,16 @@ char axisLetter(const Vec3& axis) {
   int largest = 0;
   axis.cwiseAbs().maxCoeff(&largest);
   return "xyz"[largest];
+}
+
+/// x: coordinates of the body's first particle.
+double bendAngle(const JointFrames::Bend& bend, const double* x) {
+  const Vec3 u = valueOf(bend.parent, x), w = valueOf(bend.child, x);
+  const double between = std::atan2(u.cross(w).norm(), u.dot(w));
+  // Backwards: on the wrong side by more than half of what is bent. A limit keeps its child on the
+  // right side, but the plane of bending may lie along the border.
+  const bool back = bend.sided && w.dot(valueOf(bend.forward, x)) < -std::sin(between / 2);
+  return (back ? -bend.side : bend.side) * turnOfBend(between, bend.sine);
 }
 
 }  // namespace
@@ -60,7 +72,11 @@ JointAngles::JointAngles(const Model& model, const FrameTracker& tracker) {
       const bool hinge = joint.type == JointSpec::Type::kHinge;
       const int first = tracker.firstPart(static_cast<int>(r));
       entries_.push_back({hinge, first + parent, first + child,
-                          hinge ? hingeGeometry(skeleton, joint) : HingeGeometry()});
+                          hinge ? hingeGeometry(skeleton, joint) : HingeGeometry(), std::nullopt,
+                          ragdoll.first});
+      const int j = static_cast<int>(&joint - skeleton.joints.data());
+      if (hinge && !skeleton.segments[joint.parent].group && !skeleton.segments[joint.child].group)
+        entries_.back().bend = JointFrames(skeleton).bend(j);
       const std::string letters = hinge ? std::string(1, axisLetter(joint.axis)) : "xyz";
       for (const char letter : letters) names_.push_back(prefix + joint.name + "_" + letter);
     }
@@ -71,7 +87,9 @@ void JointAngles::compute(const Posture& posture, std::vector<double>& angles) c
   angles.clear();
   for (const Entry& entry : entries_) {
     const Quat turn = posture.parts[entry.parent].conjugate() * posture.parts[entry.child];
-    if (entry.hinge) {
+    if (entry.bend) {
+      angles.push_back(bendAngle(*entry.bend, posture.x.data() + 3 * entry.particle));
+    } else if (entry.hinge) {
       angles.push_back(
           hingeAngle(entry.geometry.axis, entry.geometry.straight, turn * entry.geometry.child));
     } else {

@@ -13,6 +13,14 @@ constexpr double kThin = 1e-3;  ///< [-] sine below which directions count as pa
 
 }  // namespace
 
+double bendOfTurn(double turn, double sine) {
+  return 2 * std::asin(std::min(1.0, sine * std::sin(turn / 2)));
+}
+
+double turnOfBend(double bend, double sine) {
+  return 2 * std::asin(std::min(1.0, std::sin(bend / 2) / sine));
+}
+
 Vec3 turned(double angle, const Vec3& axis, const Vec3& v) {
   return Eigen::AngleAxisd(angle, axis) * v;
 }
@@ -104,6 +112,20 @@ Vec3 JointFrames::hingeZero(int j) const {
   if (!s_.segments[joint.parent].group) return restDirection(parentBone(joint.parent, joint.child));
   const Vec3 w = childRest(j);
   return (w - joint.axis.dot(w) * joint.axis).normalized();
+}
+
+JointFrames::Bend JointFrames::bend(int j) const {
+  const Joint& joint = s_.joints[j];
+  const std::pair<int, int> parent = parentBone(joint.parent, joint.child);
+  const Vec3 across = joint.axis.normalized().cross(restDirection(parent));
+  Bend bend;
+  bend.parent = boneAlong(parent);
+  bend.child = boneAlong(boneFrom(joint.child, joint.parent));
+  // The mirrored hinge has the same angles with other signs: let it bend the way it bends most.
+  bend.side = -joint.range.begin > joint.range.end ? -1 : 1;
+  bend.sine = across.norm();
+  bend.sided = fixedIn(joint.parent, bend.side * across.normalized(), bend.forward);
+  return bend;
 }
 
 bool JointFrames::fixedIn(int segment, const Vec3& rest, Direction& d, int depth) const {

@@ -112,27 +112,25 @@ class LimitBuilder {
     if (u.cross(joint.axis).norm() < 0.1)
       checks_.fail(j, ".axis",
                    "the axis points along the parent bone, about which nothing can bend");
-    // The mirrored hinge has the same angles with other signs: let it bend the way it bends most.
-    double begin = joint.range.begin, end = joint.range.end, side = 1;
-    if (-begin > end) {
-      std::tie(begin, end) = std::pair(-end, -begin);
-      side = -1;
-    }
-    const Vec3 n = side * joint.axis.cross(u).normalized();
+    const JointFrames::Bend bend = frames_.bend(j);
+    double begin = joint.range.begin, end = joint.range.end;
+    if (bend.side < 0) std::tie(begin, end) = std::pair(-end, -begin);
     if (begin < -M_PI / 2 || (begin > 0 && end > M_PI - begin)) return addTurn(j, joint.twist);
     const Direction child = childDirection(j, Vec3::Zero());
-    addWithin(j, frames_.boneAlong(parent), child, end);
-    Direction forward;
-    if (!frames_.fixedIn(joint.parent, n, forward)) {
+    addWithin(j, bend.parent, child, bendOfTurn(end, bend.sine));
+    if (!bend.sided) {
       checks_.warn(j, "nothing shows how its parent, a bone, is turned about itself: it may bend " +
                           degrees(end) + " to any side");
       return;
     }
-    addWithin(j, forward, child, M_PI / 2 - begin);
+    const double back = std::acos(std::clamp(bend.sine * std::sin(begin), -1.0, 1.0));
+    addWithin(j, bend.forward, child, back);
     if (joint.twist > M_PI / 2 - kNegligibleAngle) return;
+    const Vec3 n = bend.side * joint.axis.cross(u).normalized();
+    Direction forward;
     for (const double t : {M_PI / 2 - joint.twist, joint.twist - M_PI / 2}) {
       frames_.fixedIn(joint.parent, turned(t, u, n), forward);
-      addWithin(j, forward, child, M_PI / 2 - begin);
+      addWithin(j, forward, child, back);
     }
   }
 

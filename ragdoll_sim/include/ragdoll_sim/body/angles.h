@@ -3,7 +3,8 @@
 //
 // hinge: one angle, the right-hand turn of the child about `axis` from the straight continuation of
 //   the parent bone; > 0 for a bent elbow or knee. Named <joint>_<x|y|z> by the axis's largest
-//   part.
+//   part. On a bone it is read from the angle between the bones, as the limit's is: how far the
+//   plane of bending has turned about the parent bone does not count.
 // cone, planes: three angles of the turn R of the child part in the parent part since the rest
 // pose,
 //   R = Ry(y) Rx(x) Rz(z): for a limb that hangs down flexion about y, then abduction about x, then
@@ -12,10 +13,12 @@
 // Ragdolls after the first prefix "<ragdoll>/".
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "ragdoll_sim/body/frames.h"
+#include "ragdoll_sim/core/joint_frames.h"
 
 namespace ragdoll {
 
@@ -48,6 +51,8 @@ class JointAngles {
     bool hinge;
     int parent, child;  ///< parts of the posture
     HingeGeometry geometry;
+    std::optional<JointFrames::Bend> bend;  ///< of a hinge from bone to bone
+    int particle;                           ///< the body's first
   };
   std::vector<Entry> entries_;
   std::vector<std::string> names_;

@@ -1,5 +1,5 @@
 // What the directions of joint limits are carried by: bones, rigid groups, and the frames of bones
-// that their parents carry along (limit.h). Private to the core.
+// that their parents carry along (limit.h).
 #pragma once
 
 #include <array>
@@ -26,6 +26,15 @@ class JointFrames {
   bool fixedIn(int segment, const Vec3& rest, Direction& d, int depth = 0) const;
   /// Away from the joint: a bone's direction, or from the shared particles to the rest of a group.
   Vec3 childRest(int joint) const;
+  /// A hinge on a bone, which bends to one side of it.
+  struct Bend {
+    Direction parent, child;  ///< the bones, away from the joint; the parent's straight on
+    Direction forward;        ///< square to the parent: where the child bends to
+    bool sided = false;       ///< something shows where `forward` is
+    double side = 1;          ///< -1: it bends against its axis for most of its range
+    double sine = 1;  ///< between axis and parent bone: what a turn about the axis bends less by
+  };
+  Bend bend(int joint) const;
   /// Where a hinge's angle is zero: straight on, or the rest pose on a rigid parent.
   Vec3 hingeZero(int joint) const;
   /// The regions of a `planes` joint; not yet its axes.
@@ -47,6 +56,11 @@ class JointFrames {
 
   const Skeleton& s_;
 };
+
+/// Angle between the bones [rad] for a turn about the hinge's axis, and back. They differ where the
+/// axis is not square to the parent bone: sin(bend / 2) = sine sin(turn / 2).
+double bendOfTurn(double turn, double sine);
+double turnOfBend(double bend, double sine);
 
 /// v turned by an angle [rad] about an axis.
 Vec3 turned(double angle, const Vec3& axis, const Vec3& v);

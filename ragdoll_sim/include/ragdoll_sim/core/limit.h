@@ -15,7 +15,7 @@
 // kWithin: C = angle - angle(reference, child).
 //   cone           reference = its axis, fixed in the parent; angle = half_angle
 //   hinge, u the parent bone, w the child bone, n = axis x u the direction it bends to:
-//     flexion      angle(u, w) <= range.end
+//     flexion      angle(u, w) <= range.end (less if the axis is not square to u: bendOfTurn)
 //     extension    angle(n, w) <= 90 deg - range.begin: for begin = 0 the half-space that n looks
 //                  into. Straight (w = u) lies on its border, which is smooth there: a bend to the
 //                  back is a violation however small, and there is no pole to flip at.
