@@ -144,14 +144,23 @@ class Replay {
     run_ = std::make_unique<Run>();
     run_->number = first.run;
     run_->first = first.step;
+    try {
+      build(model);
+    } catch (const Error& e) {
+      throw Error(where_ + ": run " + std::to_string(first.run), e.what());
+    }
+  }
+
+  /// The world of the present run at its beginning, with all its pokes to come.
+  void build(const ragdoll_msgs::Model& model) {
     run_->world = std::make_unique<World>(parseScene(model.scene_yaml, node_.model));
     World& world = *run_->world;
-    if (model.run == first.run && !model.snapshot.empty()) world.restore(model.snapshot);
+    if (model.run == run_->number && !model.snapshot.empty()) world.restore(model.snapshot);
     const std::vector<std::string> frames = world.followedFrames();
     if (!frames.empty())
       run_->hindrance = "obstacles or pins follow " + joined(frames) +
                         " of another node, whose motion ~pokes does not tell";
-    for (const ragdoll_msgs::PokeEvent& message : pokes_[first.run]) {
+    for (const ragdoll_msgs::PokeEvent& message : pokes_[run_->number]) {
       const Event event = fromPokeEvent(*world.model(), message);
       if (!event.poke.body_name.empty()) ++run_->events;
       world.replay(event);
