@@ -54,7 +54,7 @@ class Tests {
       const bool tiny = h < 5e-4;  // only the impact: a run of seconds would take minutes
       const std::string name = shortNumber(h) + " s, ";
       Extreme& fall = add("step", name + "falls 1 m",
-                          humanScene(tiny ? "position: [0, 0, 1], velocity: [0, 0, -4.4]"
+                          humanScene(tiny ? "position: [0, 0, 1.03], velocity: [0, 0, -4.4]"
                                           : "position: [0, 0, 1.95], rpy_deg: [10, 30, 0]",
                                      kFloor),
                           tiny ? std::min(0.1, 3e4 * h) : 15);

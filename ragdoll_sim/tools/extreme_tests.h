@@ -23,7 +23,8 @@ struct Laws {
   double lowest = -kUnbounded;  ///< [m] z of any particle, ever
   double speed = kUnbounded;    ///< [m/s] of any particle, ever
   double drift = kUnbounded;    ///< [m] of the centre of mass after half of the time
-  bool rest = false;            ///< nothing moves at the end
+  bool rest = false;            ///< nothing moves at the end; with joint_damping 2/s, without
+                                ///< which a limb that hangs free swings on as it should
 };
 
 struct Extreme {

@@ -11,7 +11,8 @@
 namespace ragdoll::lab {
 namespace {
 
-constexpr double kAtRest = 1e-6;  ///< of weight times size: less energy than this is rest
+constexpr double kRestDamping = 2;  ///< [1/s] what the shipped scenes have
+constexpr double kAtRest = 1e-6;    ///< of weight times size: less energy than this is rest
 
 double largestSpeed(const State& state) { return state.v.colwise().norm().maxCoeff(); }
 
@@ -105,6 +106,7 @@ Verdict judge(const Extreme& extreme, const ExtremeMethod& method) {
   Scene scene = extreme.scene;
   scene.solver = method.solver;
   scene.solver.sleep = extreme.sleep;
+  if (extreme.laws.rest) scene.solver.joint_damping = kRestDamping;
   if (extreme.step > 0) scene.solver.step = extreme.step;
   if (extreme.sweeps > 0) scene.solver.sweeps = extreme.sweeps;
   const Model model = buildModel(scene);

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ragdoll {
 namespace {
 
 constexpr int kMaxIterations = 100;  ///< of Gauss-Seidel; most end after 5 to 30
+constexpr int kPatience = 20;        ///< iterations in which the changes have to shrink,
+constexpr double kProgress = 0.9;    ///< to this share at least
 constexpr double kSettled = 1e-7;    ///< largest change of an impulse, of the largest impulse
 constexpr double kHeld = 1e-9;  ///< a row whose A is below this share of its free value cannot move
 
@@ -97,6 +100,7 @@ bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
   w_.head(m) = b;
   for (int i = 0; i < m; ++i)
     if (p[i] != 0) kernels::addScaled(A_.data() + i * columns_, p[i], columns_, w_.data());
+  double earlier = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     double change = 0, largest = 0;
     const auto set = [&](int i, double value) {
@@ -129,6 +133,9 @@ bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
       ++i;
     }
     if (change <= kSettled * largest) return true;
+    if (iteration % kPatience != kPatience - 1) continue;
+    if (change > kProgress * earlier) return false;  // no solution: impulses grow without end
+    earlier = change;
   }
   return false;
 }

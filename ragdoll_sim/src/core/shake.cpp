@@ -25,7 +25,9 @@ ShakeStep::ShakeStep(const Model& model, Workspace::Impl& ws, State& state, int 
       system_(model.systemOf(ragdoll_).direct),
       rows_(*system_.rows),
       body_(ws.bodies[ragdoll]),
-      n_(rows_.n) {
+      n_(rows_.n),
+      inverse_length2_(rows_.inverse_length2.data()),
+      length2_(rows_.length2.data()) {
   body_.start.resize(rows_);
   body_.end.resize(rows_);
 }
@@ -34,7 +36,8 @@ void ShakeStep::run(const Inputs& inputs, double h) {
   step_ = h;
   if (state_.step % kAffineEvery == 0) makeAffine();
   movePins(inputs, h);
-  driven_ = !inputs.pins.empty() || obstaclesMove(inputs);
+  driven_ = pin_speed_ > 0 || obstaclesMove(inputs);
+  join(h);
   scratch_.acceleration.noalias() = model_.gravity * system_.gravity;
   if (ws_.forced)
     scratch_.acceleration.noalias() += ws_.force.middleCols(ragdoll_.first, n_) * system_.W;
@@ -92,6 +95,7 @@ void ShakeStep::movePins(const Inputs& inputs, double h) {
     const auto row =
         std::find(pins.begin(), pins.end(), pin.particle - ragdoll_.first) - pins.begin();
     const Vec3 speed = (inputs.pins[p] - state_.x.col(pin.particle)) / h;
+    pin_speed_ = std::max(pin_speed_, speed.norm());
     v() += (speed - state_.v.col(pin.particle)) * system_.pin_motion.row(row);
   }
 }

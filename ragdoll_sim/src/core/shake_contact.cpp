@@ -6,6 +6,7 @@
 namespace ragdoll {
 namespace {
 
+constexpr double kProgress = 0.8;        ///< of the last round's violation: more is no progress
 constexpr int kMaxRounds = 6;            ///< of contacts and sticks in turn
 constexpr double kContactMargin = 0.02;  ///< [m]
 constexpr double kLimitMargin = 0.3;     ///< [rad]
@@ -14,7 +15,8 @@ constexpr double kActiveAngle = 0.01;    ///< [rad] likewise
 constexpr double kLever = 0.1;           ///< [m] of a radian that is seen
 constexpr int kMaxSearches = 3;          ///< for contacts that others push the body into
 constexpr double kRecoverySpeed = 2;     ///< [m/s] at which overlap found at the start opens
-constexpr double kUnsettled = 5e-4;      ///< [m] a contact solution this bad is done again at half
+constexpr double kRecoveryTurn = 5;      ///< [rad/s] the same of a limit that is violated
+constexpr double kFarBeyond = 0.02;      ///< [rad] violated by more than steps leave behind
 constexpr double kMissed = 1e-4;         ///< [m] deeper than that is found and solved again
 
 bool isForced(const std::vector<std::uint8_t>& forced, std::size_t i) {
@@ -35,10 +37,17 @@ void ShakeStep::findConstraints(double h) {
   if (model_.self_collision)
     ws_.pairs.appendSelf(model_, state_.x, ws_.x1, index_, kContactMargin, scratch_.contacts);
   // An overlap found at the start opens at a bounded speed, so that nothing is shot out.
+  overlap_ = 0;
+  for (const Contact& c : scratch_.contacts) overlap_ = std::max(overlap_, -c.gap_start);
   for (Contact& c : scratch_.contacts)
     if (c.gap_start < 0) c.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * h);
+  if (length2_ != rows_.length2.data()) return;  // angles mean nothing before the body is joined
   appendLimits(model_, ws_.x1, state_, index_, kLimitMargin, scratch_.limits);
-  for (LimitRow& limit : scratch_.limits) startLimit(model_, state_.x, limit);
+  for (LimitRow& limit : scratch_.limits) {
+    startLimit(model_, state_.x, limit);
+    if (limit.compliance > 0 || limit.value > -kFarBeyond) continue;
+    limit.opening = std::max(0.0, -valueAt(model_, state_.x, limit) - kRecoveryTurn * h);
+  }
 }
 
 double ShakeStep::gapAt(const Contact& c, const double* dx) const {
@@ -65,7 +74,9 @@ void ShakeStep::gather(double h, bool leapfrog) {
   scratch_.contact_row.assign(scratch_.contacts.size(), -1);
   for (std::size_t i = 0; i < scratch_.contacts.size(); ++i) {
     const Contact& c = scratch_.contacts[i];
-    if (!isForced(scratch_.forced_contacts, i) && gapAt(c, scratch_.dx.data()) > kActiveGap && !lastPress(keyOf(c))) continue;
+    if (!isForced(scratch_.forced_contacts, i) && gapAt(c, scratch_.dx.data()) > kActiveGap &&
+        !lastPress(keyOf(c)))
+      continue;
     scratch_.contact_row[i] = schur.size();
     schur.addContact(c, static_cast<int>(i));
   }
@@ -127,6 +138,7 @@ void ShakeStep::pressFound(double h, bool leapfrog) {
   schur.assemble(rows_, body_.start, system_.W);
   Eigen::VectorXd& p = scratch_.p;
   recall(h);
+  double violation = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
     fillGaps(h);
     if (round > 0) p = scratch_.total;
@@ -136,7 +148,10 @@ void ShakeStep::pressFound(double h, bool leapfrog) {
     scratch_.total = p;
     schur.move(rows_, body_.start, system_.W, change, scratch_.dx.data());
     if (!satisfySticks() && !relaxAlongNew()) failed_ = true;
-    if (failed_ || worstViolation() < kContactTolerance) break;
+    const double now = failed_ ? 0 : worstViolation();
+    if (failed_ || now < kContactTolerance) break;
+    if (round > 1 && now > kUnsettled && now > kProgress * violation) break;
+    violation = now;
   }
 }
 
@@ -246,7 +261,8 @@ void ShakeStep::fillGaps(double h) {
   for (int i = 0; i < schur.size(); ++i) {
     const Schur::Row& row = schur.row(i);
     if (row.kind == Schur::Row::Kind::kLimit) {
-      scratch_.b[i] = valueAt(model_, ws_.x1, scratch_.limits[row.source]) +
+      const LimitRow& limit = scratch_.limits[row.source];
+      scratch_.b[i] = valueAt(model_, ws_.x1, limit) + limit.opening +
                       scratch_.softness[row.source].offset + row.compliance * scratch_.total[i];
     } else if (row.kind == Schur::Row::Kind::kNormal) {
       scratch_.b[i] = gapAt(scratch_.contacts[row.source], scratch_.dx.data());
@@ -264,9 +280,11 @@ double ShakeStep::worstViolation() {
     if (scratch_.contact_row[i] >= 0)
       worst = std::max(worst, -gapAt(scratch_.contacts[i], scratch_.dx.data()));
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
-  for (std::size_t i = 0; i < scratch_.limits.size(); ++i)
-    if (scratch_.limit_row[i] >= 0 && scratch_.limits[i].compliance == 0)
-      worst = std::max(worst, -valueAt(model_, ws_.x1, scratch_.limits[i]) * kLever);
+  for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
+    const LimitRow& limit = scratch_.limits[i];
+    if (scratch_.limit_row[i] >= 0 && limit.compliance == 0)
+      worst = std::max(worst, -(valueAt(model_, ws_.x1, limit) + limit.opening) * kLever);
+  }
   return worst;
 }
 

@@ -16,15 +16,31 @@ double ShakeStep::kineticEnergy() {
   return 0.5 * (v() * M).cwiseProduct(v()).sum();
 }
 
+double ShakeStep::driveSpeed() const {
+  if (!driven_) return 0;
+  double speed = pin_speed_;
+  for (const Contact& c : scratch_.contacts)
+    speed = std::max(speed, c.surface_motion.norm() / step_);
+  return speed;
+}
+
 double ShakeStep::energyRise() {
-  if (driven_ || scratch_.presses.empty()) return 0;
+  return scratch_.presses.empty() || pin_speed_ > 0 ? 0 : gainedEnergy(driveSpeed());
+}
+
+double ShakeStep::gainedEnergy(double drive) {
   const Eigen::MatrixXd& M = model_.skeletonOf(ragdoll_).M;
   const Points moved = x() - scratch_.saved_x;
-  double rise = kineticEnergy() -
-                0.5 * (scratch_.saved_v * M).cwiseProduct(scratch_.saved_v).sum() -
-                model_.gravity.dot((moved * M).rowwise().sum());
+  const double before = 0.5 * (scratch_.saved_v * M).cwiseProduct(scratch_.saved_v).sum();
+  double rise = kineticEnergy() - before - model_.gravity.dot((moved * M).rowwise().sum());
   if (ws_.forced) rise -= ws_.force.middleCols(ragdoll_.first, n_).cwiseProduct(moved).sum();
-  return rise - releasedEnergy();
+  rise -= releasedEnergy();
+  if (drive > 0) {
+    // Seen from what drives it the body gains nothing; here it may be faster by twice its speed.
+    const double mass = M.sum();
+    rise -= 2 * mass * drive * (std::sqrt(2 * before / mass) + drive);
+  }
+  return rise;
 }
 
 double ShakeStep::releasedEnergy() {
@@ -39,17 +55,19 @@ double ShakeStep::releasedEnergy() {
 
 void ShakeStep::limitEnergy(double rise) {
   const double before = kineticEnergy();
-  scratch_.saved_v = v();
-  dampInnerMotion(model_.skeletonOf(ragdoll_).M, model_.systemOf(ragdoll_).pins, 0, x(), v());
+  const Points all = v();
+  const std::vector<int>& pins = model_.systemOf(ragdoll_).pins;
+  dampInnerMotion(model_.skeletonOf(ragdoll_).M, pins, 0, x(), v());
   const double rigid = kineticEnergy();
   const double inner = before - rigid;
+  const bool held =
+      !pins.empty() || std::any_of(scratch_.presses.begin(), scratch_.presses.end(),
+                                   [](const Press& press) { return press.obstacle >= 0; });
   if (inner > rise) {
-    v() += std::sqrt(1 - rise / inner) * (scratch_.saved_v - v());
-  } else if (ws_.obstacles.empty()) {
-    // v() is the rigid motion now: there is nothing more to take.
-  } else {
+    v() += std::sqrt(1 - rise / inner) * (all - v());
+  } else if (held) {
     v() *= rigid > 0 ? std::sqrt(std::max(0.0, (before - rise) / rigid)) : 0;
-  }
+  }  // else v() is the rigid motion now, whose momentum is nobody's to take
   limited_ = limited_ || rise > kReportedRise;
 }
 

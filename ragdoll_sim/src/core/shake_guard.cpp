@@ -6,53 +6,74 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kStable = 1.0;     ///< h sqrt(Omega2) of a substep; 2 is the edge of stability
-constexpr int kMaxSubsteps = 16;    ///< above, one implicit step is cheaper
-constexpr int kMaxImplicit = 60;    ///< Newton iterations of an implicit step
+constexpr double kStable = 1.0;   ///< h sqrt(Omega2) of a substep; 2 is the edge of stability
+constexpr int kMaxSubsteps = 16;  ///< above, one implicit step is cheaper
+constexpr int kMaxPieces =
+    64;  ///< of implicit steps; beyond, the rest of the step is one rigid motion
+constexpr int kMaxDriven = 4;       ///< the same while obstacles or pins move
+constexpr double kSqueezed = 1e-3;  ///< [m] overlap that no sound step leaves behind
 constexpr double kRedoRise = 1e-3;  ///< of the kinetic energy (1 J at least): done again at half
 
 }  // namespace
 
 void ShakeStep::guard(double h) {
-  int count = std::max(1, static_cast<int>(std::ceil(h * std::sqrt(stiffness()) / kStable)));
-  int taken = 0;
+  enum class Way { kExplicit, kImplicit, kRigid };
+  const double wanted = std::ceil(h * std::sqrt(stiffness()) / kStable);
+  Way way = wanted <= kMaxSubsteps ? Way::kExplicit : Way::kImplicit;  // not a number: implicit
+  double sub = way == Way::kExplicit ? h / std::max(1.0, wanted) : h;
   double left = h;
-  bool implicit = count > kMaxSubsteps;
-  double sub = implicit ? h : h / count;
+  int taken = 0;
+  bool guarded = way != Way::kExplicit;
   while (left > 1e-9 * h) {
     sub = std::min(sub, left);
     save();
     failed_ = false;
     double took = 0;
-    if (implicit) {
-      took = implicitStep(sub);
+    if (way == Way::kExplicit) {
+      took = explicitStep(sub, taken);
+      const double rise = failed_ ? 0 : energyRise();
+      const bool can_halve = sub > 1.01 * h / kMaxSubsteps;
+      const bool outgrown = sub * std::sqrt(stiffness()) > 2 * kStable && can_halve;
+      failed_ = failed_ || outgrown ||
+                (can_halve && rise > kRedoRise && rise > kRedoRise * kineticEnergy());
+      if (!failed_ && rise > 0) limitEnergy(rise);
     } else {
-      took = model_.solver.method == Method::kRk ? advanceSmooth(sub, taken)
-                                                 : advance(sub, taken < kMaxBounces);
-      const bool outgrown = sub * std::sqrt(stiffness()) > 2 * kStable && sub > h / kMaxSubsteps;
-      if (failed_ || outgrown || !v().allFinite()) {
-        restore();
+      guarded = true;
+      took = way == Way::kImplicit ? implicitStep(sub) : rigidStep(sub);
+    }
+    if (failed_) {
+      restore();
+      // Obstacles that squeeze a body leave no solution, and smaller steps do not find one.
+      const double most = overlap_ > kSqueezed ? 1 : driven_ ? kMaxDriven : kMaxSubsteps;
+      if (way == Way::kExplicit) {
         sub *= 0.5;
-        if (sub < 0.99 * h / kMaxSubsteps) {
-          implicit = true;
+        if (sub < 0.99 * h / most) {
+          way = Way::kImplicit;
           sub = left;
         }
-        continue;
+      } else {
+        sub *= 0.25;
+        if (sub < 0.99 * h / (most == kMaxSubsteps ? kMaxPieces : most)) {
+          way = Way::kRigid;
+          sub = left;
+        }
       }
-      const double rise = energyRise();
-      if (rise > kRedoRise && rise > kRedoRise * kineticEnergy() && sub > 1.01 * h / kMaxSubsteps) {
-        restore();
-        sub *= 0.5;
-        continue;
-      }
-      if (rise > 0) limitEnergy(rise);
+      continue;
     }
     left -= took;
     ++taken;
   }
   report_.substeps = std::max(report_.substeps, taken);
-  report_.guarded += implicit || taken > 1;
+  report_.guarded += guarded || taken > 1;
   report_.limited += limited_;
+  if (guarded || limited_) makeAffine();  // rigid velocities carry what is off it along
+}
+
+double ShakeStep::explicitStep(double h, int taken) {
+  const double took =
+      model_.solver.method == Method::kRk ? advanceSmooth(h, taken) : advance(h, taken);
+  if (!v().allFinite() || !x().allFinite()) failed_ = true;
+  return took;
 }
 
 double ShakeStep::stiffness() {
@@ -75,43 +96,6 @@ void ShakeStep::restore() {
   x() = scratch_.saved_x;
   v() = scratch_.saved_v;
   std::copy(scratch_.saved_multipliers.begin(), scratch_.saved_multipliers.end(), multipliers());
-}
-
-double ShakeStep::implicitStep(double h) {
-  ++report_.implicit;
-  scratch_.dx = h * v() + (h * h) * scratch_.acceleration;
-  scratch_.lambda.setZero(rows_.width);
-  body_.start.setPose(rows_, xData());
-  relaxAlongNew();
-  findConstraints(h);
-  press(h, false);
-  finish(h, false);
-  for (int s = 0; s < rows_.s; ++s)
-    multipliers()[s] = multipliers()[s + rows_.s] = scratch_.lambda[s] / (h * h);
-  return h;
-}
-
-bool ShakeStep::relaxAlongNew() {
-  for (int iteration = 0; iteration < kMaxImplicit; ++iteration) {
-    ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
-    body_.end.setPose(rows_, ws_.x1.data() + 3 * ragdoll_.first);
-    const Eigen::Map<const PaddedRows> D(body_.end.D(), 3, rows_.width);
-    double worst = 0;
-    scratch_.residual.setZero(rows_.width);
-    for (int s = 0; s < rows_.s; ++s) {
-      // (L / |d| - 1) |d|^2: the length itself, not its square, so that far sticks come in
-      // evenly.
-      const double q = std::max(D.col(s).squaredNorm(), kMinLength * kMinLength);
-      scratch_.residual[s] = std::sqrt(rows_.length2[s] * q) - q;
-      worst = std::max(worst, std::abs(rows_.length2[s] - q) / rows_.length2[s]);
-    }
-    if (worst < kTolerance) return true;
-    body_.end.solve(rows_, scratch_.residual.data());
-    scratch_.lambda += scratch_.residual;
-    body_.end.move(rows_, scratch_.residual.data(), 1, scratch_.dx.data());
-  }
-  ++report_.unresolved;
-  return false;
 }
 
 }  // namespace ragdoll

@@ -9,12 +9,12 @@ constexpr int kMaxNewton = 25;  ///< iterations; 2 to 4 are usual
 
 }  // namespace
 
-double ShakeStep::advance(double h, bool may_bounce) {
+double ShakeStep::advance(double h, int taken) {
   body_.start.setPose(rows_, xData());
   freeMotion(h);
   findConstraints(h);
-  if (may_bounce) {
-    const double until = firstBounce(h);
+  if (taken < kMaxImpacts) {
+    const double until = firstImpact(h, taken < kMaxBounces);
     if (until < h) {
       if (until > 0) {
         freeMotion(until);
@@ -32,7 +32,7 @@ double ShakeStep::advance(double h, bool may_bounce) {
 }
 
 double ShakeStep::advanceSmooth(double h, int taken) {
-  if (!smoothMotion(h)) return advance(h, taken < kMaxBounces);
+  if (!smoothMotion(h)) return advance(h, taken);
   moveSmoothly();
   return h;
 }
@@ -84,9 +84,8 @@ bool ShakeStep::satisfySticks() {
   scratch_.residual.setZero(rows_.width);
   scratch_.correction.setZero(rows_.width);
   for (int iteration = 0; iteration < kMaxNewton; ++iteration) {
-    const double worst = kernels::lengthResiduals(D1.data(), rows_.length2.data(),
-                                                  rows_.inverse_length2.data(), rows_.width,
-                                                  scratch_.residual.data());
+    const double worst = kernels::lengthResiduals(D1.data(), length2_, inverse_length2_,
+                                                  rows_.width, scratch_.residual.data());
     if (worst < kTolerance) {
       if (iteration == 0) return true;
       scratch_.lambda += scratch_.correction;

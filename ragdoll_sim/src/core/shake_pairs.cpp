@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ragdoll_sim/core/pair_energy.h"
 #include "ragdoll_sim/core/shake.h"
 #include "ragdoll_sim/core/sleep.h"
 #include "ragdoll_sim/core/workspace.h"
@@ -281,6 +282,8 @@ class Together {
       report_.guarded += own.report.guarded;
       report_.limited += own.report.limited;
       report_.implicit += own.report.implicit;
+      report_.rigid += own.report.rigid;
+      report_.joining += own.report.joining;
       report_.unresolved += own.report.unresolved;
     }
     std::vector<const Contact*> pressing;
@@ -293,6 +296,9 @@ class Together {
         if (!b.contact.moves[side]) ws_.pressed[bodyOf(b.contact, side)] = 1;
     }
     spreadPressed(pressing, ws_.pressed);
+    if (inputs_.pins.empty() && inputs_.obstacles.empty())  // else they may gain energy
+      report_.limited += limitPairEnergy(model_, p_.found, p_.x0, p_.v0,
+                                         ws_.forced ? &ws_.force : nullptr, state_);
     if (!p_.contacts.empty() && overlap_ > kUnresolved) ++report_.unresolved;
   }
 

@@ -7,6 +7,7 @@ namespace ragdoll {
 namespace {
 
 constexpr double kBounceSteps = 4;       ///< bounce only above an approach speed of 4 g h
+constexpr double kDeepImpact = 0.2;      ///< [m] contact that would reach so deep is an impact
 constexpr double kTouchingAngle = 1e-4;  ///< [rad]
 
 }  // namespace
@@ -29,8 +30,8 @@ void ShakeStep::restrictToTouching(double h) {
   scratch_.warm.clear();
   // Impulses of the position stage, if there was one: where the velocity stage starts.
   const auto pressed = [&](const std::vector<int>& rows, std::size_t i, int k) {
-    const bool known = h > 0 && i < rows.size() && rows[i] >= 0 &&
-                       rows[i] + k < scratch_.total.size();
+    const bool known =
+        h > 0 && i < rows.size() && rows[i] >= 0 && rows[i] + k < scratch_.total.size();
     return known ? scratch_.total[rows[i] + k] / h : 0.0;
   };
   for (std::size_t i = 0; i < scratch_.contacts.size(); ++i) {
@@ -43,7 +44,8 @@ void ShakeStep::restrictToTouching(double h) {
   scratch_.touching_limits.clear();
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
     const LimitRow& limit = scratch_.limits[i];
-    if (limit.compliance > 0 || valueAt(model_, ws_.x1, limit) >= kTouchingAngle) continue;
+    if (limit.compliance > 0) continue;
+    if (valueAt(model_, ws_.x1, limit) + limit.opening >= kTouchingAngle) continue;
     scratch_.touching_limits.push_back(limit);
     evaluateLimit(model_, ws_.x1, scratch_.touching_limits.back());
     if (scratch_.touching_limits.back().count == 0)
@@ -102,17 +104,19 @@ double ShakeStep::bounceSpeed(const Contact& c) const {
   return kBounceSteps * step_ * std::abs(c.normal.dot(model_.gravity));
 }
 
-bool ShakeStep::bounces(const Contact& c, double h) const {
-  if (!(c.restitution > 0) || c.gap_start < -kContactTolerance) return false;
+bool ShakeStep::isImpact(const Contact& c, double h, bool may_bounce) const {
+  if (c.gap_start < -kContactTolerance) return false;
+  if (gapAt(c, scratch_.dx.data()) < -kDeepImpact * rows_.scale) return true;
+  if (!may_bounce || !(c.restitution > 0)) return false;
   const double speed =
       -c.normal.dot(motionOf(c, scratch_.dx.data()) / h - c.surface_motion / step_);
   return speed > bounceSpeed(c) && gapAt(c, scratch_.dx.data()) < 0;
 }
 
-double ShakeStep::firstBounce(double h) const {
+double ShakeStep::firstImpact(double h, bool may_bounce) const {
   double first = h;
   for (const Contact& c : scratch_.contacts) {
-    if (!bounces(c, h)) continue;
+    if (!isImpact(c, h, may_bounce)) continue;
     const double end = gapAt(c, scratch_.dx.data());
     const double v0 = c.normal.dot(motionOf(c, state_.v.data() + 3 * ragdoll_.first)) -
                       c.normal.dot(c.surface_motion) / step_;

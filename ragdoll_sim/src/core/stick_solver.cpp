@@ -1,5 +1,6 @@
 #include "ragdoll_sim/core/stick_solver.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace ragdoll {
@@ -7,6 +8,8 @@ namespace {
 
 constexpr double kPivotFloor =
     1e-12;  ///< of the diagonal: below, sticks are dependent in this pose
+
+constexpr double kHumanStick = 0.25;  ///< [m] a usual length
 
 PaddedRows padded(const Eigen::MatrixXd& m) {
   PaddedRows out = PaddedRows::Zero(m.rows(), paddedWidth(static_cast<int>(m.cols())));
@@ -29,6 +32,7 @@ StickRows::StickRows(const DirectSystem& d)
       inverse_length2(Eigen::VectorXd::Zero(width)) {
   length2.head(s) = d.length.cwiseAbs2();
   inverse_length2.head(s) = length2.head(s).cwiseInverse();
+  if (s > 0) scale = std::min(1.0, d.length.mean() / kHumanStick);
 }
 
 void StickSolver::resize(const StickRows& rows) {

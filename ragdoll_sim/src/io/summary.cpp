@@ -16,7 +16,9 @@ std::string toJson(const Summary& s) {
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(s.hash));
   const nlohmann::json guard = {{"guarded", s.guard.guarded},
                                 {"implicit", s.guard.implicit},
+                                {"joining", s.guard.joining},
                                 {"limited", s.guard.limited},
+                                {"rigid", s.guard.rigid},
                                 {"unresolved", s.guard.unresolved},
                                 {"max_substeps", s.guard.max_substeps}};
   const std::vector<std::pair<std::string, nlohmann::json>> entries = {
@@ -71,6 +73,8 @@ void WatchedRun::step() {
   if (forced) summary_.work += force_.cwiseProduct(state_.x - before_).sum();
   summary_.guard.guarded += report.guarded > 0;
   summary_.guard.implicit += static_cast<std::uint64_t>(report.implicit);
+  summary_.guard.rigid += static_cast<std::uint64_t>(report.rigid);
+  summary_.guard.joining += report.joining > 0;
   summary_.guard.limited += report.limited > 0;
   summary_.guard.unresolved += report.unresolved > 0;
   summary_.guard.max_substeps = std::max(summary_.guard.max_substeps, report.substeps);

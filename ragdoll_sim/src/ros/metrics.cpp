@@ -68,6 +68,9 @@ void Metrics::measure(const Snapshot& world, double seconds) {
   since_.simulated = now.simulated - before_.simulated;
   since_.stepping = now.stepping - before_.stepping;
   since_.guarded = now.guarded - before_.guarded;
+  since_.implicit = now.implicit - before_.implicit;
+  since_.rigid = now.rigid - before_.rigid;
+  since_.joining = now.joining - before_.joining;
   since_.limited = now.limited - before_.limited;
   since_.unresolved = now.unresolved - before_.unresolved;
   before_ = now;
@@ -90,6 +93,10 @@ void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.summary(DiagnosticStatus::OK, paused_ ? "paused" : "running");
   if (!paused_ && !was_paused_ && message_.realtime_factor < kTooSlow * wanted_factor_)
     status.mergeSummary(DiagnosticStatus::WARN, "slower than real time is wanted");
+  if (since_.rigid > 0)
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "beyond what the solver can do: some motions were taken with the joints "
+                        "frozen; look for huge forces, squeezing obstacles or a too large step");
   if (since_.unresolved > 0)
     status.mergeSummary(DiagnosticStatus::WARN, "constraints did not converge in some steps");
   const std::vector<std::string> missing = missing_();
@@ -102,6 +109,9 @@ void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("asleep", message_.asleep);
   status.add("contacts", message_.contacts);
   status.add("steps guarded", since_.guarded);
+  status.add("implicit steps", since_.implicit);
+  status.add("steps with the joints frozen", since_.rigid);
+  status.add("steps that joined sticks from far", since_.joining);
   status.add("steps with energy limited", since_.limited);
   status.add("steps unresolved", since_.unresolved);
 }

@@ -161,6 +161,9 @@ void Simulation::advance() {
   progress_.simulated += world_.stepLength();
   progress_.stepping += duration<double>(end - begin).count();
   progress_.guarded += static_cast<std::uint64_t>(world_.report().guarded);
+  progress_.implicit += static_cast<std::uint64_t>(world_.report().implicit);
+  progress_.rigid += static_cast<std::uint64_t>(world_.report().rigid);
+  progress_.joining += static_cast<std::uint64_t>(world_.report().joining);
   progress_.limited += static_cast<std::uint64_t>(world_.report().limited);
   progress_.unresolved += static_cast<std::uint64_t>(world_.report().unresolved);
   if (world_.followedStep() == world_.state().step) followed_due_ = due_;

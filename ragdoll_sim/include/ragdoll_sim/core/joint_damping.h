@@ -12,6 +12,20 @@
 
 namespace ragdoll {
 
+/// A motion that changes no distances.
+struct RigidMotion {
+  Vec3 centre = Vec3::Zero();  ///< [m] of mass; pinned: the first pin
+  Vec3 drift = Vec3::Zero();   ///< [m/s] of the centre
+  Vec3 spin = Vec3::Zero();    ///< [rad/s]
+
+  Vec3 velocityAt(const Vec3& x) const { return drift + spin.cross(Vec3(x - centre)); }
+};
+
+/// The rigid motion with the momentum and angular momentum of velocities v: what the body would do
+/// if its joints froze. Pinned: about the pin; by two pins: none.
+RigidMotion rigidMotion(const Eigen::MatrixXd& M, const std::vector<int>& pins,
+                        const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v);
+
 /// x, v: 3 x n of one body; M: [kg] n x n; pins: its pinned particles; keep: exp(-c h) in (0, 1].
 void dampInnerMotion(const Eigen::MatrixXd& M, const std::vector<int>& pins, double keep,
                      const Eigen::Ref<const Points>& x, Eigen::Ref<Points> v);

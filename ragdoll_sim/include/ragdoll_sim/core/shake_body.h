@@ -25,12 +25,13 @@ struct ShakeScratch {
   std::vector<double> saved_multipliers;
   PaddedRows D1;
   Eigen::VectorXd lambda, residual, correction, b, p;
+  Eigen::VectorXd lengths2, inverse_lengths2;       ///< of sticks that are being joined
   Eigen::VectorXd total;                            ///< impulses so far
   std::vector<Contact> contacts, touching, missed;  ///< near; touching at the step's end
   std::vector<LimitRow> limits, touching_limits;
   std::vector<int> contact_row, limit_row;  ///< first row of each in the Schur complement, or -1
   std::vector<std::uint8_t> forced_contacts, forced_limits;  ///< must be among the rows
-  Points free_dx;                           ///< before contacts and limits
+  Points free_dx;                                            ///< before contacts and limits
   Eigen::VectorXd free_lambda;
   std::vector<LimitRow::Softness> softness;  ///< of the limits
   std::vector<double> warm;                  ///< impulses at which the velocity stage starts

@@ -1,7 +1,8 @@
 // One body during one step of a direct method (shake.h). Private to the core. Its stages, a file
 // each: shake_motion.cpp (free motion), shake_contact.cpp (positions), shake_velocity.cpp
-// (velocities, bounces), shake_guard.cpp (step guard), shake_adapt.cpp (adaptive rk),
-// shake_energy.cpp (energy limiter).
+// (velocities, bounces), shake_guard.cpp (step guard), shake_implicit.cpp (its last resorts),
+// shake_adapt.cpp (adaptive rk), shake_energy.cpp (energy limiter), shake_join.cpp (sticks far from
+// their lengths).
 #pragma once
 
 #include <vector>
@@ -27,7 +28,9 @@ class ShakeStep {
   static constexpr double kTolerance = 1e-10;        ///< relative error of a stick's squared length
   static constexpr double kContactTolerance = 1e-6;  ///< [m]
   static constexpr double kTouching = 1e-5;          ///< [m]
+  static constexpr double kUnsettled = 5e-4;         ///< [m] a contact solution this bad is refused
   static constexpr int kMaxBounces = 4;              ///< in one step; later ones do not bounce
+  static constexpr int kMaxImpacts = 32;             ///< in one step that are located in time
 
   auto x() { return state_.x.middleCols(ragdoll_.first, n_); }
   auto v() { return state_.v.middleCols(ragdoll_.first, n_); }
@@ -45,18 +48,41 @@ class ShakeStep {
   // Step guard (shake_guard.cpp).
 
   /// Explicit steps are stable while h sqrt(Omega2) < 2, Omega2 the largest eigenvalue of the
-  /// tension's stiffness (docs/equations.md#guard): substeps keep it below kStable, a substep that
-  /// fails or whose tension outgrew it is done again at half, and what would take more than
-  /// kMaxSubsteps goes to one implicit step, which no tension can make unstable.
+  /// tension's stiffness (docs/equations.md#guard): substeps keep it below kStable; a substep that
+  /// fails, gains energy or whose tension outgrew it is done again at half; what would take more
+  /// than kMaxSubsteps goes to implicit steps, halved where they fail; what fails even at the
+  /// smallest moves as a rigid body until it touches something, which cannot fail.
   void guard(double h);
+  double explicitStep(double h, int taken);
   /// Omega2 [1/s^2], a bound: largest row sum of |G| |2 m|, m the multipliers of the last motion.
   double stiffness();
   void save();
   void restore();
-  /// Backward Euler: the free motion, then Newton along the NEW stick directions. First order and
-  /// dissipative; finite whatever the tension.
+
+  // Last resorts (shake_implicit.cpp).
+
+  /// Backward Euler with contacts and limits: first order, dissipative, for any tension.
   double implicitStep(double h);
+  /// dx and multipliers of a backward Euler step without contacts, by Newton's method with the
+  /// tension's stiffness in its matrix.
+  bool solveImplicit(double h);
+  /// Pushes dx out of obstacles and limits, along the NEW directions of sticks.
+  void pressImplicit(double h);
+  /// Newton along the new directions until every stick has its length.
   bool relaxAlongNew();
+  /// What the body would do with its joints frozen, as far as the first touch; then it stands.
+  double rigidStep(double h);
+
+  // Joining (shake_join.cpp).
+
+  /// Draws sticks that are far from their lengths towards them, positions alone: speeds do not
+  /// rise. In this step they then keep the lengths that they have.
+  void join(double h);
+  double stickError();
+  double lengthNow2(int stick) const;
+  /// Gives collapsed sticks a direction, that of the rest pose.
+  void spreadCollapsed();
+  void relaxInTurn();
 
   // Adaptive rk (shake_adapt.cpp).
 
@@ -67,9 +93,14 @@ class ShakeStep {
   // Energy limiter (shake_energy.cpp).
 
   double kineticEnergy();
-  /// [J] by how much a motion with contact gained more than gravity, pokes, soft limits and moving
-  /// things gave it: an error of the contact solution, since contact only takes. 0 where nothing
-  /// pressed.
+  /// [m/s] of what moves the body from outside: pins, obstacles that touch it.
+  double driveSpeed() const;
+  /// [J] by how much the present substep gained more than gravity, pokes, soft limits and what
+  /// drives it at
+  /// `drive` [m/s] can have given it.
+  double gainedEnergy(double drive);
+  /// [J] the same for explicit steps: an error of the contact solution, since contact only takes.
+  /// 0 where nothing pressed.
   double energyRise();
   /// [J] that soft limits gave to the motion: less than at its start is stored in them.
   double releasedEnergy();
@@ -79,8 +110,9 @@ class ShakeStep {
 
   // Motion (shake_motion.cpp).
 
-  /// Moves the body by `h` or to its first bounce, whichever comes first; returns the time it took.
-  double advance(double h, bool may_bounce);
+  /// Moves the body by `h` or to its first impact, whichever comes first; returns the time it took.
+  /// taken: substeps before this one.
+  double advance(double h, int taken);
   /// As advance, by Dormand-Prince 5 where nothing touches.
   double advanceSmooth(double h, int taken);
   /// dx and velocities (scratch_.v1) over h by Dormand-Prince 5; whether nothing touches.
@@ -133,9 +165,10 @@ class ShakeStep {
   void pushVelocities(StickSolver& sticks, bool impact, double h = 0);
   /// [m/s] approach above which a contact bounces: slower is rest.
   double bounceSpeed(const Contact& c) const;
-  bool bounces(const Contact& c, double h) const;
-  /// Time of the earliest bounce within h (gap falling as a parabola), or h.
-  double firstBounce(double h) const;
+  /// Whether the contact has to be located in time: it bounces, or would go deep.
+  bool isImpact(const Contact& c, double h, bool may_bounce) const;
+  /// Time of the earliest impact within h (gap falling as a parabola), or h.
+  double firstImpact(double h, bool may_bounce) const;
   /// Newton's impact law at the present pose for the contacts that touch.
   void bounce();
 
@@ -150,10 +183,15 @@ class ShakeStep {
   const StickRows& rows_;
   ShakeBody& body_;
   const int n_;
-  double step_ = 0;       ///< [s] the whole step
-  bool failed_ = false;   ///< the present substep
-  bool driven_ = false;   ///< something moves that gives energy: obstacles, pins
-  bool limited_ = false;  ///< energy was taken out
+  double step_ = 0;                ///< [s] the whole step
+  double overlap_ = 0;             ///< [m] with obstacles, at the start of the present substep
+  double pin_speed_ = 0;           ///< [m/s] of pins that move
+  double tolerance_ = kTolerance;  ///< the same where positions are so far out that it is rounding
+  const double* inverse_length2_;  ///< [1/m^2] likewise
+  const double* length2_;          ///< [m^2] of the sticks in this step; rows_.width
+  bool failed_ = false;            ///< the present substep
+  bool driven_ = false;            ///< something moves that gives energy: obstacles, pins
+  bool limited_ = false;           ///< energy was taken out
 };
 
 }  // namespace ragdoll

@@ -17,6 +17,8 @@ struct StepReport {
   int guarded = 0;     ///< ragdolls for which the step guard changed the method or the step
   int limited = 0;     ///< ragdolls whose energy was limited after a contact
   int implicit = 0;    ///< implicit steps that the guard took in place of explicit ones
+  int rigid = 0;       ///< motions with the joints frozen, where even implicit steps failed
+  int joining = 0;     ///< ragdolls whose sticks were drawn towards their lengths from far
   int unresolved = 0;  ///< ragdolls whose constraints did not converge
 };
 

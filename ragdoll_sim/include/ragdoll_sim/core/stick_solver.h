@@ -16,15 +16,16 @@ namespace ragdoll {
 struct StickRows {
   explicit StickRows(const DirectSystem& system);
 
-  int n, s;                 ///< particles, sticks
-  int width;                ///< padded s
-  int columns;              ///< padded n
-  PaddedRows BT;            ///< n x width
-  PaddedRows G;             ///< s x width
-  PaddedRows BW;            ///< s x columns
-  PaddedRows absolute_G;    ///< s x width
-  Eigen::VectorXd length2;  ///< [m^2] width, zero beyond the last stick
+  int n, s;                         ///< particles, sticks
+  int width;                        ///< padded s
+  int columns;                      ///< padded n
+  PaddedRows BT;                    ///< n x width
+  PaddedRows G;                     ///< s x width
+  PaddedRows BW;                    ///< s x columns
+  PaddedRows absolute_G;            ///< s x width
+  Eigen::VectorXd length2;          ///< [m^2] width, zero beyond the last stick
   Eigen::VectorXd inverse_length2;  ///< [1/m^2] likewise
+  double scale = 1;  ///< mean length of sticks by that of a human, at most 1: of tolerances
 };
 
 /// The sticks of one body at one pose.

@@ -25,9 +25,10 @@ namespace ragdoll {
 /// What the simulation has done so far; differences of two give rates.
 struct Progress {
   std::uint64_t steps = 0;
-  double simulated = 0;                                    ///< [s] never goes back
-  double stepping = 0;                                     ///< [s] wall time spent in steps
-  std::uint64_t guarded = 0, limited = 0, unresolved = 0;  ///< as in StepReport, ragdolls in turn
+  double simulated = 0;  ///< [s] never goes back
+  double stepping = 0;   ///< [s] wall time spent in steps
+  std::uint64_t guarded = 0, implicit = 0, rigid = 0, joining = 0, limited = 0,
+                unresolved = 0;  ///< as in StepReport, ragdolls in turn
 };
 
 /// One moment of the world, copied for other threads.

@@ -1,0 +1,209 @@
+// The step guard's last resorts: an implicit step, and below it a rigid one.
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "ragdoll_sim/core/joint_damping.h"
+#include "ragdoll_sim/core/shake_step.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr int kMaxIterations = 40;     ///< of Newton
+constexpr int kMaxRelaxations = 60;    ///< Newton iterations of the projection on sticks alone
+constexpr double kLargestShare = 0.5;  ///< of a stick's length: how far an iteration moves its ends
+constexpr double kBalance = 1e-9;      ///< of the longest stick: positions against multipliers
+constexpr double kProgress = 0.8;      ///< of the last round's violation: more is no progress
+constexpr int kMaxRounds = 12;         ///< of contacts and sticks in turn
+constexpr double kLargestTurn = 1;     ///< [rad] of a rigid motion; faster spin is lost
+constexpr double kRounding = 1e-9;     ///< of the energy: less is no rise
+constexpr int kMaxShortenings = 30;    ///< of a rigid motion that touches
+constexpr double kTouchDepth = 1e-7;   ///< [m] a rigid motion may end in an obstacle by that
+
+}  // namespace
+
+double ShakeStep::implicitStep(double h) {
+  ++report_.implicit;
+  scratch_.total.resize(0);
+  scratch_.presses.clear();
+  if (!solveImplicit(h)) {
+    failed_ = true;
+    return 0;
+  }
+  findConstraints(h);
+  pressImplicit(h);
+  if (failed_) return 0;
+  finish(h, false);
+  if (!v().allFinite() || !x().allFinite()) {
+    failed_ = true;
+    return 0;
+  }
+  const double rise = gainedEnergy(driveSpeed());
+  if (rise > 0) limitEnergy(rise);
+  for (int s = 0; s < rows_.s; ++s)
+    multipliers()[s] = multipliers()[s + rows_.s] = scratch_.lambda[s] / (h * h);
+  return h;
+}
+
+bool ShakeStep::solveImplicit(double h) {
+  const int s = rows_.s, n = n_;
+  const Eigen::MatrixXd &B = system_.B, &BW = system_.BW, &G = system_.G;
+  const Points free = h * v() + (h * h) * scratch_.acceleration;
+  const double longest =
+      std::sqrt(Eigen::Map<const Eigen::VectorXd>(length2_, rows_.width).maxCoeff());
+  Eigen::VectorXd lambda = Eigen::Map<const Eigen::VectorXd>(multipliers(), s) * (h * h);
+  if (!lambda.allFinite()) lambda.setZero();
+  Points dx = Points::Zero(3, n);
+  const Eigen::MatrixXd D0 = x() * B.transpose();
+  Eigen::MatrixXd D, DB, tangent(s, s), system, moved;
+  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+    D = D0 + dx * B.transpose();
+    const Points unbalanced = dx - free - D * lambda.asDiagonal() * BW;
+    Eigen::VectorXd stretch(s);
+    double worst = 0;
+    for (int k = 0; k < s; ++k) {
+      stretch[k] = 0.5 * (D.col(k).squaredNorm() - length2_[k]);
+      worst = std::max(worst, 2 * std::abs(stretch[k]) / length2_[k]);
+    }
+    if (!std::isfinite(worst) || !unbalanced.allFinite()) return false;
+    if (worst < kTolerance && unbalanced.cwiseAbs().maxCoeff() <
+                                  kBalance * longest + 1e-12 * free.cwiseAbs().maxCoeff()) {
+      scratch_.dx = dx;
+      scratch_.lambda.setZero(rows_.width);
+      scratch_.lambda.head(s) = lambda;
+      return true;
+    }
+    // Only tension stiffens; compression would soften and may leave the tangent indefinite.
+    tangent.setIdentity();
+    tangent.noalias() -= G * lambda.cwiseMin(0.0).asDiagonal();
+    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(tangent);
+    moved = lu.solve(BW);
+    DB = unbalanced * B.transpose();
+    const Eigen::MatrixXd pulled = lu.solve(DB.transpose()).transpose();  // DB (I - Lambda G)^-1
+    system = lu.solve(G).cwiseProduct(D.transpose() * D);
+    Eigen::VectorXd change(s);
+    for (int k = 0; k < s; ++k) change[k] = -stretch[k] + D.col(k).dot(pulled.col(k));
+    change = system.partialPivLu().solve(change);
+    const Points step = -unbalanced - DB * lambda.cwiseMin(0.0).asDiagonal() * moved +
+                        D * change.asDiagonal() * moved;
+    double share = 1;
+    const Eigen::MatrixXd turn = step * B.transpose();
+    for (int k = 0; k < s; ++k)
+      share = std::min(
+          share, kLargestShare * std::sqrt(length2_[k]) / std::max(1e-300, turn.col(k).norm()));
+    if (!(share > 1e-12)) return false;
+    dx += share * step;
+    lambda += share * change;
+  }
+  return false;
+}
+
+void ShakeStep::pressImplicit(double h) {
+  if (scratch_.contacts.empty() && scratch_.limits.empty()) return;
+  Schur& schur = scratch_.schur;
+  scratch_.forced_contacts.assign(scratch_.contacts.size(), 1);
+  scratch_.forced_limits.assign(scratch_.limits.size(), 1);
+  gather(h, false);
+  scratch_.total.setZero(schur.size());
+  double violation = worstViolation();
+  bool done = violation < kContactTolerance;
+  for (int round = 0; round < kMaxRounds && !done; ++round) {
+    gather(h, false);
+    body_.end.setPose(rows_, ws_.x1.data() + 3 * ragdoll_.first);
+    schur.assemble(rows_, body_.end, system_.W);
+    fillGaps(h);
+    scratch_.p = scratch_.total;
+    scratch_.b -= schur.matrix() * scratch_.total;
+    schur.solve(scratch_.b, scratch_.p);
+    const Eigen::VectorXd change = scratch_.p - scratch_.total;
+    scratch_.total = scratch_.p;
+    schur.move(rows_, body_.end, system_.W, change, scratch_.dx.data());
+    if (!relaxAlongNew()) {
+      failed_ = true;
+      return;
+    }
+    const double now = worstViolation();
+    done = now < kContactTolerance;
+    if (!done && round > 1 && now > kProgress * violation) break;
+    violation = now;
+  }
+  failed_ = worstViolation() > kUnsettled || findMissed();
+  if (!failed_) remember(h);
+}
+
+bool ShakeStep::relaxAlongNew() {
+  for (int iteration = 0; iteration < kMaxRelaxations; ++iteration) {
+    ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+    body_.end.setPose(rows_, ws_.x1.data() + 3 * ragdoll_.first);
+    const Eigen::Map<const PaddedRows> D(body_.end.D(), 3, rows_.width);
+    double worst = 0;
+    scratch_.residual.setZero(rows_.width);
+    for (int s = 0; s < rows_.s; ++s) {
+      // (L / |d| - 1) |d|^2: the length itself, not its square, so that far sticks come in
+      // evenly.
+      const double q = std::max(D.col(s).squaredNorm(), kMinLength * kMinLength);
+      scratch_.residual[s] = std::sqrt(length2_[s] * q) - q;
+      worst = std::max(worst, std::abs(length2_[s] - q) / length2_[s]);
+    }
+    if (worst < tolerance_) return true;
+    if (!std::isfinite(worst)) return false;
+    body_.end.solve(rows_, scratch_.residual.data());
+    scratch_.lambda += scratch_.residual;
+    body_.end.move(rows_, scratch_.residual.data(), 1, scratch_.dx.data());
+  }
+  return false;
+}
+
+double ShakeStep::rigidStep(double h) {
+  ++report_.rigid;
+  const std::vector<int>& pins = model_.systemOf(ragdoll_).pins;
+  const Points start = x(), v0 = v();
+  Points carried = Points::Zero(3, n_);  // by several pins, which need not move rigidly
+  if (pins.size() > 1)
+    for (std::size_t p = 0; p < pins.size(); ++p)
+      carried += v0.col(pins[p]) * system_.pin_motion.row(p);
+  RigidMotion motion;
+  double t = h;
+  for (int i = 0; i < kMaxShortenings; ++i, t *= 0.5) {
+    if (i + 1 == kMaxShortenings) t = 0;
+    motion =
+        rigidMotion(model_.skeletonOf(ragdoll_).M, pins, start, v0 + t * scratch_.acceleration);
+    if (pins.size() > 1) motion.drift.setZero();
+    const double angle = motion.spin.norm() * t;
+    if (angle > kLargestTurn) motion.spin *= kLargestTurn / angle;
+    scratch_.dx = t * carried;
+    if (angle > 0) {
+      const Eigen::AngleAxisd turn(std::min(angle, kLargestTurn), motion.spin.normalized());
+      scratch_.dx += (turn.toRotationMatrix() - Eigen::Matrix3d::Identity()) *
+                     (start.colwise() - motion.centre);
+    }
+    scratch_.dx.colwise() += t * motion.drift;
+    if (!scratch_.dx.allFinite()) continue;
+    findConstraints(h);
+    double deepest = 0;
+    for (const Contact& c : scratch_.contacts)
+      deepest = std::max(deepest, std::min(0.0, c.gap_start) - gapAt(c, scratch_.dx.data()));
+    if (deepest < kTouchDepth) break;
+  }
+  if (!scratch_.dx.allFinite()) scratch_.dx.setZero();
+  scratch_.total.resize(0);
+  scratch_.presses.clear();
+  std::fill(multipliers(), multipliers() + 2 * rows_.s, 0.0);
+  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  restrictToTouching(0);
+  x() += scratch_.dx;
+  motion.centre += t * motion.drift;
+  for (int i = 0; i < n_; ++i) v().col(i) = motion.velocityAt(x().col(i)) + carried.col(i);
+  body_.end.setPose(rows_, xData());
+  body_.end.projectVelocities(rows_, vData());
+  pushVelocities(body_.end, false);
+  std::swap(body_.start, body_.end);
+  const bool touches = !pins.empty() || !scratch_.touching.empty();
+  if (!v().allFinite() || (touches && gainedEnergy(0) > kRounding * kineticEnergy())) {
+    limited_ = true;
+    v().setZero();
+  }
+  return h;
+}
+
+}  // namespace ragdoll

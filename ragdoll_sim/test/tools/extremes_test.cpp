@@ -1,0 +1,115 @@
+// The stability matrix in short: what the default method must keep at the extremes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "extreme_scenes.h"
+#include "extreme_verdict.h"
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/core/solver_presets.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/worlds.h"
+
+namespace ragdoll::lab {
+namespace {
+
+std::string textOf(const Verdict& verdict) {
+  std::string text;
+  for (const std::string& law : verdict.broken) text += law + "; ";
+  return text;
+}
+
+/// Every quick test of these groups keeps its laws by the default method.
+void expectKept(const std::vector<std::string>& groups) {
+  const std::vector<ExtremeMethod> methods = extremeMethods();
+  const auto method = std::find_if(methods.begin(), methods.end(),
+                                   [](const ExtremeMethod& m) { return m.is_default; });
+  ASSERT_NE(method, methods.end());
+  int tested = 0;
+  for (const Extreme& extreme : extremeTests(true)) {
+    if (std::find(groups.begin(), groups.end(), extreme.group) == groups.end()) continue;
+    const Verdict verdict = judge(extreme, *method);
+    tested += verdict.tested;
+    EXPECT_TRUE(verdict.kept()) << extreme.group << ": " << extreme.name << ": " << textOf(verdict);
+  }
+  EXPECT_GT(tested, 0);
+}
+
+TEST(Extremes, StepsFromTenMicrosecondsToHalfASecond) { expectKept({"step"}); }
+TEST(Extremes, MassRatiosUpToAMillion) { expectKept({"mass ratio"}); }
+TEST(Extremes, ForcesUpToTeranewtons) { expectKept({"force for one step"}); }
+TEST(Extremes, DropsUpToAKilometrePerSecond) { expectKept({"drop"}); }
+TEST(Extremes, Gravities) { expectKept({"gravity"}); }
+TEST(Extremes, ParticlesPlacedApartOrTogether) { expectKept({"placed apart"}); }
+TEST(Extremes, FlatAndSymmetricBodies) { expectKept({"flat and symmetric"}); }
+TEST(Extremes, SizesAndMasses) { expectKept({"size", "mass"}); }
+TEST(Extremes, FarFromTheOrigin) { expectKept({"1e6 m from the origin"}); }
+TEST(Extremes, AMinuteOfRestAndOfTumbling) { expectKept({"long"}); }
+TEST(Extremes, Wedges) { expectKept({"wedge of two planes"}); }
+TEST(Extremes, ClosingWalls) { expectKept({"closing walls"}); }
+
+TEST(Extremes, RandomScenes) {
+  const ExtremeMethod method{"shake", preset("balanced"), true};
+  for (std::uint32_t seed = 0; seed < 40; ++seed) {
+    const Verdict verdict = judge(randomExtreme(seed), method);
+    EXPECT_TRUE(verdict.kept()) << "seed " << seed << ": " << textOf(verdict);
+  }
+}
+
+TEST(Extremes, AHugeForceGivesItsImpulseAndNoMore) {
+  constexpr double kForce = 1e9;
+  Scene scene = humanScene("position: [0, 0, 0]",
+                           "gravity: [0, 0, 0]\npokes: [{at: 0, body: right_hand, force: [0, 1e9, "
+                           "0]}]\n");
+  test::World world(scene);
+  world.steps(60);
+  const Vec3 expected(0, kForce * world.model.solver.step, 0);
+  EXPECT_LT((momentum(world.model, world.state) - expected).norm() / expected.norm(), 1e-6);
+  EXPECT_LT(maxStickError(world.model, world.state), 1e-6);
+}
+
+TEST(Extremes, JoiningMovesNeitherTheCentreOfMassNorAnythingFast) {
+  test::World world(humanScene("position: [0, 0, 0], place: {right_hand: [-0.01, -1.346, -0.15]}",
+                               "gravity: [0, 0, 0]\n"));
+  const Vec3 centre = centreOfMass(world.model, world.state, 0);
+  EXPECT_GT(world.steps(1).joining, 0);
+  EXPECT_GT(maxStickError(world.model, world.state), 1);  // drawn in, not snapped
+  double fastest = 0;
+  for (int i = 0; i < 120; ++i) {
+    world.steps(1);
+    fastest = std::max(fastest, world.state.v.colwise().norm().maxCoeff());
+  }
+  EXPECT_LT(maxStickError(world.model, world.state), 1e-6);
+  EXPECT_LT((centreOfMass(world.model, world.state, 0) - centre).norm(), 1e-6);
+  EXPECT_LT(momentum(world.model, world.state).norm(), 1e-6);
+  EXPECT_LT(fastest, 5);  // the elbow opens out of its limit
+  EXPECT_EQ(world.steps(1).joining, 0);
+}
+
+TEST(Extremes, BodiesThatFallOntoEachOtherGainNoEnergyAtAnyStep) {
+  for (const double rate : {30.0, 60.0, 120.0}) {
+    Scene scene = loadScene("two");
+    scene.solver.step = 1 / rate;
+    const Model model = buildModel(scene);
+    WatchedRun run(model);
+    while (run.time() < 4) run.step();
+    const Summary summary = run.summary();
+    EXPECT_TRUE(summary.finite);
+    EXPECT_LT(summary.max_energy_rise, 1e-3) << rate << " Hz";
+    EXPECT_LT(summary.max_stick_error, 1e-3) << rate << " Hz";
+  }
+}
+
+TEST(Extremes, TheGuardSaysWhatItDid) {
+  Scene chain = chainScene({1, 1, 1, 1e6}, 0.3, 1.2);
+  chain.solver = preset("balanced");
+  test::World heavy(chain);
+  EXPECT_GT(heavy.steps(30).implicit, 0);
+  test::World plain(humanScene("position: [0, 0, 3]", ""));
+  const StepReport report = plain.steps(30);
+  EXPECT_EQ(report.guarded + report.implicit + report.rigid + report.joining, 0);
+}
+
+}  // namespace
+}  // namespace ragdoll::lab
