@@ -34,6 +34,7 @@ struct Extreme {
   double step = 0;          ///< [s]; 0: the method's own
   int sweeps = 0;           ///< 0: the method's own; else only jakobsen is tested
   bool sleep = true;
+  bool only_default = false;  ///< too long for the other methods
   Laws laws;
   /// Obstacles that move: their poses at `time` [s]; empty: none does.
   std::function<void(double time, std::vector<Pose>& obstacles)> drive;

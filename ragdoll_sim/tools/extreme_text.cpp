@@ -44,8 +44,7 @@ std::string guardText(const GuardCounts& guard) {
   if (guard.max_substeps > 1) text += format(", %d substeps", guard.max_substeps);
   if (guard.implicit > 0)
     text += format(", %llu implicit", static_cast<unsigned long long>(guard.implicit));
-  if (guard.rigid > 0)
-    text += format(", %llu rigid", static_cast<unsigned long long>(guard.rigid));
+  if (guard.rigid > 0) text += format(", %llu rigid", static_cast<unsigned long long>(guard.rigid));
   if (guard.joining > 0)
     text += format(", %llu joining", static_cast<unsigned long long>(guard.joining));
   if (guard.limited > 0)

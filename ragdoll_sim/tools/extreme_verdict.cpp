@@ -99,7 +99,8 @@ std::vector<ExtremeMethod> extremeMethods() {
 
 Verdict judge(const Extreme& extreme, const ExtremeMethod& method) {
   Verdict verdict;
-  if (extreme.sweeps > 0 && method.solver.method != Method::kJakobsen) {
+  if ((extreme.sweeps > 0 && method.solver.method != Method::kJakobsen) ||
+      (extreme.only_default && !method.is_default)) {
     verdict.tested = false;
     return verdict;
   }

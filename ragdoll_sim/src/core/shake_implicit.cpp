@@ -49,6 +49,11 @@ bool ShakeStep::solveImplicit(double h) {
   const int s = rows_.s, n = n_;
   const Eigen::MatrixXd &B = system_.B, &BW = system_.BW, &G = system_.G;
   const Points free = h * v() + (h * h) * scratch_.acceleration;
+  if (s == 0) {
+    scratch_.dx = free;
+    scratch_.lambda.setZero(rows_.width);
+    return free.allFinite();
+  }
   const double longest =
       std::sqrt(Eigen::Map<const Eigen::VectorXd>(length2_, rows_.width).maxCoeff());
   Eigen::VectorXd lambda = Eigen::Map<const Eigen::VectorXd>(multipliers(), s) * (h * h);
@@ -198,6 +203,7 @@ double ShakeStep::rigidStep(double h) {
   body_.end.projectVelocities(rows_, vData());
   pushVelocities(body_.end, false);
   std::swap(body_.start, body_.end);
+  report_.unresolved += !v().allFinite();
   const bool touches = !pins.empty() || !scratch_.touching.empty();
   if (!v().allFinite() || (touches && gainedEnergy(0) > kRounding * kineticEnergy())) {
     limited_ = true;

@@ -138,7 +138,7 @@ TEST_F(LabRun, WorkIsForceTimesWay) {
 
 TEST_F(LabRun, LeavingTheFiniteNumbersIsStatusOne) {
   std::ofstream(folder / "dot.yaml")
-      << "gravity: [0, 0, -1e308]\nragdolls: [{model: {particles: {p: "
+      << "gravity: [0, 0, -1e308]\nsolver: {preset: thesis}\nragdolls: [{model: {particles: {p: "
          "{position: [0, 0, 0], mass: 2}}}}]\n";
   const Outcome outcome = lab("run " + (folder / "dot.yaml").string() + " --seconds 10 --summary");
   EXPECT_EQ(outcome.status, 1);

@@ -101,6 +101,14 @@ TEST(Extremes, BodiesThatFallOntoEachOtherGainNoEnergyAtAnyStep) {
   }
 }
 
+TEST(Extremes, NumbersThatOverflowLeaveTheBodyWhereItWas) {
+  test::World world(humanScene("position: [0, 0, 0]", "gravity: [0, 0, -1e308]\n"));
+  int unresolved = 0;
+  for (int i = 0; i < 10; ++i) unresolved += world.steps(1).unresolved;
+  EXPECT_GT(unresolved, 0);
+  EXPECT_TRUE(world.state.x.allFinite() && world.state.v.allFinite());
+}
+
 TEST(Extremes, TheGuardSaysWhatItDid) {
   Scene chain = chainScene({1, 1, 1, 1e6}, 0.3, 1.2);
   chain.solver = preset("balanced");
