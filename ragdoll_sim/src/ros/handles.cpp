@@ -4,7 +4,6 @@
 #include <visualization_msgs/InteractiveMarkerUpdate.h>
 
 #include <algorithm>
-#include <set>
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/ros/convert.h"
@@ -20,37 +19,50 @@ using visualization_msgs::Marker;
 
 constexpr milliseconds kPeriod{66};     ///< between two updates of the handles
 constexpr milliseconds kSilence{1000};  ///< rviz is heard of four times a second while it holds one
-constexpr std::size_t kMaxHandles = 300;  ///< bodies beyond have none
+constexpr std::size_t kManyHandles = 60;  ///< more than this are thinned out
+constexpr std::size_t kMaxHandles = 100;  ///< more than this rviz draws slowly
 constexpr double kSize = 1.15;            ///< of a handle, in sizes of its particle
 constexpr double kMinRadius = 0.065;      ///< [m] of a handle
 constexpr double kWarnPeriod = 1;         ///< [s] bad feedback is reported this often
 const Rgba kColor{1.0f, 0.72f, 0.25f, 0.14f};
 
-/// The ends of bones; all particles of a body without bones.
-std::vector<int> mainParticles(const Skeleton& skeleton) {
-  std::vector<bool> end(skeleton.named, false);
-  for (const Segment& s : skeleton.segments)
-    if (!s.group)
-      for (const int p : s.particles) end[p] = true;
-  const bool none = std::find(end.begin(), end.end(), true) == end.end();
+/// The ends of bones, or only those from which no other bone goes on; all particles of a body
+/// without bones.
+std::vector<int> mainParticles(const Skeleton& skeleton, bool only_tips) {
+  std::vector<bool> from(skeleton.named, false), to(skeleton.named, false);
+  for (const Segment& s : skeleton.segments) {
+    if (s.group || s.particles.size() != 2) continue;
+    from[s.particles[0]] = true;
+    to[s.particles[1]] = true;
+  }
+  const bool none = std::find(to.begin(), to.end(), true) == to.end();
   std::vector<int> particles;
   for (int p = 0; p < skeleton.named; ++p)
-    if (none || end[p]) particles.push_back(p);
+    if (none || (only_tips ? to[p] && !from[p] : to[p] || from[p])) particles.push_back(p);
   return particles;
 }
 
-std::vector<Handle> handlesOf(const Model& model) {
+std::vector<Handle> handlesOf(const Model& model, bool only_tips) {
   std::vector<Handle> handles;
   for (const Ragdoll& r : model.ragdolls) {
     const Skeleton& skeleton = model.skeletonOf(r);
-    const std::vector<int> particles = mainParticles(skeleton);
-    if (handles.size() + particles.size() > kMaxHandles) {
-      ROS_INFO("no handles from ragdoll %s on: there are %zu", r.name.c_str(), handles.size());
-      break;
-    }
-    for (const int p : particles)
-      handles.push_back({r.name + "/" + skeleton.particles[p], r.first + p,
-                         std::max(kMinRadius, kSize * skeleton.radius[p])});
+    for (const int p : mainParticles(skeleton, only_tips))
+      handles.push_back({r.name + "/" + skeleton.particles[p],
+                         r.first + p,
+                         std::max(kMinRadius, kSize * skeleton.radius[p]),
+                         {}});
+  }
+  return handles;
+}
+
+/// As many as rviz draws with ease: of many bodies only the tips of the limbs, of very many the
+/// first.
+std::vector<Handle> handlesOf(const Model& model) {
+  std::vector<Handle> handles = handlesOf(model, false);
+  if (handles.size() > kManyHandles) handles = handlesOf(model, true);
+  if (handles.size() > kMaxHandles) {
+    ROS_INFO("no handles from %s on", handles[kMaxHandles].name.c_str());
+    handles.resize(kMaxHandles);
   }
   return handles;
 }
@@ -129,6 +141,7 @@ void Handles::hold(const Feedback& message) {
     world.pull(message.marker_name, pose.position + pose.orientation * point);
   });
   grips_[message.marker_name] = Simulation::Clock::now();
+  touched_.insert(message.marker_name);
 }
 
 void Handles::run() {
@@ -163,26 +176,30 @@ void Handles::follow() {
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const Model> model;
   Points x;
-  std::uint64_t revision = 0;
   simulation_.call([&](World& world) {
     scene = world.scene();
     model = world.model();
     x = world.state().x;
-    revision = world.revision();
   });
-  if (scene != scene_) rebuild(*model, x);
-  if (revision == revision_ && scene == scene_) return;
+  bool moved = scene != scene_;
+  if (moved) rebuild(*model, x);
   scene_ = scene;
-  revision_ = revision;
   // The server is not called under the lock: it holds one of its own around feedback().
-  std::set<std::string> held;
+  std::set<std::string> held, touched;
   {
     std::lock_guard<std::mutex> lock(mutex_);
     for (const auto& grip : grips_) held.insert(grip.first);
+    touched.swap(touched_);
   }
-  for (const Handle& handle : handles_)
-    if (held.count(handle.name) == 0) server_.setPose(handle.name, poseAt(x.col(handle.particle)));
-  server_.applyChanges();
+  for (Handle& handle : handles_) {
+    const Vec3 at = x.col(handle.particle);
+    if (touched.count(handle.name) > 0) handle.shown.reset();  // it is where the mouse has put it
+    if (held.count(handle.name) > 0 || handle.shown == at) continue;
+    server_.setPose(handle.name, poseAt(at));
+    handle.shown = at;
+    moved = true;
+  }
+  if (moved) server_.applyChanges();
 }
 
 void Handles::rebuild(const Model& model, const Points& x) {

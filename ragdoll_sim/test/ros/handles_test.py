@@ -264,8 +264,20 @@ class HandlesTest(unittest.TestCase):
             p = poses[-1].pose.position if poses else Point()
             return max(abs(a - b) for a, b in zip((p.x, p.y, p.z), expected)) < 1e-12
         wait_for(there, "the head's handle")
+        # One that is let go returns to the body, although nothing moves while paused.
+        seen = len(self.updates.all())
+        self.mouse.drag('ragdoll/head', [c + 1 for c in expected])
+        self.mouse.let_go('ragdoll/head', expected)
+        wait_for(lambda: there() and any(p.name == 'ragdoll/head' for u in self.updates.all()[seen:]
+                                         for p in u.poses), 'the handle back at the head')
+        # Two bodies have all of theirs, many have the tips of their limbs.
         self.assertTrue(self.load(path='two').success)
-        wait_for(lambda: 'anna/head' in self.handles(), "the other scene's handles")
+        wait_for(lambda: 'anna/left_knee' in self.handles(), "the other scene's handles")
+        self.assertEqual(len(self.handles()), 2 * len(names))
+        self.assertTrue(self.load(path='crowd').success)
+        wait_for(lambda: 'crowd_19/head' in self.handles(), "the crowd's handles")
+        self.assertEqual({h.split('/')[1] for h in self.handles()},
+                         {'head', 'left_hand', 'right_hand', 'left_foot', 'right_foot'})
 
 
 if __name__ == '__main__':

@@ -12,6 +12,8 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <vector>
@@ -22,9 +24,10 @@
 namespace ragdoll {
 
 struct Handle {
-  std::string name;   ///< "ragdoll/left_hand"
-  int particle = 0;   ///< of the state
-  double radius = 0;  ///< [m]
+  std::string name;           ///< "ragdoll/left_hand"
+  int particle = 0;           ///< of the state
+  double radius = 0;          ///< [m]
+  std::optional<Vec3> shown;  ///< [m] where listeners were told that it is
 
   bool operator==(const Handle& o) const {
     return name == o.name && particle == o.particle && radius == o.radius;
@@ -52,11 +55,11 @@ class Handles {
   interactive_markers::InteractiveMarkerServer server_;
   std::shared_ptr<const Scene> scene_;
   std::vector<Handle> handles_;
-  std::uint64_t revision_ = 0;  ///< of the world that the handles show
 
   std::mutex mutex_;
   std::condition_variable wake_;
   std::map<std::string, Simulation::Clock::time_point> grips_;  ///< held handles: last heard of
+  std::set<std::string> touched_;  ///< handles that were moved since follow() looked
   bool stopping_ = false;
   std::thread thread_;  // last
 };
