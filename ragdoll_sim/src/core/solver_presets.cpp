@@ -18,10 +18,10 @@ struct Preset {
 // method.
 constexpr Preset kPresets[] = {
     {"thesis", Method::kJakobsen, Integrator::kVerlet, 1.0 / 60, 10, "20 mm"},
-    {"draft", Method::kShake, Integrator::kVerlet, 1.0 / 60, 10, "5 mm"},
-    {"balanced", Method::kShake, Integrator::kVerlet, 1.0 / 120, 10, "4 mm"},
-    {"precise", Method::kShake, Integrator::kVerlet, 1.0 / 500, 10, "1.5 mm"},
-    {"reference", Method::kRk, Integrator::kVerlet, 1.0 / 1000, 10, "1 mm"},
+    {"draft", Method::kShake, Integrator::kVerlet, 1.0 / 60, 10, "10 mm"},
+    {"balanced", Method::kShake, Integrator::kVerlet, 1.0 / 120, 10, "8 mm"},
+    {"precise", Method::kShake, Integrator::kVerlet, 1.0 / 500, 10, "6 mm"},
+    {"reference", Method::kRk, Integrator::kVerlet, 1.0 / 1000, 10, "6 mm"},
 };
 
 }  // namespace
@@ -38,6 +38,7 @@ const std::vector<std::string>& presetNames() {
 std::string errorClass(const SolverSpec& solver) {
   for (const Preset& p : kPresets)
     if (solver.preset == p.name && solver.method == p.method && solver.step == p.step &&
+        (p.method != Method::kRk || solver.tolerance == SolverSpec().tolerance) &&
         (p.method != Method::kJakobsen ||
          (solver.integrator == p.integrator && solver.sweeps == p.sweeps)))
       return p.error;
