@@ -115,11 +115,11 @@ bool ShakeStep::forceViolated() {
 }
 
 bool ShakeStep::findMissed() {
-  if (ws_.obstacles.empty()) return false;
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  bool any = findMissedLimits();
+  if (ws_.obstacles.empty()) return any;
   scratch_.missed.clear();
   appendContacts(model_, ws_.obstacles, state_.x, ws_.x1, index_, 0, scratch_.missed);
-  bool any = false;
   for (Contact& c : scratch_.missed) {
     if (c.gap_start < 0) c.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * step_);
     if (gapAt(c, scratch_.dx.data()) >= -kMissed) continue;
@@ -128,6 +128,21 @@ bool ShakeStep::findMissed() {
     any = true;
   }
   return any;
+}
+
+bool ShakeStep::findMissedLimits() {
+  scratch_.missed_limits.clear();
+  appendLimits(model_, ws_.x1, state_, index_, -kMissed / kLever, scratch_.missed_limits);
+  const std::size_t known = scratch_.limits.size();
+  for (const LimitRow& limit : scratch_.missed_limits) {
+    const auto same = [&](const LimitRow& l) { return l.limit == limit.limit; };
+    const auto end = scratch_.limits.begin() + static_cast<std::ptrdiff_t>(known);
+    if (limit.value >= -kMissed / kLever || std::any_of(scratch_.limits.begin(), end, same)) continue;
+    scratch_.limits.push_back(limit);
+    startLimit(model_, state_.x, scratch_.limits.back());
+    scratch_.forced_limits.push_back(1);
+  }
+  return scratch_.limits.size() > known;
 }
 
 void ShakeStep::pressFound(double h, bool leapfrog) {
@@ -175,6 +190,10 @@ void ShakeStep::press(double h, bool leapfrog) {
       failed_ = leapfrog;  // smaller steps meet fewer things at once
       if (failed_) scratch_.total.resize(0);
       break;
+    }
+    if (search + 2 == kMaxSearches) {  // the last one solves for all that is near
+      scratch_.forced_contacts.assign(scratch_.contacts.size(), 1);
+      scratch_.forced_limits.assign(scratch_.limits.size(), 1);
     }
     scratch_.dx = scratch_.free_dx;
     scratch_.lambda = scratch_.free_lambda;

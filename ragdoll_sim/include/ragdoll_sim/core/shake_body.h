@@ -28,7 +28,7 @@ struct ShakeScratch {
   Eigen::VectorXd lengths2, inverse_lengths2;       ///< of sticks that are being joined
   Eigen::VectorXd total;                            ///< impulses so far
   std::vector<Contact> contacts, touching, missed;  ///< near; touching at the step's end
-  std::vector<LimitRow> limits, touching_limits;
+  std::vector<LimitRow> limits, touching_limits, missed_limits;
   std::vector<int> contact_row, limit_row;  ///< first row of each in the Schur complement, or -1
   std::vector<std::uint8_t> forced_contacts, forced_limits;  ///< must be among the rows
   Points free_dx;                                            ///< before contacts and limits

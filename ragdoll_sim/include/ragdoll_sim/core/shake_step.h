@@ -136,6 +136,8 @@ class ShakeStep {
   bool forceViolated();
   /// Contacts that the body was pushed into by those it was free to meet; whether there are any.
   bool findMissed();
+  /// Likewise limits, at ws_.x1.
+  bool findMissedLimits();
   /// Solves for the constraints found.
   void pressFound(double h, bool leapfrog);
   /// Position stage: dx so that no contact and no limit is violated and every stick has its length.
