@@ -52,6 +52,11 @@ bool parse(CommandLine& line, const Words& words) { return parseWords(line, word
 
 Scene loadScene(const std::string& path, const Words& settings) {
   Scene scene = ragdoll::loadScene(path);
+  applySettings(scene, settings);
+  return scene;
+}
+
+void applySettings(Scene& scene, const Words& settings) {
   for (const std::string& setting : settings) {
     const std::size_t equals = setting.find('=');
     if (equals == std::string::npos) {
@@ -59,7 +64,6 @@ Scene loadScene(const std::string& path, const Words& settings) {
     }
     applySetting(scene, setting.substr(0, equals), setting.substr(equals + 1));
   }
-  return scene;
 }
 
 void dropLimits(Scene& scene) {

@@ -29,6 +29,9 @@ bool parse(CommandLine& line, const Words& words);
 /// The scene with the settings ("solver.step=0.001") that --set gave. Throws Error.
 Scene loadScene(const std::string& path, const Words& settings);
 
+/// The same for a scene that is there.
+void applySettings(Scene& scene, const Words& settings);
+
 /// Lets all joints turn freely.
 void dropLimits(Scene& scene);
 

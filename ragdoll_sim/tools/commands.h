@@ -14,6 +14,7 @@ enum ExitStatus {
 
 using Words = std::vector<std::string>;  ///< what the command line has after the subcommand
 
+int crowdCommand(const Words& words);
 int extremesCommand(const Words& words);
 int replayCommand(const Words& words);  ///< only where ROS is
 int runCommand(const Words& words);

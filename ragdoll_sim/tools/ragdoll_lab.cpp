@@ -19,6 +19,7 @@ constexpr Command kCommands[] = {
     {"run", "Step a scene as fast as possible", runCommand},
     {"trade", "Measure speed against accuracy on a scene", tradeCommand},
     {"tune", "Find the solver setting for an error or a cost", tuneCommand},
+    {"crowd", "Measure what many bodies cost", crowdCommand},
     {"extremes", "Run the stability matrix", extremesCommand},
 #ifdef RAGDOLL_WITH_ROS
     {"replay", "Simulate a recorded run again and compare it bit for bit", replayCommand},

@@ -27,7 +27,8 @@ double price(const Target& target, const Measurement& m) {
 }
 
 /// Best first: those that meet the target by price, then the others by how far they are off it.
-/// Within a family a longer step is the cheaper one: that is known better than times can be measured.
+/// Within a family a longer step is the cheaper one: that is known better than times can be
+/// measured.
 bool better(const Target& target, const Measurement& a, const Measurement& b) {
   if (meets(target, a) != meets(target, b)) return meets(target, a);
   if (meets(target, a)) {
@@ -120,9 +121,10 @@ Choice tune(const Model& model, const Target& target, const SurveyOptions& optio
     const auto [known, is_new] = best.emplace(m.configuration.family, m);
     if (!is_new && better(target, m, known->second)) known->second = m;
   }
-  choice.measurement = std::min_element(best.begin(), best.end(), [&](const auto& a, const auto& b) {
-                         return better(target, a.second, b.second);
-                       })->second;
+  choice.measurement =
+      std::min_element(best.begin(), best.end(), [&](const auto& a, const auto& b) {
+        return better(target, a.second, b.second);
+      })->second;
   choice.horizon = options.horizon;
   choice.reference = std::move(all.reference);
   // What the reference cannot tell apart is not met.

@@ -31,8 +31,7 @@ void ShakeStep::adapt(double h) {
     if (!(rate < 1e300)) failed_ = true;
     // The estimate is of fourth order, so that its rate falls with the fourth power of the substep.
     const double growth =
-        failed_ ? 0.25
-                : kSafety * std::pow(std::max(rate / model_.solver.tolerance, 1e-12), -0.25);
+        failed_ ? 0.25 : kSafety * std::pow(std::max(rate / model_.solver.tolerance, 1e-12), -0.25);
     if (failed_ && least) {  // not for an explicit method
       restore();
       guard(left);

@@ -137,7 +137,8 @@ bool ShakeStep::findMissedLimits() {
   for (const LimitRow& limit : scratch_.missed_limits) {
     const auto same = [&](const LimitRow& l) { return l.limit == limit.limit; };
     const auto end = scratch_.limits.begin() + static_cast<std::ptrdiff_t>(known);
-    if (limit.value >= -kMissed / kLever || std::any_of(scratch_.limits.begin(), end, same)) continue;
+    if (limit.value >= -kMissed / kLever || std::any_of(scratch_.limits.begin(), end, same))
+      continue;
     scratch_.limits.push_back(limit);
     startLimit(model_, state_.x, scratch_.limits.back());
     scratch_.forced_limits.push_back(1);

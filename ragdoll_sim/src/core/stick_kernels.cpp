@@ -63,8 +63,8 @@ void gram(const double* G, const double* D, int s, int width, double* S) {
   for (int b = 0; b < width; b += kLane) {
     const Lanes x = lanes(D + b), y = lanes(D + width + b), z = lanes(D + 2 * width + b);
     for (int i = 0; i < s; ++i)
-      lanes(S + i * width + b) = lanes(G + i * width + b) *
-                                 (D[i] * x + D[width + i] * y + D[2 * width + i] * z);
+      lanes(S + i * width + b) =
+          lanes(G + i * width + b) * (D[i] * x + D[width + i] * y + D[2 * width + i] * z);
   }
 }
 

@@ -201,8 +201,7 @@ void writeSettings(std::ostream& out, const Scene& scene) {
       << ", method: " << io::methodNames().at(static_cast<std::size_t>(solver.method))
       << ", integrator: " << io::integratorNames().at(static_cast<std::size_t>(solver.integrator))
       << ", step: " << number(solver.step) << ", sweeps: " << solver.sweeps
-      << ", tolerance: " << number(solver.tolerance)
-      << ", damping: " << number(solver.damping)
+      << ", tolerance: " << number(solver.tolerance) << ", damping: " << number(solver.damping)
       << ", joint_damping: " << number(solver.joint_damping)
       << ", sleep: " << (solver.sleep ? "true" : "false") << "}\n"
       << "coat: " << name(scene.coat) << "\n";

@@ -37,8 +37,8 @@ const std::vector<std::string>& coatNames() {
 }
 
 const std::vector<std::string>& solverKeys() {
-  static const std::vector<std::string> keys = {"preset", "method", "integrator",
-                                                "step",   "sweeps", "tolerance",
+  static const std::vector<std::string> keys = {"preset",  "method",        "integrator",
+                                                "step",    "sweeps",        "tolerance",
                                                 "damping", "joint_damping", "sleep"};
   return keys;
 }

@@ -86,8 +86,8 @@ Parameters readParameters(const ros::NodeHandle& nh) {
       throw Error("parameter " + nh.resolveName("coat"), e.what());
     }
   }
-  in.warnOfOthers({"preset", "method", "integrator", "step", "sweeps", "tolerance", "damping", "sleep",
-                   "gravity_x", "gravity_y", "gravity_z", "diagnostic_period"});
+  in.warnOfOthers({"preset", "method", "integrator", "step", "sweeps", "tolerance", "damping",
+                   "sleep", "gravity_x", "gravity_y", "gravity_z", "diagnostic_period"});
   return p;
 }
 

@@ -3,8 +3,8 @@
 // Rows are `width` doubles long, a multiple of kLane, 64-byte aligned, zero beyond the last stick.
 // A D is three such rows: x, y, z of the stick vectors. Elementwise and in a fixed order: the
 // result has the same bits on every instruction set. Sums stay in registers over a block of lanes,
-// and the inverse is explicit: to apply factors costs six times as much, as each of their rows waits
-// for the one before (docs/equations.md#dense-rows).
+// and the inverse is explicit: to apply factors costs six times as much, as each of their rows
+// waits for the one before (docs/equations.md#dense-rows).
 #pragma once
 
 #include <Eigen/Core>
@@ -26,10 +26,10 @@ void multiplyPoints(const double* X, const double* rows, int n, int width, doubl
 /// S_ij = G_ij (d_i . d_j), s rows of width.
 void gram(const double* G, const double* D, int s, int width, double* S);
 
-/// S <- S^-1 in place for a symmetric positive definite S (s rows of width; one row more, zero, if s
-/// is odd), by Gauss-Jordan elimination with pivots in pairs. A stick whose pivot falls below floor
-/// x its diagonal depends on those before it in this pose: its row and column become 0, it takes no
-/// impulse. work: 3 width values. Returns how many such sticks there are.
+/// S <- S^-1 in place for a symmetric positive definite S (s rows of width; one row more, zero, if
+/// s is odd), by Gauss-Jordan elimination with pivots in pairs. A stick whose pivot falls below
+/// floor x its diagonal depends on those before it in this pose: its row and column become 0, it
+/// takes no impulse. work: 3 width values. Returns how many such sticks there are.
 int invert(double* S, int s, int width, double floor, double* work);
 
 /// out (width) = A b, A: s symmetric rows of width.
