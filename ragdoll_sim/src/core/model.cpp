@@ -229,7 +229,8 @@ BodyRef findBody(const Model& model, const std::string& name) {
       ref.particles = s.segments[g].particles;
     } else if (bodies.empty()) {
       bodies.assign(s.particles.begin(), s.particles.begin() + s.named);
-      for (const Segment& segment : s.segments) bodies.push_back(segment.name);
+      for (const Segment& segment : s.segments)
+        if (s.particle(segment.name) < 0) bodies.push_back(segment.name);
     }
     if (ref.particles.empty()) continue;
     ref.weight.assign(ref.particles.size(), 1.0 / static_cast<double>(ref.particles.size()));

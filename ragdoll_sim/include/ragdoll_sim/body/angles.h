@@ -1,4 +1,4 @@
-// Joint angles, as the limits define them (INTERFACE.md, model files). All in the PARENT's own
+// Joint angles, as the limits define them (core/limit.h). All in the PARENT's own
 // frame, never in the world's; radians.
 //
 // hinge: one angle, the right-hand turn of the child about `axis` from the straight continuation of
