@@ -88,6 +88,7 @@ void ShakeStep::gather(double h, bool leapfrog) {
         valueAt(model_, ws_.x1, limit) > kActiveAngle && !lastPress(keyOf(limit)))
       continue;
     evaluateLimit(model_, ws_.x1, limit);
+    if (limit.count == 0) continue;  // planes that allow it
     scratch_.softness[i] = leapfrog ? limit.middleSoftness(h) : limit.eulerSoftness(h);
     scratch_.limit_row[i] = schur.size();
     schur.addLimit(limit, static_cast<int>(i), scratch_.softness[i].compliance);
@@ -106,7 +107,8 @@ bool ShakeStep::forceViolated() {
   }
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
-    if (scratch_.limit_row[i] >= 0) continue;
+    // Planes act where the free motion leaves them, and nowhere else.
+    if (scratch_.limit_row[i] >= 0 || scratch_.limits[i].limit < 0) continue;
     if (valueAt(model_, ws_.x1, scratch_.limits[i]) * kLever >= -kContactTolerance) continue;
     scratch_.forced_limits[i] = 1;
     any = true;
@@ -137,8 +139,7 @@ bool ShakeStep::findMissedLimits() {
   for (const LimitRow& limit : scratch_.missed_limits) {
     const auto same = [&](const LimitRow& l) { return l.limit == limit.limit; };
     const auto end = scratch_.limits.begin() + static_cast<std::ptrdiff_t>(known);
-    if (limit.value >= -kMissed / kLever || std::any_of(scratch_.limits.begin(), end, same))
-      continue;
+    if (limit.limit < 0 || std::any_of(scratch_.limits.begin(), end, same)) continue;
     scratch_.limits.push_back(limit);
     startLimit(model_, state_.x, scratch_.limits.back());
     scratch_.forced_limits.push_back(1);

@@ -5,6 +5,8 @@
 namespace ragdoll {
 namespace {
 
+constexpr double kNewest = 0.2;  ///< share of the last interval in the smoothed one
+
 Pose between(const Pose& a, const Pose& b, double share) {
   return {a.position + share * (b.position - a.position),
           a.orientation.slerp(share, b.orientation)};
@@ -71,6 +73,11 @@ std::vector<std::string> Follow::frames() const {
 void Follow::hear(const std::string& name, const Pose& pose) {
   for (Frame& frame : frames_) {
     if (frame.name != name) continue;
+    if (frame.heard && pose.position == frame.to.position &&
+        pose.orientation.coeffs() == frame.to.orientation.coeffs())
+      continue;
+    if (frame.heard && frame.age > 0 && frame.age < kLongestInterval)
+      frame.interval += (frame.interval > 0 ? kNewest : 1) * (frame.age - frame.interval);
     frame.from = frame.heard ? frame.now : pose;
     frame.to = pose;
     frame.age = 0;
@@ -83,7 +90,8 @@ void Follow::apply(const Model& model, double h, State& state, Inputs& inputs) {
   if (frames_.empty()) return;
   for (Frame& frame : frames_) {
     frame.age += h;
-    frame.now = between(frame.from, frame.to, std::min(1.0, frame.age / kGlide));
+    const double glide = std::max(kShortestGlide, kGlides * frame.interval);
+    frame.now = between(frame.from, frame.to, std::min(1.0, frame.age / glide));
   }
   inputs.obstacles = state.obstacles;
   for (std::size_t i = 0; i < obstacle_frame_.size(); ++i) {

@@ -143,5 +143,30 @@ TEST(Planes, RememberTheLastAllowedDirectionInTheState) {
   EXPECT_EQ(world.state.allowed.cols(), 11);
 }
 
+/// The thesis's planes forbid where they are left, which shows only after the motion.
+TEST(ThesisBody, FallsAndTumblesUnderTheDirectSolverToo) {
+  for (const std::string name : {"stairs", "between_objects", "weightless"}) {
+    Scene scene = loadScene(name);
+    scene.ragdolls[0].skeleton = humanScene("human_thesis").ragdolls[0].skeleton;
+    scene.pokes.clear();
+    scene.solver.method = Method::kShake;
+    World world(scene);
+    const auto energy = [&] {
+      return kineticEnergy(world.model, world.state) + potentialEnergy(world.model, world.state);
+    };
+    const double start = energy();
+    for (int i = 0; i < 360; ++i) {
+      world.steps(1);
+      ASSERT_TRUE(world.state.x.allFinite()) << name << ", step " << i;
+      ASSERT_LT(energy(), start + 1e-2) << name << ", step " << i;
+      ASSERT_LT(maxStickError(world.model, world.state), 1e-3) << name << ", step " << i;
+      EXPECT_LT(limitViolation(world.model, world.state.x, 0), rad(20)) << name << ", step " << i;
+    }
+    if (name == "weightless") {
+      EXPECT_GT(energy(), 0.5 * start) << "stopped in the air";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace ragdoll

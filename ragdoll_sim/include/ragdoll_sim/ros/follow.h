@@ -1,10 +1,10 @@
 // Obstacles and pins that follow frames of others: turns poses that are heard now and then into one
 // for every step.
 //
-// A frame glides from where it was to what was heard last within kGlide, so that what it carries
-// has a steady velocity; when nothing more is heard it stays there. What is heard first is a jump
-// for an obstacle; a particle is drawn from where it is to its frame within kDraw. Knows nothing of
-// ROS.
+// A frame glides from where it was to what was heard last within kGlides times the interval between
+// news of it: what it carries has the frame's own velocity, however seldom that is published, and
+// lags by that time. When nothing more is heard it stays there. What is heard first is a jump for an
+// obstacle; a particle is drawn from where it is to its frame within kDraw. Knows nothing of ROS.
 #pragma once
 
 #include <string>
@@ -18,7 +18,9 @@ namespace ragdoll {
 
 class Follow {
  public:
-  static constexpr double kGlide = 0.02;  ///< [s] about twice as long as between two that are heard
+  static constexpr double kGlides = 2;
+  static constexpr double kShortestGlide = 0.04;   ///< [s]
+  static constexpr double kLongestInterval = 0.5;  ///< [s] between news; longer is a rest
   static constexpr double kDraw = 0.25;   ///< [s] a particle takes to reach the frame that holds it
 
   static constexpr double kAway = -1e4;  ///< [m] on z
@@ -31,7 +33,7 @@ class Follow {
   std::vector<std::string> frames() const;
   bool empty() const { return frames_.empty(); }
 
-  /// pose: of the frame in the world, now.
+  /// pose: of the frame in the world, now. The same pose again is no news.
   void hear(const std::string& frame, const Pose& pose);
 
   /// Where obstacles and pins are to be at the end of the next step, which lasts h.
@@ -42,7 +44,8 @@ class Follow {
     std::string name;
     bool heard = false, fresh = true;  ///< fresh: a jump, not yet applied
     Pose from, to, now;
-    double age = 0;  ///< [s] of simulated time since `to` was heard
+    double age = 0;       ///< [s] of simulated time since `to` was heard
+    double interval = 0;  ///< [s] of simulated time between news, smoothed; 0: not known yet
   };
   struct Held {
     int frame = -1;  ///< -1: held where Pin::target says
