@@ -7,6 +7,8 @@
 #include <mutex>
 #include <thread>
 
+#include "ragdoll_sim/core/error.h"
+
 namespace ragdoll::lab {
 namespace {
 
@@ -64,7 +66,11 @@ bool Matrix::defaultKeepsAll() const {
 
 Matrix runMatrix(const MatrixOptions& options, Progress& progress) {
   Matrix matrix;
-  matrix.methods = extremeMethods();
+  for (const ExtremeMethod& method : extremeMethods())
+    if (options.method.empty() || method.name == options.method) matrix.methods.push_back(method);
+  if (matrix.methods.empty())
+    throw Error("--method", "there is no method '" + options.method +
+                                "' in the matrix; there are jakobsen, shake and rk");
   const std::size_t columns = matrix.methods.size();
   for (const Extreme& test : extremeTests(options.quick))
     if ((test.group + ": " + test.name).find(options.only) != std::string::npos)

@@ -37,6 +37,7 @@ struct MatrixOptions {
   int random = 0;          ///< scenes
   std::uint32_t seed = 0;  ///< of the first
   std::string only;        ///< only tests whose name contains this
+  std::string method;      ///< only this one; empty: all
 };
 
 /// Runs everything on all processors. Throws Error.

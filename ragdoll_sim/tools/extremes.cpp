@@ -55,6 +55,7 @@ int extremesCommand(const Words& words) {
   add("seed", po::value(&options.seed)->default_value(0), "Of the first random scene");
   add("only", po::value(&options.only),
       "Only tests whose name contains this, such as \"step: 0.1\"");
+  add("method", po::value(&options.method), "Only this one: jakobsen, shake or rk");
   add("write", po::value(&path),
       "Put the tables into this file, between its lines <!-- extremes --> and <!-- /extremes -->");
   if (!parse(line, words)) return kOk;

@@ -5,6 +5,7 @@
 #include "ragdoll_sim/core/detect.h"
 #include "ragdoll_sim/core/integrate.h"
 #include "ragdoll_sim/core/joint_damping.h"
+#include "ragdoll_sim/core/relaxation_guard.h"
 #include "ragdoll_sim/core/sleep.h"
 #include "ragdoll_sim/core/workspace.h"
 
@@ -83,13 +84,16 @@ void stepJakobsen(const Model& model, const Inputs& inputs, double h, Workspace:
   } while (model.ragdoll_collision && wakeTouched(ws.contacts, ws.x1, state));
   ws.limits.prepare(model, state, ws.x1, h);
   ws.projection.prepare(model, ws.contacts, state.x, ws.x1, ws.v1, h);
+  ws.x0 = state.x;
+  ws.v0 = state.v;
   state.x = ws.x1;
   constrain(model, state, ws, state.x);
   state.v = ws.v1 + (state.x - ws.x1) / h;
-  keepAllowed(model, state);
   ws.projection.bounce(state.v);
   report.contacts = ws.projection.pressing();
   ws.projection.markPressed(ws.pressed);
+  if (!ws.unguarded) guardRelaxation(model, inputs, h, ws, state, report);
+  keepAllowed(model, state);
 }
 
 }  // namespace ragdoll

@@ -34,7 +34,7 @@ ShakeStep::ShakeStep(const Model& model, Workspace::Impl& ws, State& state, int 
 
 void ShakeStep::run(const Inputs& inputs, double h) {
   step_ = h;
-  if (state_.step % kAffineEvery == 0) makeAffine();
+  if (state_.step % kAffineEvery == 0 || model_.solver.method == Method::kJakobsen) makeAffine();
   movePins(inputs, h);
   driven_ = pin_speed_ > 0 || obstaclesMove(inputs);
   join(h);
@@ -111,8 +111,7 @@ void settleBodyShake(const Model& model, double h, Workspace::Impl& ws, State& s
   ShakeStep(model, ws, state, ragdoll, report).settle(h, touching, limits);
 }
 
-void stepShake(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
-               State& state, StepReport& report) {
+void prepareShake(const Model& model, const Inputs& inputs, Workspace::Impl& ws, State& state) {
   ws.bodies.resize(model.ragdolls.size());
   ws.first_stick.clear();
   int sticks = 0;
@@ -124,6 +123,11 @@ void stepShake(const Model& model, const Inputs& inputs, double h, Workspace::Im
   ws.x1.resize(3, model.size());
   sweepObstacles(model, state, inputs.obstacles, ws.obstacles);
   ws.presses.clear();
+}
+
+void stepShake(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
+               State& state, StepReport& report) {
+  prepareShake(model, inputs, ws, state);
   if (model.ragdoll_collision)
     stepTogether(model, inputs, h, ws, state, report);
   else

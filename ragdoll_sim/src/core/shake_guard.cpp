@@ -18,8 +18,15 @@ constexpr double kRedoRise = 1e-3;  ///< of the kinetic energy (1 J at least): d
 
 void ShakeStep::guard(double h) {
   enum class Way { kExplicit, kImplicit, kRigid };
+  if (ws_.unguarded) {
+    for (double left = h, taken = 0; left > 1e-9 * h; ++taken)
+      left -= explicitStep(left, static_cast<int>(taken));
+    return;
+  }
   const double wanted = std::ceil(h * std::sqrt(stiffness()) / kStable);
-  Way way = wanted <= kMaxSubsteps ? Way::kExplicit : Way::kImplicit;  // not a number: implicit
+  const bool relaxes = model_.solver.method == Method::kJakobsen;  // backward Euler as it is
+  Way way =
+      !relaxes && wanted <= kMaxSubsteps ? Way::kExplicit : Way::kImplicit;  // also not a number
   double sub = way == Way::kExplicit ? h / std::max(1.0, wanted) : h;
   double left = h;
   int taken = 0;

@@ -8,6 +8,7 @@
 #include "extreme_verdict.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/solver_presets.h"
+#include "ragdoll_sim/core/workspace.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/worlds.h"
 
@@ -48,6 +49,55 @@ TEST(Extremes, FarFromTheOrigin) { expectKept({"1e6 m from the origin"}); }
 TEST(Extremes, AMinuteOfRestAndOfTumbling) { expectKept({"long"}); }
 TEST(Extremes, Wedges) { expectKept({"wedge of two planes"}); }
 TEST(Extremes, ClosingWalls) { expectKept({"closing walls"}); }
+
+/// What relaxation must keep as well: all but exact lengths and rest, which 10 sweeps do not give.
+TEST(Extremes, RelaxationStaysFiniteGainsNothingAndPassesThroughNothing) {
+  const ExtremeMethod method{"jakobsen", preset("thesis"), false};
+  for (Extreme extreme : extremeTests(true)) {
+    if (extreme.sweeps > 0 || extreme.seconds > 30) continue;
+    extreme.laws.rest = false;
+    extreme.laws.depth = 0.05;
+    extreme.laws.stick_error = 0.26;  // the guard's bound
+    extreme.laws.drift = kUnbounded;
+    extreme.laws.joined = std::max(1.0, extreme.laws.joined);
+    const Verdict verdict = judge(extreme, method);
+    EXPECT_TRUE(verdict.kept()) << extreme.group << ": " << extreme.name << ": " << textOf(verdict);
+  }
+}
+
+/// 3 s of a shipped scene by preset thesis, with or without the guard.
+std::uint64_t hashOf(const std::string& name, bool guarded, GuardCounts& counts) {
+  Scene scene = loadScene(name);
+  scene.solver = preset("thesis");
+  test::World world(scene);
+  world.workspace.impl().unguarded = !guarded;
+  for (int i = 0; i < 180; ++i) counts.guarded += world.steps(1).guarded > 0;
+  return hash(world.state);
+}
+
+TEST(Extremes, TheGuardLeavesTheThesisAsItIsWhereItWorks) {
+  for (const char* name : {"fall", "stairs", "hang", "weightless", "between_objects", "two"}) {
+    GuardCounts counts;
+    EXPECT_EQ(hashOf(name, true, counts), hashOf(name, false, counts)) << name;
+    EXPECT_EQ(counts.guarded, 0u) << name;
+  }
+}
+
+TEST(Extremes, RelaxationHoldsAMassRatioOfAThousandOnceTheGuardHasSeenIt) {
+  Scene scene = chainScene({1, 1, 1, 1, 1, 1e3}, 0.3, 0);
+  scene.solver = preset("thesis");
+  test::World world(scene);
+  int implicit = 0;
+  for (int i = 0; i < 60; ++i) implicit += world.steps(1).implicit;
+  EXPECT_GT(implicit, 0);
+  for (int i = 0; i < 240; ++i) {
+    world.steps(1);
+    ASSERT_LT(maxStickError(world.model, world.state), 1e-3) << i;
+  }
+  world.workspace.impl().unguarded = true;
+  world.steps(60);
+  EXPECT_GT(maxStickError(world.model, world.state), 0.5);
+}
 
 TEST(Extremes, RandomScenes) {
   const ExtremeMethod method{"shake", preset("balanced"), true};
@@ -102,11 +152,15 @@ TEST(Extremes, BodiesThatFallOntoEachOtherGainNoEnergyAtAnyStep) {
 }
 
 TEST(Extremes, NumbersThatOverflowLeaveTheBodyWhereItWas) {
-  test::World world(humanScene("position: [0, 0, 0]", "gravity: [0, 0, -1e308]\n"));
-  int unresolved = 0;
-  for (int i = 0; i < 10; ++i) unresolved += world.steps(1).unresolved;
-  EXPECT_GT(unresolved, 0);
-  EXPECT_TRUE(world.state.x.allFinite() && world.state.v.allFinite());
+  for (const ExtremeMethod& method : extremeMethods()) {
+    Scene scene = humanScene("position: [0, 0, 0]", "gravity: [0, 0, -1e308]\n");
+    scene.solver = method.solver;
+    test::World world(scene);
+    int unresolved = 0;
+    for (int i = 0; i < 10; ++i) unresolved += world.steps(1).unresolved;
+    EXPECT_GT(unresolved, 0) << method.name;
+    EXPECT_TRUE(world.state.x.allFinite() && world.state.v.allFinite()) << method.name;
+  }
 }
 
 TEST(Extremes, TheGuardSaysWhatItDid) {

@@ -21,6 +21,9 @@ namespace ragdoll {
 void stepShake(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
                State& state, StepReport& report);
 
+/// Sizes what bodies need and sweeps the obstacles; before the bodies of a step.
+void prepareShake(const Model& model, const Inputs& inputs, Workspace::Impl& ws, State& state);
+
 /// One body's part of it; its presses are appended to ws.presses, what touches it at the end is
 /// left in ws.shake.
 void stepBodyShake(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,

@@ -18,6 +18,7 @@ struct Workspace::Impl {
   Points force;                       ///< [N] 3 x N of pokes
   bool forced = false;                ///< any poke this step
   std::vector<std::uint8_t> pressed;  ///< per ragdoll: something pressed on it in this step
+  Points x0, v0;                      ///< at the step's start, relaxation
   Points x1, v1;                      ///< after free motion
   Points acceleration;                ///< of one ragdoll
   std::vector<Contact> contacts;
@@ -32,6 +33,8 @@ struct Workspace::Impl {
   ShakeScratch shake;
   ShakePairs together;
   std::vector<Press> presses;  ///< of this step
+
+  bool unguarded = false;  ///< the step guard is off: to measure what it costs, for nothing else
 };
 
 }  // namespace ragdoll

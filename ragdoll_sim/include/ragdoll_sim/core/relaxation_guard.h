@@ -1,0 +1,19 @@
+// The step guard of the relaxation: what the sweeps could not take is done again by an implicit
+// step.
+//
+// Relaxation is backward Euler, solved by a few sweeps of Gauss-Seidel. Where these leave a stick
+// far from its length, a particle inside an obstacle or beyond it, more energy than there can be,
+// or no number, the body goes back to the step's start and takes the same equation solved by
+// Newton's method, with all that stands behind it (shake_implicit.cpp). On scenes that the sweeps
+// can take nothing changes, not a bit. docs/equations.md#guard.
+#pragma once
+
+#include "ragdoll_sim/core/step.h"
+
+namespace ragdoll {
+
+/// After the sweeps and the velocities: ws.x0, ws.v0 are the step's start, ws.x1 the free motion.
+void guardRelaxation(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
+                     State& state, StepReport& report);
+
+}  // namespace ragdoll

@@ -1,0 +1,156 @@
+#include "ragdoll_sim/core/relaxation_guard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "ragdoll_sim/core/shake.h"
+#include "ragdoll_sim/core/workspace.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr double kStretch = 0.25;  ///< of a stick's length; falls and swings of a human stay below
+constexpr double kDepth = 0.5;    ///< of the radius: deeper in an obstacle than sweeps leave behind
+constexpr double kDeeper = 1e-3;  ///< [m] than at the start, if that was inside already
+constexpr double kGain =
+    0.25;  ///< of the energy there was: sweeps that work gain less than a third of it
+constexpr double kFreeSpeed = 1.0;  ///< [m/s] of the whole body: gains of less energy are let be
+constexpr double kStiff = 1.0;      ///< h sqrt(Omega2): above, sweeps would fail again
+
+class RelaxationGuard {
+ public:
+  RelaxationGuard(const Model& model, const Inputs& inputs, Workspace::Impl& ws, State& state)
+      : model_(model), inputs_(inputs), ws_(ws), state_(state) {}
+
+  /// Whether the sweeps failed on the body.
+  bool failed(int i) {
+    const Ragdoll& r = model_.ragdolls[i];
+    const int n = model_.skeletonOf(r).size();
+    const auto x = state_.x.middleCols(r.first, n);
+    if (!x.allFinite() || !state_.v.middleCols(r.first, n).allFinite()) return true;
+    return stretched(i) || inside(i) || gained(i);
+  }
+
+ private:
+  bool stretched(int i) const {
+    const Ragdoll& r = model_.ragdolls[i];
+    const System& s = model_.systemOf(r);
+    const auto far = [&](int a, int b, double length) {
+      const double q =
+          (state_.x.col(r.first + b) - state_.x.col(r.first + a)).squaredNorm() / (length * length);
+      return q > (1 + kStretch) * (1 + kStretch) || q < (1 - kStretch) * (1 - kStretch);
+    };
+    if (s.lumped)
+      return std::any_of(s.relaxed.begin(), s.relaxed.end(),
+                         [&](const RelaxedStick& k) { return far(k.a, k.b, k.length); });
+    for (std::size_t k = 0; k < s.coupled.size(); ++k)
+      if (s.relaxed_G[k] > 0 && far(s.coupled[k].a, s.coupled[k].b, s.coupled[k].length))
+        return true;
+    return false;
+  }
+
+  bool deep(const Contact& c) const {
+    double gap = -c.offset, radius = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < c.count; ++k) {
+      gap += c.weight[k] * c.normal.dot(state_.x.col(c.particle[k]));
+      radius = std::min(radius, model_.radius[c.particle[k]]);
+    }
+    return gap < std::min(-kDepth * radius, c.gap_start - kDeeper);
+  }
+
+  /// Deep in an obstacle, or beyond one that the sweeps carried it through.
+  bool inside(int i) {
+    for (const Contact& c : ws_.contacts)
+      if (c.ragdoll == i && c.obstacle >= 0 && deep(c)) return true;
+    if (model_.obstacles.empty()) return false;
+    const Ragdoll& r = model_.ragdolls[i];
+    const int n = model_.skeletonOf(r).size();
+    const double carried =
+        (state_.x.middleCols(r.first, n) - ws_.x1.middleCols(r.first, n)).cwiseAbs().maxCoeff();
+    if (carried < kDepth * model_.radius.segment(r.first, n).minCoeff()) return false;
+    sweepObstacles(model_, state_, inputs_.obstacles, ws_.obstacles);
+    ws_.shake.missed.clear();
+    appendContacts(model_, ws_.obstacles, ws_.x0, state_.x, i, 0, ws_.shake.missed);
+    return std::any_of(ws_.shake.missed.begin(), ws_.shake.missed.end(),
+                       [this](const Contact& c) { return deep(c); });
+  }
+
+  /// More energy than the start's and the work: stretched sticks that the sweeps let go.
+  bool gained(int i) {
+    // These may give energy: what moves from outside, and the other bodies.
+    if (!inputs_.pins.empty() || !inputs_.obstacles.empty() || model_.ragdoll_collision)
+      return false;
+    const Ragdoll& r = model_.ragdolls[i];
+    const Skeleton& k = model_.skeletonOf(r);
+    const int n = k.size();
+    const auto v0 = ws_.v0.middleCols(r.first, n), v1 = state_.v.middleCols(r.first, n);
+    const Points moved = state_.x.middleCols(r.first, n) - ws_.x0.middleCols(r.first, n);
+    const auto times_mass = [&k](const Points& p) -> Points {
+      if (k.lumped) return p * k.M.diagonal().asDiagonal();
+      return p * k.M;
+    };
+    double work = model_.gravity.dot(times_mass(moved).rowwise().sum());
+    if (ws_.forced) work += ws_.force.middleCols(r.first, n).cwiseProduct(moved).sum();
+    const double rise = 0.5 * times_mass(v1 - v0).cwiseProduct(v1 + v0).sum() - work;
+    const double scale = model_.systemOf(r).direct.rows->scale;
+    if (rise < 0.5 * k.M.sum() * kFreeSpeed * kFreeSpeed * scale) return false;
+    const double before = 0.5 * times_mass(v0).cwiseProduct(v0).sum();
+    return rise > kGain * (before + std::abs(work));
+  }
+
+  const Model& model_;
+  const Inputs& inputs_;
+  Workspace::Impl& ws_;
+  State& state_;
+};
+
+/// Of one body's tension, which the guard's last step left behind.
+class Tension {
+ public:
+  Tension(const Model& model, const Workspace::Impl& ws, State& state, int i)
+      : rows_(*model.systemOf(model.ragdolls[i]).direct.rows),
+        multipliers_(state.multipliers.data() + ws.first_stick[i], multiplierCount(rows_)) {}
+
+  /// Whether it is still beyond what sweeps can take.
+  bool isStiff(double h) const {
+    if (rows_.s == 0) return false;
+    const double omega2 =
+        2 * (rows_.absolute_G.leftCols(rows_.s) * multipliers_.head(rows_.s).cwiseAbs()).maxCoeff();
+    return h * std::sqrt(omega2) > kStiff;
+  }
+  void forget() { multipliers_.setZero(); }
+
+ private:
+  const StickRows& rows_;
+  Eigen::Map<Eigen::VectorXd> multipliers_;
+};
+
+}  // namespace
+
+void guardRelaxation(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
+                     State& state, StepReport& report) {
+  RelaxationGuard guard(model, inputs, ws, state);
+  const bool acted = !state.multipliers.empty();  // in the last step
+  if (acted) prepareShake(model, inputs, ws, state);
+  bool acts = false;
+  for (std::size_t k = 0; k < model.ragdolls.size(); ++k) {
+    const int i = static_cast<int>(k);
+    if (state.asleep[k]) continue;
+    if (!guard.failed(i) && !(acted && Tension(model, ws, state, i).isStiff(h))) {
+      if (acted) Tension(model, ws, state, i).forget();
+      continue;
+    }
+    if (!acted && !acts) prepareShake(model, inputs, ws, state);
+    acts = true;
+    const Ragdoll& r = model.ragdolls[i];
+    const int n = model.skeletonOf(r).size();
+    state.x.middleCols(r.first, n) = ws.x0.middleCols(r.first, n);
+    state.v.middleCols(r.first, n) = ws.v0.middleCols(r.first, n);
+    ws.pressed[k] = 0;
+    stepBodyShake(model, inputs, h, ws, state, i, report);
+  }
+  if (acted && !acts) state.multipliers.clear();
+}
+
+}  // namespace ragdoll
