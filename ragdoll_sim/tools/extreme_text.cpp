@@ -1,10 +1,9 @@
 #include "extreme_text.h"
 
 #include <algorithm>
-#include <cstdarg>
-#include <cstdio>
 #include <map>
 
+#include "format.h"
 #include "ragdoll_sim/core/error.h"
 
 namespace ragdoll::lab {
@@ -12,15 +11,6 @@ namespace {
 
 constexpr const char* kBegin = "<!-- extremes -->\n";
 constexpr const char* kEnd = "<!-- /extremes -->\n";
-
-__attribute__((format(printf, 1, 2))) std::string format(const char* pattern, ...) {
-  char line[400];
-  va_list values;
-  va_start(values, pattern);
-  std::vsnprintf(line, sizeof line, pattern, values);
-  va_end(values);
-  return line;
-}
 
 /// "ok", "-", or the laws that were broken.
 std::string cell(const Verdict& verdict) {

@@ -65,6 +65,7 @@ int run(const Options& options) {
   checked("--rate", options.rate, false);
   const Model model = buildModel(loadScene(options.scene, options.settings));
   for (const std::string& warning : model.warnings) std::cerr << "ragdoll_lab: " << warning << "\n";
+  for (const std::string& note : model.notes) std::cerr << "ragdoll_lab: " << note << "\n";
 
   TickWriter rows(model, options);
   WatchedRun world(model);

@@ -1,21 +1,10 @@
 #include "survey_text.h"
 
-#include <cstdarg>
-#include <cstdio>
-
+#include "format.h"
 #include "quantity.h"
 
 namespace ragdoll::lab {
 namespace {
-
-__attribute__((format(printf, 1, 2))) std::string format(const char* pattern, ...) {
-  char line[400];
-  va_list values;
-  va_start(values, pattern);
-  std::vsnprintf(line, sizeof line, pattern, values);
-  va_end(values);
-  return line;
-}
 
 std::string knobs(const SolverSpec& solver) {
   std::string text = methodName(solver.method);

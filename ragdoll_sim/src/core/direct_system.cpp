@@ -3,9 +3,13 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/core/number_text.h"
+#include "ragdoll_sim/core/rest_pose.h"
 #include "ragdoll_sim/core/rigid_groups.h"
 #include "ragdoll_sim/core/stick_solver.h"
 
@@ -13,9 +17,9 @@ namespace ragdoll {
 namespace {
 
 constexpr double kDependent =
-    1e-8;                          ///< a scaled pivot below this: the stick follows from the others
-constexpr double kJitter = 0.1;    ///< share of the body's size, for a generic pose
-constexpr double kDoubtful = 1e6;  ///< condition above which the user is told
+    1e-8;  ///< a scaled pivot below this: the stick follows from the others
+constexpr double kMassless = 1e-13;  ///< of the masses that it is made of: rounding
+constexpr double kDoubtful = 1e6;    ///< condition above which the user is told
 
 /// G o (D^T D), scaled to a unit diagonal, for stick rows B and positions X.
 Eigen::MatrixXd scaledSystem(const Eigen::MatrixXd& B, const Eigen::MatrixXd& G, const Points& X) {
@@ -38,24 +42,53 @@ std::vector<int> independent(const Eigen::MatrixXd& S) {
   return kept;
 }
 
-/// A pose near the rest that is no special one: fixed irrational offsets.
-Points genericPose(const Points& rest) {
-  const double size = (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
-  Points x = rest;
-  for (Eigen::Index i = 0; i < x.cols(); ++i)
-    for (int k = 0; k < 3; ++k)
-      x(k, i) += kJitter * size * std::sin(12.9898 * (3 * i + k) + 4.1414);
-  return x;
-}
-
 Eigen::MatrixXd rowsOf(const Eigen::MatrixXd& m, const std::vector<int>& rows) {
   Eigen::MatrixXd out(rows.size(), m.cols());
   for (std::size_t i = 0; i < rows.size(); ++i) out.row(i) = m.row(rows[i]);
   return out;
 }
 
-std::string stickName(const Skeleton& s, std::pair<int, int> ends) {
-  return "'" + s.particles[ends.first] + "-" + s.particles[ends.second] + "'";
+/// Names of the parts with the largest weights, a tenth of the largest at least.
+std::string largest(const Eigen::VectorXd& weights, const std::vector<std::string>& names) {
+  constexpr std::size_t kNamed = 8;
+  const Eigen::VectorXd w = weights.cwiseAbs();
+  std::vector<int> order;
+  for (int i = 0; i < w.size(); ++i)
+    if (w[i] > 0.1 * w.maxCoeff()) order.push_back(i);
+  std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return w[i] > 1.001 * w[j]; });
+  std::vector<std::string> out;
+  for (const int i : order)
+    if (out.size() <= kNamed && !std::count(out.begin(), out.end(), names[i]))
+      out.push_back(out.size() < kNamed ? names[i] : "...");
+  return joined(out);
+}
+
+std::vector<std::string> rowNames(const Skeleton& s, const BaseMap& map) {
+  std::vector<std::string> names;
+  for (const auto& [a, b] : map.ends) {
+    if (a >= 0) {
+      names.push_back(stickName(s, a, b));
+      continue;
+    }
+    std::vector<std::string> members;
+    for (const int i : s.groups[b].particles) members.push_back(s.particles[i]);
+    names.push_back("the rigid group of " + joined(members));
+  }
+  return names;
+}
+
+/// Throws for a motion whose inertia is no more than rounding of the masses that make it up.
+void checkMasses(const Skeleton& s, const Eigen::MatrixXd& T, const Eigen::MatrixXd& mass) {
+  const Eigen::MatrixXd sums = T.cwiseAbs().transpose() * s.M.cwiseAbs() * T.cwiseAbs();
+  const Eigen::VectorXd scale = sums.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * mass *
+                                                             scale.asDiagonal());
+  if (eigen.eigenvalues()[0] > kMassless) return;
+  throw Error("model '" + s.name + "'",
+              "its masses leave a motion of " +
+                  largest(T * scale.asDiagonal() * eigen.eigenvectors().col(0), s.particles) +
+                  " without inertia; give each of these particles a mass, or their segment a mass "
+                  "and a gyration (a group: an inertia about every axis)");
 }
 
 /// Keeps the sticks that a motion can need; says which were redundant.
@@ -69,21 +102,32 @@ void keepIndependent(const Skeleton& s, BaseMap& map, const Eigen::MatrixXd& W,
   }
   Eigen::MatrixXd B = rowsOf(map.sticks, movable) * map.L;
   // The generic pose keeps rigid groups affine: it moves base points.
-  const Points pose = genericPose(s.rest * map.L.transpose()) * map.T.transpose();
-  const std::vector<int> kept = independent(scaledSystem(B, B * W * B.transpose(), pose));
+  const Points base = s.rest * map.L.transpose();
+  const Points pose = genericPose(base, extent(base)) * map.T.transpose();
+  const Eigen::MatrixXd S = scaledSystem(B, B * W * B.transpose(), pose);
+  const std::vector<int> kept = independent(S);
   std::vector<int> rows;
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < movable.size(); ++i) {
-    if (next < kept.size() && kept[next] == static_cast<int>(i)) {
-      rows.push_back(movable[i]);
-      ++next;
-    } else if (map.ends[movable[i]].first >= 0) {
-      warnings.push_back("stick " + stickName(s, map.ends[movable[i]]) +
-                         " is redundant: others hold its length; the direct methods leave it out");
+  std::vector<std::string> names;
+  const std::vector<std::string> all = rowNames(s, map);
+  std::vector<std::pair<int, int>> ends;
+  for (const int i : kept) {
+    rows.push_back(movable[i]);
+    names.push_back(all[movable[i]]);
+    ends.push_back(map.ends[movable[i]]);
+  }
+  if (kept.size() < movable.size()) {
+    const Eigen::LDLT<Eigen::MatrixXd> solver(rowsOf(rowsOf(S, kept).transpose(), kept));
+    for (std::size_t i = 0; i < movable.size(); ++i) {
+      if (std::count(kept.begin(), kept.end(), i) || map.ends[movable[i]].first < 0) continue;
+      const Eigen::VectorXd share = solver.solve(rowsOf(S, kept).col(i));
+      warnings.push_back("model '" + s.name + "': stick " + all[movable[i]] +
+                         " is redundant: " + largest(share, names) +
+                         " hold its length; the direct methods leave it out");
     }
   }
   map.sticks = rowsOf(map.sticks, rows);
   map.length = rowsOf(map.length, rows);
+  map.ends = ends;
 }
 
 }  // namespace
@@ -111,13 +155,10 @@ Eigen::MatrixXd takeOutPins(const std::vector<int>& pins, Eigen::MatrixXd& W) {
 DirectSystem buildDirectSystem(const Skeleton& s, const std::vector<int>& pins,
                                std::vector<std::string>& warnings) {
   BaseMap map = baseMap(s);
-  const Eigen::LDLT<Eigen::MatrixXd> mass(map.T.transpose() * s.M * map.T);
-  if (mass.info() != Eigen::Success || !(mass.vectorD().minCoeff() > 0))
-    throw Error("model '" + s.name + "'",
-                "its masses leave some motion without inertia; give every "
-                "particle a mass, or every segment a mass and a gyration");
+  const Eigen::MatrixXd mass = map.T.transpose() * s.M * map.T;
+  checkMasses(s, map.T, mass);
   DirectSystem d;
-  d.W = map.T * mass.solve(map.T.transpose());
+  d.W = map.T * mass.ldlt().solve(map.T.transpose());
   d.pin_motion = takeOutPins(pins, d.W);
   d.gravity = Eigen::RowVectorXd::Ones(s.size()) * s.M * d.W;
   d.affine = map.T * map.L;
@@ -128,16 +169,15 @@ DirectSystem buildDirectSystem(const Skeleton& s, const std::vector<int>& pins,
   d.length = map.length;
   d.rows = std::make_shared<const StickRows>(d);
   if (d.length.size() > 0) {
-    const Eigen::VectorXd e = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(
-                                  scaledSystem(d.B, d.G, s.rest), Eigen::EigenvaluesOnly)
-                                  .eigenvalues();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaledSystem(d.B, d.G, s.rest));
+    const Eigen::VectorXd& e = eigen.eigenvalues();
     d.condition = e.maxCoeff() / std::max(e.minCoeff(), 1e-300);
     if (d.condition > kDoubtful)
       warnings.push_back("model '" + s.name +
-                         "' rests in a pose where its sticks are nearly dependent "
-                         "(condition " +
-                         std::to_string(d.condition) +
-                         "); bend it a little, or expect more work from the step guard");
+                         "' rests in a pose where these are nearly dependent: " +
+                         largest(eigen.eigenvectors().col(0), rowNames(s, map)) + " (condition " +
+                         numberText(d.condition) +
+                         "); bend it a little there, or expect more work from the step guard");
   }
   return d;
 }

@@ -9,6 +9,7 @@
 #include "ragdoll_sim/core/inputs.h"
 #include "ragdoll_sim/core/limits.h"
 #include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/core/self_pairs.h"
 #include "ragdoll_sim/core/skeleton.h"
 #include "ragdoll_sim/core/state.h"
@@ -21,8 +22,7 @@ constexpr int kMaxParticles = 1000000;  ///< in a scene; more is a typing error
 
 void checkSolver(const SolverSpec& s) {
   if (!(s.step > 0 && s.step <= 1))
-    throw Error(s.where + ".step",
-                "step is " + std::to_string(s.step) + "; it must be in (0, 1] s");
+    throw Error(s.where + ".step", "step is " + numberText(s.step) + "; it must be in (0, 1] s");
   if (s.sweeps < 1 || s.sweeps > 100000)
     throw Error(s.where + ".sweeps",
                 "sweeps is " + std::to_string(s.sweeps) + "; it must be in 1 ... 100000");

@@ -138,7 +138,7 @@ class MapBuilder {
   }
 
   void addStick(const Eigen::RowVectorXd& a, const Eigen::RowVectorXd& b, double length,
-                std::pair<int, int> ends = {-1, -1}) {
+                std::pair<int, int> ends) {
     sticks_.push_back(a - b);
     lengths_.push_back(length);
     ends_.push_back(ends);
@@ -210,7 +210,8 @@ class MapBuilder {
     for (std::size_t a = 0; a < frame.size(); ++a)
       for (std::size_t b = a + 1; b < frame.size(); ++b)
         if (frame[a].owner < 0 || frame[a].owner != frame[b].owner)
-          addStick(frame[a].T, frame[b].T, (frame[a].position - frame[b].position).norm());
+          addStick(frame[a].T, frame[b].T, (frame[a].position - frame[b].position).norm(),
+                   {-1, index});
   }
 
   const Skeleton& skeleton_;
@@ -259,9 +260,8 @@ std::vector<RigidGroup> findRigidGroups(const SkeletonSpec& spec, const Skeleton
   return groups;
 }
 
-double flattenGroups(Skeleton& skeleton) {
+void flattenGroups(Skeleton& skeleton) {
   constexpr int kRounds = 200;  ///< groups that share points are projected in turn
-  const Points before = skeleton.rest;
   for (int round = 0; round < kRounds; ++round) {
     double moved = 0;
     for (const RigidGroup& g : skeleton.groups) {
@@ -279,7 +279,6 @@ double flattenGroups(Skeleton& skeleton) {
     }
     if (moved == 0) break;
   }
-  return (skeleton.rest - before).colwise().norm().maxCoeff();
 }
 
 BaseMap baseMap(const Skeleton& skeleton) { return MapBuilder(skeleton).build(); }

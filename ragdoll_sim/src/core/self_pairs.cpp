@@ -36,6 +36,23 @@ void addPair(Skeleton& s, int i, int j) {
     s.self_pairs.push_back({i, j});
 }
 
+/// "\n  2 overlap in the rest pose: a-b with c-d, e-f"
+std::string listed(const Skeleton& s, LeftOutPair::Why why, const char* what) {
+  int count = 0, first = -1;
+  std::string names;
+  for (const LeftOutPair& p : s.left_out_pairs) {  // in the order of their first
+    if (p.why != why) continue;
+    if (p.first != first)
+      names += (count == 0 ? " " : "; ") + capsuleName(s, p.first) + " with ";
+    else
+      names += ", ";
+    names += capsuleName(s, p.second);
+    first = p.first;
+    ++count;
+  }
+  return "\n  " + std::to_string(count) + " " + what + (count > 0 ? ":" : "") + names;
+}
+
 }  // namespace
 
 void addCapsules(Skeleton& s, bool self) {
@@ -59,22 +76,14 @@ std::string capsuleName(const Skeleton& s, int capsule) {
 }
 
 std::string describePairs(const Skeleton& s) {
-  int shared = 0, rigid = 0;
-  std::string overlap;
-  for (const LeftOutPair& p : s.left_out_pairs) {
-    if (p.why == LeftOutPair::Why::kSharedParticle) {
-      ++shared;
-    } else if (p.why == LeftOutPair::Why::kRigidGroup) {
-      ++rigid;
-    } else {
-      overlap += overlap.empty() ? "" : ", ";
-      overlap += capsuleName(s, p.first) + " and " + capsuleName(s, p.second);
-    }
-  }
-  return "self collision of '" + s.name + "': " + std::to_string(s.self_pairs.size()) +
-         " pairs of sticks; left out: " + std::to_string(shared) + " that share a particle, " +
-         std::to_string(rigid) + " inside a rigid group, and that overlap in the rest pose: " +
-         (overlap.empty() ? "none" : overlap);
+  using Why = LeftOutPair::Why;
+  std::string text = "self collision of '" + s.name + "': " + std::to_string(s.self_pairs.size()) +
+                     " pairs of sticks; left out:";
+  for (const auto& [why, what] : {std::pair(Why::kSharedParticle, "share a particle"),
+                                  std::pair(Why::kRigidGroup, "in one rigid group"),
+                                  std::pair(Why::kOverlapAtRest, "overlap in the rest pose")})
+    text += listed(s, why, what);
+  return text;
 }
 
 }  // namespace ragdoll

@@ -7,6 +7,8 @@
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/core/number_text.h"
+#include "ragdoll_sim/core/rest_pose.h"
 #include "ragdoll_sim/core/rigid_groups.h"
 
 namespace ragdoll {
@@ -50,10 +52,10 @@ void addParticles(const SkeletonSpec& spec, Skeleton& s) {
     if (s.particle(p.name) >= 0) throw Error(p.where, "duplicate particle name '" + p.name + "'");
     checkFinite(p.position, p.where, "position");
     if (!(std::isfinite(p.mass) && p.mass >= 0))
-      throw Error(p.where + ".mass", "mass of '" + p.name + "' is " + std::to_string(p.mass) +
-                                         "; it must be >= 0 [kg]");
+      throw Error(p.where + ".mass",
+                  "mass of '" + p.name + "' is " + numberText(p.mass) + "; it must be >= 0 [kg]");
     if (!(std::isfinite(p.radius) && p.radius >= 0))
-      throw Error(p.where + ".radius", "radius of '" + p.name + "' is " + std::to_string(p.radius) +
+      throw Error(p.where + ".radius", "radius of '" + p.name + "' is " + numberText(p.radius) +
                                            "; it must be >= 0 [m]");
     s.particles.push_back(p.name);
     s.rest.col(i) = p.position;
@@ -67,13 +69,13 @@ void addSticks(const SkeletonSpec& spec, Skeleton& s) {
     Stick stick;
     stick.a = particleOr(s, k.a, k.where);
     stick.b = particleOr(s, k.b, k.where);
-    const std::string name = "'" + k.a + "-" + k.b + "'";
+    const std::string name = stickName(s, stick.a, stick.b);
     if (stick.a == stick.b) throw Error(k.where, "stick " + name + " joins a particle to itself");
     if (!seen.insert(std::minmax(stick.a, stick.b)).second)
       throw Error(k.where, "duplicate stick " + name);
     stick.length = k.length ? *k.length : (s.rest.col(stick.a) - s.rest.col(stick.b)).norm();
     if (!(std::isfinite(stick.length) && stick.length > kMinLength))
-      throw Error(k.where, "stick " + name + " has length " + std::to_string(stick.length) +
+      throw Error(k.where, "stick " + name + " has length " + numberText(stick.length) +
                                "; it must be > 0 [m]");
     s.sticks.push_back(stick);
   }
@@ -95,8 +97,8 @@ void addSegments(const SkeletonSpec& spec, Skeleton& s) {
       throw Error(g.where, "segment '" + g.name +
                                "' needs two particles (from, to), or a group of three or more");
     if (!(std::isfinite(g.mass) && g.mass >= 0))
-      throw Error(g.where + ".mass", "mass of segment '" + g.name + "' is " +
-                                         std::to_string(g.mass) + "; it must be >= 0 [kg]");
+      throw Error(g.where + ".mass", "mass of segment '" + g.name + "' is " + numberText(g.mass) +
+                                         "; it must be >= 0 [kg]");
     s.segments.push_back(std::move(segment));
   }
 }
@@ -209,11 +211,11 @@ void carryFlatInertia(const SkeletonSpec& spec, Skeleton& s) {
 
 /// Flat groups become exactly flat; sticks inside a group must agree with its shape.
 void checkGroups(const SkeletonSpec& spec, Skeleton& s) {
-  const double moved = flattenGroups(s);
-  if (moved > 1e-9)
-    s.warnings.push_back(spec.where +
-                         ": a nearly flat rigid group was made flat; particles moved by " +
-                         std::to_string(moved * 1e3) + " mm at most");
+  const Points before = s.rest;
+  flattenGroups(s);
+  const std::string moves = movesText(s, before);
+  if (!moves.empty())
+    s.warnings.push_back(spec.where + ": a nearly flat rigid group was made flat; moved: " + moves);
   for (std::size_t i = 0; i < s.sticks.size(); ++i) {
     Stick& k = s.sticks[i];
     const double length = (s.rest.col(k.a) - s.rest.col(k.b)).norm();
@@ -227,9 +229,9 @@ void checkGroups(const SkeletonSpec& spec, Skeleton& s) {
           std::count(g.particles.begin(), g.particles.end(), k.b) &&
           std::abs(length - k.length) > 1e-6 * k.length)
         throw Error(spec.sticks[i].where,
-                    "stick '" + s.particles[k.a] + "-" + s.particles[k.b] + "' of length " +
-                        std::to_string(k.length) + " is inside a rigid group whose particles are " +
-                        std::to_string(length) + " m apart; leave its length out");
+                    "stick " + stickName(s, k.a, k.b) + " of length " + numberText(k.length) +
+                        " is inside a rigid group whose particles are " + numberText(length) +
+                        " m apart; leave its length out");
   }
 }
 
@@ -241,6 +243,7 @@ Skeleton buildSkeleton(const SkeletonSpec& spec) {
   addParticles(spec, s);
   s.named = s.size();
   addSticks(spec, s);
+  fitRestPose(spec, s);
   addSegments(spec, s);
   addJoints(spec, s);
   completeGroups(spec, s);

@@ -7,19 +7,13 @@
 #include <sstream>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/number_text.h"
 
 namespace ragdoll::io {
 namespace {
 
 constexpr double kUnitTolerance =
     1e-14;  ///< a vector this close to unit length stays as it is, bit for bit
-
-std::string show(double number) {
-  std::ostringstream stream;
-  stream.imbue(std::locale::classic());
-  stream << number;
-  return stream.str();
-}
 
 std::string lower(std::string text) {
   for (char& c : text) {
@@ -89,21 +83,21 @@ double Reader::number() const {
 
 double Reader::positive() const {
   const double result = number();
-  if (!(result > 0)) fail("is " + show(result) + "; a number above 0 is expected");
+  if (!(result > 0)) fail("is " + numberText(result) + "; a number above 0 is expected");
   return result;
 }
 
 double Reader::notNegative() const {
   const double result = number();
-  if (!(result >= 0)) fail("is " + show(result) + "; 0 or a positive number is expected");
+  if (!(result >= 0)) fail("is " + numberText(result) + "; 0 or a positive number is expected");
   return result;
 }
 
 double Reader::within(double low, double high) const {
   const double result = number();
   if (!(result >= low && result <= high)) {
-    fail("is " + show(result) + "; a number from " + show(low) + " to " + show(high) +
-         " is expected");
+    fail("is " + numberText(result) + "; a number from " + numberText(low) + " to " +
+         numberText(high) + " is expected");
   }
   return result;
 }

@@ -1,9 +1,9 @@
 #include "ragdoll_sim/ros/convert.h"
 
 #include <algorithm>
-#include <sstream>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/number_text.h"
 
 namespace ragdoll {
 
@@ -144,9 +144,7 @@ ragdoll_msgs::PokeEvent toPokeEvent(const Event& event, const std_msgs::Header& 
 }
 
 std::string shown(const Vec3& v) {
-  std::ostringstream out;
-  out << "(" << v.x() << ", " << v.y() << ", " << v.z() << ")";
-  return out.str();
+  return "(" + numberText(v.x()) + ", " + numberText(v.y()) + ", " + numberText(v.z()) + ")";
 }
 
 void checkFinite(const Vec3& v, const char* name, const char* unit) {

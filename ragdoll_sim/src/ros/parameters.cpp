@@ -9,6 +9,7 @@
 #include "ragdoll_sim/body/coat.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/core/number_text.h"
 
 namespace ragdoll {
 namespace {
@@ -46,6 +47,7 @@ class Reader {
   std::string shown(const std::string& key) const {
     XmlRpc::XmlRpcValue value;
     nh_.getParam(key, value);
+    if (value.getType() == XmlRpc::XmlRpcValue::TypeDouble) return numberText(value);
     std::ostringstream out;
     value.write(out);
     return out.str();

@@ -24,8 +24,7 @@ constexpr int kCallbackThreads = 4;  ///< a long ~step leaves some for the other
 ragdoll::World loadWorld(const std::string& parameter, const std::string& scene) {
   try {
     ragdoll::World world(ragdoll::loadScene(ragdoll::resolvePackage(scene)));
-    for (const std::string& warning : world.model()->warnings) ROS_WARN("%s", warning.c_str());
-    for (const std::string& note : world.model()->notes) ROS_INFO("%s", note.c_str());
+    ragdoll::tellChecks(*world.model());
     return world;
   } catch (const ragdoll::Error& e) {
     throw ragdoll::Error("parameter " + parameter, e.what());

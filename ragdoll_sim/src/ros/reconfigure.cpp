@@ -1,6 +1,7 @@
 #include "ragdoll_sim/ros/reconfigure.h"
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/core/solver_presets.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
@@ -65,7 +66,7 @@ void Reconfigure::changed(SolverConfig& config) {
   present_.show_limits = config.show_limits;
   try {
     if (config.realtime_factor <= 0 && config.realtime_factor != -1)
-      throw Error("realtime_factor", "is " + std::to_string(config.realtime_factor) +
+      throw Error("realtime_factor", "is " + numberText(config.realtime_factor) +
                                          "; it must be > 0, or -1 to run free");
     const auto scene = simulation_.call([](World& world) { return world.scene(); });
     Scene next = *scene;

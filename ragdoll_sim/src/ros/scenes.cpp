@@ -1,5 +1,7 @@
 #include "ragdoll_sim/ros/scenes.h"
 
+#include <ros/console.h>
+
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/ros/answer.h"
@@ -18,6 +20,11 @@ World loadWorld(const ragdoll_msgs::LoadScene::Request& request) {
 }
 
 }  // namespace
+
+void tellChecks(const Model& model) {
+  for (const std::string& warning : model.warnings) ROS_WARN("%s", warning.c_str());
+  for (const std::string& note : model.notes) ROS_INFO("%s", note.c_str());
+}
 
 Scenes::Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,
                const RosClock& clock, const std::string& world_frame, std::function<void()> changed)
@@ -38,6 +45,7 @@ bool Scenes::load(ragdoll_msgs::LoadScene::Request& request,
     std::string message = std::to_string(next.model()->ragdolls.size()) + " ragdolls, " +
                           std::to_string(next.model()->obstacles.size()) + " obstacles";
     for (const std::string& warning : next.model()->warnings) message += "; " + warning;
+    tellChecks(*next.model());
     simulation_.jump([&](World& world) { world.replaceBy(next); });
     changed_();
     publisher_.publishNow();

@@ -138,7 +138,72 @@ TEST(Checks, RedundantStickIsFoundAndNamed) {
   s.sticks.push_back(stick("e", "j"));
   EXPECT_EQ(buildDirectSystem(buildSkeleton(s), {}, warnings).length.size(), 24);
   ASSERT_FALSE(warnings.empty());
-  EXPECT_NE(warnings[0].find("'e-j' is redundant"), std::string::npos);
+  EXPECT_NE(warnings[0].find("model 'bipartite': stick 'e-j' is redundant: "), std::string::npos)
+      << warnings[0];
+}
+
+TEST(Checks, RedundantStickNamesTheSticksThatHoldItAndNoOthers) {
+  // A double pyramid over the triangle a, b, c is rigid; of the rope c-g nothing depends on it.
+  SkeletonSpec s;
+  s.name = "pyramids";
+  const std::vector<std::string> ring = {"a", "b", "c"};
+  s.particles = {particle("a", Vec3(1, 0, 0)),        particle("b", Vec3(-0.5, 0.9, 0)),
+                 particle("c", Vec3(-0.5, -0.8, 0)),  particle("top", Vec3(0, 0.1, 1)),
+                 particle("low", Vec3(0.1, 0, -1.2)), particle("g", Vec3(-2, -2, 0))};
+  for (const char* tip : {"top", "low"})
+    for (const std::string& p : ring) s.sticks.push_back(stick(tip, p));
+  for (const auto& [p, q] : {std::pair("a", "b"), std::pair("b", "c"), std::pair("c", "g"),
+                             std::pair("top", "low"), std::pair("c", "a")})
+    s.sticks.push_back(stick(p, q));
+  // As sticks: merged into rigid groups they would be frames.
+  Skeleton built = buildSkeleton(s);
+  built.groups.clear();
+  std::vector<std::string> warnings;
+  buildDirectSystem(built, {}, warnings);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0].substr(0, 44), "model 'pyramids': stick 'c-a' is redundant: ");
+  for (const char* name : {"'top-a'", "'low-c'", "'a-b'", "'top-low'"})
+    EXPECT_NE(warnings[0].find(name), std::string::npos) << warnings[0];
+  EXPECT_EQ(warnings[0].find("'c-g'"), std::string::npos) << warnings[0];
+}
+
+TEST(Checks, PoseInWhichSticksAreDependentNamesThem) {
+  // Four sticks of a rope that closes only straight: 1 + 1 + 1 = 3 m. A fifth hangs from it.
+  SkeletonSpec s;
+  s.name = "straight";
+  for (int i = 0; i < 4; ++i)
+    s.particles.push_back(particle(std::string(1, static_cast<char>('a' + i)), Vec3(i, 0, 0)));
+  s.particles.push_back(particle("weight", Vec3(3, 0, -1)));
+  for (const auto& [p, q] : {std::pair("a", "b"), std::pair("b", "c"), std::pair("c", "d"),
+                             std::pair("d", "a"), std::pair("d", "weight")})
+    s.sticks.push_back(stick(p, q));
+  std::vector<std::string> warnings;
+  buildDirectSystem(buildSkeleton(s), {}, warnings);
+  ASSERT_EQ(warnings.size(), 1u);
+  for (const char* name : {"model 'straight'", "'a-b'", "'b-c'", "'c-d'", "'d-a'"})
+    EXPECT_NE(warnings[0].find(name), std::string::npos) << warnings[0];
+  EXPECT_EQ(warnings[0].find("weight"), std::string::npos) << warnings[0];
+}
+
+TEST(Checks, MotionWithoutInertiaNamesItsParticles) {
+  // A disc's inertia, but points off its plane; a stick hangs from it.
+  SkeletonSpec spec = withInertia(trunk(0.05, 0.01));
+  spec.segments.pop_back();
+  spec.segments[0].inertia = Vec3(1, 1, 2).asDiagonal();
+  spec.particles.pop_back();
+  spec.particles.back().mass = 1;
+  spec.sticks.resize(10);
+  spec.sticks.push_back(stick("l_hip", "l_leg"));
+  try {
+    std::vector<std::string> warnings;
+    buildDirectSystem(buildSkeleton(spec), {}, warnings);
+    ADD_FAILURE();
+  } catch (const std::exception& e) {
+    const std::string what = e.what();
+    EXPECT_NE(what.find("model 'trunk'"), std::string::npos) << what;
+    EXPECT_NE(what.find("a motion of neck"), std::string::npos) << what;
+    EXPECT_EQ(what.find("l_leg"), std::string::npos) << what;
+  }
 }
 
 TEST(Checks, InertiaOfNoBodyIsRefused) {

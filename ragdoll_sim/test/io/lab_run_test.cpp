@@ -122,6 +122,15 @@ TEST_F(LabRun, SummaryHasItsKeysAndTellsTheTruth) {
   EXPECT_EQ(summary["hash"].get<std::string>().size(), 16u);
 }
 
+TEST_F(LabRun, SaysWhichPairsSelfCollisionLeavesOut) {
+  const Outcome outcome = lab("run fall --seconds 0 --set self_collision=true --summary");
+  ASSERT_EQ(outcome.status, 0);
+  EXPECT_NO_THROW(nlohmann::json::parse(outcome.output));
+  EXPECT_THAT(outcome.errors, HasSubstr("ragdoll_lab: self collision of 'human': 159 pairs"));
+  EXPECT_THAT(outcome.errors, HasSubstr("left_shoulder-right_shoulder with neck-head"));
+  EXPECT_EQ(lab("run fall --seconds 0").errors, "");
+}
+
 TEST_F(LabRun, WorkIsForceTimesWay) {
   // One free particle of 2 kg, 10 N for 1 s without gravity: v = 5 m/s, work = 25 J = its energy.
   std::ofstream(folder / "dot.yaml") << "gravity: [0, 0, 0]\nragdolls: [{model: {particles: {p: "

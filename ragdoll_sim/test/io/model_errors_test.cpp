@@ -86,6 +86,17 @@ TEST(ModelErrors, ZeroLengthStick) {
       StartsWith("scene.yaml:7: ragdolls[0].model.sticks[0]: has 1 items; [particle, particle]"));
 }
 
+TEST(ModelErrors, LengthsThatDoNotCloseNameTheirSticks) {
+  EXPECT_THAT(errorAfterTwo("        c: {position: [1, 0, 1], mass: 1}\n"
+                            "      sticks:\n"
+                            "        - [a, b, 1]\n"
+                            "        - [b, c, 1.41]\n"
+                            "        - [c, a, 5]\n"),
+              AllOf(StartsWith("scene.yaml:11: ragdolls[0].model.sticks[2]: no pose gives"),
+                    HasSubstr("'c-a' of 5 m would be"), HasSubstr("'a-b' of 1 m would be"),
+                    HasSubstr("'b-c' of 1.41 m would be")));
+}
+
 TEST(ModelErrors, Segments) {
   EXPECT_THAT(
       errorAfterTwo("      segments:\n        s: {particles: [a, b]}\n"),

@@ -9,6 +9,7 @@ import rostest
 from client import Client, Inbox, bits, wait_for
 from ragdoll_msgs.msg import Model
 from ragdoll_msgs.srv import LoadScene, SetState
+from rosgraph_msgs.msg import Log
 
 YAML = '''
 gravity: [0, 0, 0]
@@ -23,6 +24,7 @@ class ScenesTest(unittest.TestCase):
     def setUpClass(cls):
         cls.client = Client()
         cls.models = Inbox('/ragdoll/model', Model)
+        cls.log = Inbox('/rosout', Log)
         cls.call_load = cls.client.service('load_scene', LoadScene)
         cls.call_set = cls.client.service('set_state', SetState)
 
@@ -56,6 +58,24 @@ class ScenesTest(unittest.TestCase):
         expected = bits(self.client.step(50))
         self.load(yaml=model.scene_yaml)
         self.assertEqual(bits(self.client.step(50)), expected)
+
+    def test_the_log_says_what_the_checks_found(self):
+        def said(level, *words):
+            return [m for m in self.log.all()
+                    if m.level == level and all(word in m.msg for word in words)]
+
+        self.load(yaml=YAML + 'self_collision: true')
+        wait_for(lambda: said(Log.INFO, "self collision of 'human'", 'share a particle: ',
+                              'overlap in the rest pose: ',
+                              'left_shoulder-right_shoulder with neck-head'), 'the pairs left out')
+        doll = YAML.replace('{name: anna, model: human, position: [0, 0, 3]}', """
+      name: anna
+      model:
+        particles: {a: {position: [0, 0, 0], mass: 1}, b: {position: [0, 0, 1], mass: 1}}
+        sticks: [[a, b, 1.5]]""")
+        answer = self.load(yaml=doll)
+        self.assertIn('b by 250 mm', answer.status_message)
+        wait_for(lambda: said(Log.WARN, 'b by 250 mm'), 'the warning')
 
     def test_an_error_leaves_the_old_scene_untouched(self):
         cases = [

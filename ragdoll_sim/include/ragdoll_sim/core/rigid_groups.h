@@ -31,12 +31,12 @@ struct BaseMap {
   Eigen::MatrixXd sticks;  ///< s x m
   Eigen::VectorXd length;  ///< [m] s
   std::vector<std::pair<int, int>>
-      ends;  ///< particles of a stick of the file; (-1, -1): of a frame
+      ends;  ///< particles of a stick of the file; (-1, g): of the frame of group g
 };
 
 /// Moves the rest positions of groups that count as flat (or straight) exactly into their plane
-/// (line). Returns the largest move [m].
-double flattenGroups(Skeleton& skeleton);
+/// (line).
+void flattenGroups(Skeleton& skeleton);
 
 /// The map for a skeleton with its groups. Without groups T and L are 1 and the sticks are the
 /// file's.

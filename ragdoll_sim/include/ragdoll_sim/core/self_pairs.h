@@ -16,7 +16,8 @@ void addCapsules(Skeleton& skeleton, bool self);
 /// "left_elbow-left_hand", or a lone particle's name.
 std::string capsuleName(const Skeleton& skeleton, int capsule);
 
-/// What was decided, for the log: how many pairs there are, and by name those that overlap.
+/// What was decided, for the log: how many pairs there are, and by name those left out and why. A
+/// line for each reason.
 std::string describePairs(const Skeleton& skeleton);
 
 }  // namespace ragdoll

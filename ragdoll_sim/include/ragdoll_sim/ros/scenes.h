@@ -17,6 +17,9 @@
 
 namespace ragdoll {
 
+/// To the log: what the checks at load found and decided (Model::warnings, notes).
+void tellChecks(const Model& model);
+
 class Scenes {
  public:
   /// changed: called when the settings of the solver may be others.
