@@ -12,6 +12,7 @@
 #include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/core/self_pairs.h"
 #include "ragdoll_sim/core/skeleton.h"
+#include "ragdoll_sim/core/start_pose.h"
 #include "ragdoll_sim/core/state.h"
 #include "ragdoll_sim/core/system.h"
 
@@ -112,11 +113,10 @@ void placeRagdoll(const RagdollSpec& spec, const Skeleton& s, int first, Model& 
   }
 }
 
-void addRagdolls(const Scene& scene, Model& model) {
+void addRagdolls(const Scene& scene, const std::vector<RagdollSpec>& specs, Model& model) {
   std::map<const SkeletonSpec*, int> known;
   std::set<std::string> names;
   int size = 0;
-  const std::vector<RagdollSpec> specs = unrolled(scene);
   if (specs.empty()) throw Error(scene.where, "ragdolls: a scene needs at least one ragdoll");
   for (const RagdollSpec& r : specs) {
     if (r.name.empty() || r.name.find('/') != std::string::npos)
@@ -143,6 +143,15 @@ void addRagdolls(const Scene& scene, Model& model) {
     const Skeleton& s = model.skeletonOf(r);
     placeRagdoll(specs[i], s, r.first, model);
     model.radius.segment(r.first, s.size()) = s.radius;
+  }
+}
+
+void correctStarts(const std::vector<RagdollSpec>& specs, Model& model) {
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    std::vector<int> placed;
+    for (const auto& place : specs[i].place)
+      placed.push_back(model.skeletonOf(model.ragdolls[i]).particle(place.first));
+    if (!placed.empty()) correctStart(model, static_cast<int>(i), placed);
   }
 }
 
@@ -197,7 +206,8 @@ Model buildModel(const Scene& scene) {
   model.solver = scene.solver;
   model.self_collision = scene.self_collision;
   model.ragdoll_collision = scene.ragdoll_collision;
-  addRagdolls(scene, model);
+  const std::vector<RagdollSpec> specs = unrolled(scene);
+  addRagdolls(scene, specs, model);
   if (model.self_collision || model.ragdoll_collision)
     for (Skeleton& s : model.skeletons) {
       addCapsules(s, model.self_collision);
@@ -205,6 +215,7 @@ Model buildModel(const Scene& scene) {
     }
   for (const ObstacleSpec& o : scene.obstacles) model.obstacles.push_back(resolve(o));
   setPins(model, resolvePins(scene, model));
+  correctStarts(specs, model);
   for (const PokeSpec& p : scene.pokes) model.pokes.push_back(resolve(p, model));
   std::stable_sort(model.pokes.begin(), model.pokes.end(), [&](const Poke& a, const Poke& b) {
     return actsBefore(a, b, model.solver.step);

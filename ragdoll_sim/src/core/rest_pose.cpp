@@ -128,8 +128,8 @@ std::string stickName(const Skeleton& s, int a, int b) {
   return "'" + s.particles[a] + "-" + s.particles[b] + "'";
 }
 
-std::string movesText(const Skeleton& s, const Points& before) {
-  const Eigen::VectorXd moved = (s.rest - before).colwise().norm();
+std::string movesText(const Skeleton& s, const Points& before, const Points& after) {
+  const Eigen::VectorXd moved = (after - before).colwise().norm();
   std::vector<int> order;
   for (int i = 0; i < s.named; ++i)
     if (moved[i] > kTold) order.push_back(i);
@@ -171,7 +171,7 @@ void fitRestPose(const SkeletonSpec& spec, Skeleton& s) {
     least = std::min(least, off);
     if (!fits) continue;
     s.rest = x;
-    const std::string moves = movesText(s, before);
+    const std::string moves = movesText(s, before, s.rest);
     if (!moves.empty())
       s.warnings.push_back(
           spec.where + ": the positions do not fit the sticks' lengths and were moved: " + moves);

@@ -213,7 +213,7 @@ void carryFlatInertia(const SkeletonSpec& spec, Skeleton& s) {
 void checkGroups(const SkeletonSpec& spec, Skeleton& s) {
   const Points before = s.rest;
   flattenGroups(s);
-  const std::string moves = movesText(s, before);
+  const std::string moves = movesText(s, before, s.rest);
   if (!moves.empty())
     s.warnings.push_back(spec.where + ": a nearly flat rigid group was made flat; moved: " + moves);
   for (std::size_t i = 0; i < s.sticks.size(); ++i) {

@@ -22,9 +22,8 @@ double extent(const Points& x);
 /// Another variant, other offsets.
 Points genericPose(const Points& x, double size, int variant = 0);
 
-/// "left_hand by 2.5 mm, left_elbow by 1 mm": what has moved to the rest pose from `before`; "" if
-/// nothing has.
-std::string movesText(const Skeleton& s, const Points& before);
+/// "left_hand by 2.5 mm, left_elbow by 1 mm": what has moved; "" if nothing has.
+std::string movesText(const Skeleton& s, const Points& before, const Points& after);
 
 /// "'left_elbow-left_hand'"
 std::string stickName(const Skeleton& s, int a, int b);
