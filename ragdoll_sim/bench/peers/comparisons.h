@@ -1,0 +1,14 @@
+// What is compared; each prints its tables as Markdown.
+#pragma once
+
+#include "peer.h"
+
+namespace ragdoll::peers {
+
+/// Two hinged rods: error of the tip after 1 s against the Lagrangian, and cost.
+void comparePendulum(const std::vector<Engine>& engines);
+
+/// The human falling on a floor from a set of tilts: what a user sees go wrong, and cost.
+void compareFall(const std::vector<Engine>& engines);
+
+}  // namespace ragdoll::peers
