@@ -91,7 +91,7 @@ void stepJakobsen(const Model& model, const Inputs& inputs, double h, Workspace:
   state.v = ws.v1 + (state.x - ws.x1) / h;
   ws.projection.bounce(state.v);
   report.contacts = ws.projection.pressing();
-  ws.projection.markPressed(ws.pressed);
+  ws.projection.markPressed(ws.pressed, ws.pressing);
   if (!ws.unguarded) guardRelaxation(model, inputs, h, ws, state, report);
   keepAllowed(model, state);
 }

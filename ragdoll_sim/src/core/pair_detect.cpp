@@ -1,6 +1,7 @@
 #include "ragdoll_sim/core/pair_detect.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "ragdoll_sim/core/capsule_pairs.h"
 
@@ -75,20 +76,29 @@ void PairDetector::appendSelf(const Model& model, const Points& x0, const Points
 
 void PairDetector::appendBetween(const Model& model, const State& state, const Points& x0,
                                  const Points& x1, double margin, std::vector<Contact>& contacts) {
+  all_.resize(model.ragdolls.size());
+  std::iota(all_.begin(), all_.end(), 0);
+  appendBetween(model, state, all_, x0, x1, margin, contacts);
+}
+
+void PairDetector::appendBetween(const Model& model, const State& state,
+                                 const std::vector<int>& ragdolls, const Points& x0,
+                                 const Points& x1, double margin, std::vector<Contact>& contacts) {
   capsules_.clear();
   bodies_.clear();
   first_.clear();
-  const auto bodyOf = [&](int i) {
-    return Body{i, &model.ragdolls[i], &model.skeletonOf(model.ragdolls[i])};
+  const auto bodyOf = [&](int k) {
+    const Ragdoll& r = model.ragdolls[ragdolls[k]];
+    return Body{ragdolls[k], &r, &model.skeletonOf(r)};
   };
-  for (int i = 0; i < static_cast<int>(model.ragdolls.size()); ++i) {
+  for (int k = 0; k < static_cast<int>(ragdolls.size()); ++k) {
     first_.push_back(static_cast<int>(capsules_.size()));
-    bound(model, bodyOf(i), x0, x1, margin, capsules_);
+    bound(model, bodyOf(k), x0, x1, margin, capsules_);
     bodies_.push_back(unionOf(capsules_, first_.back(), capsules_.size()));
   }
   for (const auto& [i, j] : grid_.findPairs(bodies_)) {
-    if (state.asleep[i] && state.asleep[j]) continue;
     const Body p = bodyOf(i), q = bodyOf(j);
+    if (state.asleep[p.index] && state.asleep[q.index]) continue;
     const Bounds* of_p = capsules_.data() + first_[i];
     const Bounds* of_q = capsules_.data() + first_[j];
     const std::size_t found = contacts.size();
@@ -102,7 +112,7 @@ void PairDetector::appendBetween(const Model& model, const State& state, const P
           appendPair(model, p, static_cast<int>(k), q, l, x0, x1, margin, contacts);
     }
     for (std::size_t k = found; k < contacts.size(); ++k)
-      contacts[k].moves = {!state.asleep[i], !state.asleep[j]};
+      contacts[k].moves = {!state.asleep[p.index], !state.asleep[q.index]};
   }
 }
 

@@ -2,32 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "ragdoll_sim/core/joint_damping.h"
 
 namespace ragdoll {
 namespace {
-
-constexpr double kRounding = 1e-9;  ///< of the energy: less is no rise
-
-/// Bodies that hang together by contacts; of lone bodies there are none.
-std::vector<std::vector<int>> groupsOf(const Model& model, const std::vector<Contact>& contacts) {
-  std::vector<int> head(model.ragdolls.size());
-  std::iota(head.begin(), head.end(), 0);
-  const auto find = [&head](int i) {
-    while (head[i] != i) i = head[i] = head[head[i]];
-    return i;
-  };
-  for (const Contact& c : contacts) head[find(c.ragdoll)] = find(c.other);
-  std::vector<std::vector<int>> groups(head.size());
-  for (std::size_t i = 0; i < head.size(); ++i)
-    groups[find(static_cast<int>(i))].push_back(static_cast<int>(i));
-  groups.erase(std::remove_if(groups.begin(), groups.end(),
-                              [](const std::vector<int>& group) { return group.size() < 2; }),
-               groups.end());
-  return groups;
-}
 
 class Group {
  public:
@@ -41,17 +20,6 @@ class Group {
       energy += 0.5 * (own * mass(i)).cwiseProduct(own).sum();
     }
     return energy;
-  }
-
-  double work(const Points& x0, const Points* force) const {
-    double work = 0;
-    for (const int i : bodies_) {
-      const Points moved =
-          state_.x.middleCols(first(i), size(i)) - x0.middleCols(first(i), size(i));
-      work += model_.gravity.dot((moved * mass(i)).rowwise().sum());
-      if (force) work += force->middleCols(first(i), size(i)).cwiseProduct(moved).sum();
-    }
-    return work;
   }
 
   void takeOut(double rise) {
@@ -105,18 +73,8 @@ class Group {
 
 }  // namespace
 
-int limitPairEnergy(const Model& model, const std::vector<Contact>& contacts, const Points& x0,
-                    const Points& v0, const Points* force, State& state) {
-  int limited = 0;
-  for (const std::vector<int>& bodies : groupsOf(model, contacts)) {
-    Group group(model, bodies, state);
-    const double before = group.kineticEnergy(v0);
-    const double rise = group.kineticEnergy(state.v) - before - group.work(x0, force);
-    if (!(rise > kRounding * std::max(before, group.kineticEnergy(state.v)))) continue;
-    group.takeOut(rise);
-    limited += static_cast<int>(bodies.size());
-  }
-  return limited;
+void takeOutOfGroup(const Model& model, const std::vector<int>& bodies, double rise, State& state) {
+  Group(model, bodies, state).takeOut(rise);
 }
 
 }  // namespace ragdoll

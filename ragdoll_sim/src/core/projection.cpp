@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ragdoll_sim/core/sleep.h"
-
 namespace ragdoll {
 namespace {
 
@@ -117,18 +115,14 @@ void ContactProjection::bounce(Points& v) const {
   }
 }
 
-void ContactProjection::markPressed(std::vector<std::uint8_t>& pressed) const {
-  std::vector<const Contact*> between;
+void ContactProjection::markPressed(std::vector<std::uint8_t>& pressed,
+                                    std::vector<BodyPair>& pressing) const {
   for (const ProjectedContact& p : contacts_) {
     if (p.lambda_n <= 0) continue;
     const Contact& c = p.contact;
     if (c.obstacle >= 0) pressed[c.ragdoll] = 1;
-    if (c.other < 0) continue;
-    between.push_back(&c);
-    if (!c.moves[0]) pressed[c.ragdoll] = 1;  // sleepers lie on something
-    if (!c.moves[1]) pressed[c.other] = 1;
+    if (c.other >= 0) pressing.push_back({c.ragdoll, c.other});
   }
-  spreadPressed(between, pressed);
 }
 
 int ContactProjection::pressing() const {

@@ -4,14 +4,10 @@
 #include <cmath>
 #include <limits>
 
+#include "ragdoll_sim/core/schur_sweeps.h"
+
 namespace ragdoll {
 namespace {
-
-constexpr int kMaxIterations = 100;  ///< of Gauss-Seidel; most end after 5 to 30
-constexpr int kPatience = 20;        ///< iterations in which the changes have to shrink,
-constexpr double kProgress = 0.9;    ///< to this share at least
-constexpr double kSettled = 1e-7;    ///< largest change of an impulse, of the largest impulse
-constexpr double kHeld = 1e-9;  ///< a row whose A is below this share of its free value cannot move
 
 Vec3 anyTangent(const Vec3& n) {
   return n.cross(std::abs(n.x()) < 0.6 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
@@ -24,7 +20,7 @@ void Schur::start(int first) {
   rows_.clear();
 }
 
-void Schur::addContact(const Contact& c, int source) {
+void Schur::addContact(const Contact& c, int source, int begin, int end) {
   const Vec3 t1 = anyTangent(c.normal), t2 = c.normal.cross(t1);
   const std::array<Vec3, 3> directions{c.normal, t1, t2};
   const int used = c.friction > 0 ? 3 : 1;
@@ -32,12 +28,12 @@ void Schur::addContact(const Contact& c, int source) {
     Row row;
     row.kind = d == 0 ? Row::Kind::kNormal : Row::Kind::kTangent;
     row.source = source;
-    row.count = c.count;
+    row.count = end - begin;
     row.direction = directions[d];
     row.friction = c.friction;
-    for (int k = 0; k < c.count; ++k) {
-      row.particle[k] = c.particle[k] - first_;
-      row.gradient[k] = c.weight[k] * directions[d];
+    for (int k = begin; k < end; ++k) {
+      row.particle[k - begin] = c.particle[k] - first_;
+      row.gradient[k - begin] = c.weight[k] * directions[d];
     }
     rows_.push_back(row);
   }
@@ -94,50 +90,32 @@ void Schur::assemble(const StickRows& c, const StickSolver& sticks, const Eigen:
   }
 }
 
-bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
-  const int m = size();
-  w_.setZero(columns_);
-  w_.head(m) = b;
-  for (int i = 0; i < m; ++i)
-    if (p[i] != 0) kernels::addScaled(A_.data() + i * columns_, p[i], columns_, w_.data());
-  double earlier = std::numeric_limits<double>::infinity();
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    double change = 0, largest = 0;
-    const auto set = [&](int i, double value) {
-      const double step = value - p[i];
-      largest = std::max(largest, std::abs(value) * A_(i, i));
-      if (step == 0) return;
-      change = std::max(change, std::abs(step) * A_(i, i));
-      p[i] = value;
-      kernels::addScaled(A_.data() + i * columns_, step, columns_, w_.data());
-    };
-    for (int i = 0; i < m; ++i) {
-      if (!(A_(i, i) > kHeld * free_[i])) continue;
-      if (rows_[i].kind != Row::Kind::kTangent) {
-        set(i, std::max(rows_[i].least, p[i] - w_[i] / A_(i, i)));
-        continue;
-      }
-      const int j = i + 1;  // tangents come in pairs
-      const double limit = rows_[i].friction * p[i - 1];
-      if (limit > 0 || p[i] != 0 || p[j] != 0) {
-        const double a = std::max(A_(i, i), A_(j, j)) + std::abs(A_(i, j));
-        double ti = p[i] - w_[i] / a, tj = p[j] - w_[j] / a;
-        const double length = std::sqrt(ti * ti + tj * tj);
-        if (length > limit) {
-          ti *= limit / length;
-          tj *= limit / length;
-        }
-        set(i, ti);
-        set(j, tj);
-      }
-      ++i;
-    }
-    if (change <= kSettled * largest) return true;
-    if (iteration % kPatience != kPatience - 1) continue;
-    if (change > kProgress * earlier) return false;  // no solution: impulses grow without end
-    earlier = change;
+namespace {
+
+/// One body's rows as projectedGaussSeidel wants them.
+struct OneBody {
+  const std::vector<Schur::Row>& rows;
+  const PaddedRows& A;
+  const Eigen::VectorXd& unheld;
+  Eigen::VectorXd& w;
+
+  int size() const { return static_cast<int>(rows.size()); }
+  const Schur::Row& row(int i) const { return rows[i]; }
+  double matrix(int i, int j) const { return A(i, j); }
+  double free(int i) const { return unheld[i]; }
+  double rate(int i) const { return w[i]; }
+  void push(int i, double step) {
+    kernels::addScaled(A.data() + i * A.cols(), step, static_cast<int>(A.cols()), w.data());
   }
-  return false;
+};
+
+}  // namespace
+
+bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
+  w_.setZero(columns_);
+  w_.head(size()) = b;
+  OneBody rows{rows_, A_, free_, w_};
+  return projectedGaussSeidel(rows, p);
 }
 
 void Schur::move(const StickRows& c, StickSolver& sticks, const Eigen::MatrixXd& W,

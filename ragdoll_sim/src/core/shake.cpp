@@ -13,11 +13,11 @@ constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into a
 
 }  // namespace
 
-ShakeStep::ShakeStep(const Model& model, Workspace::Impl& ws, State& state, int ragdoll,
-                     StepReport& report)
+ShakeStep::ShakeStep(const Model& model, Workspace::Impl& ws, ShakeScratch& scratch, State& state,
+                     int ragdoll, StepReport& report)
     : model_(model),
       ws_(ws),
-      scratch_(ws.shake),
+      scratch_(scratch),
       state_(state),
       report_(report),
       index_(ragdoll),
@@ -33,6 +33,22 @@ ShakeStep::ShakeStep(const Model& model, Workspace::Impl& ws, State& state, int 
 }
 
 void ShakeStep::run(const Inputs& inputs, double h) {
+  begin(inputs, h);
+  if (model_.solver.method == Method::kRk && model_.solver.tolerance > 0)
+    adapt(h);
+  else
+    guard(h);
+  end();
+}
+
+void ShakeStep::predict(const Inputs& inputs, double h) {
+  begin(inputs, h);
+  body_.start.setPose(rows_, xData());
+  freeMotion(h);
+  x() += scratch_.dx;
+}
+
+void ShakeStep::begin(const Inputs& inputs, double h) {
   step_ = h;
   if (state_.step % kAffineEvery == 0 || model_.solver.method == Method::kJakobsen) makeAffine();
   movePins(inputs, h);
@@ -51,26 +67,12 @@ void ShakeStep::run(const Inputs& inputs, double h) {
   for (const Press& last : state_.presses)
     if (last.ragdoll == index_ && last.other[0] < ragdoll_.first + n_)  // not on another body
       scratch_.presses.push_back(last);
-  if (model_.solver.method == Method::kRk && model_.solver.tolerance > 0)
-    adapt(h);
-  else
-    guard(h);
+}
+
+void ShakeStep::end() {
   for (const Press& press : scratch_.presses)
     if (press.obstacle >= 0) ws_.pressed[index_] = 1;
   ws_.presses.insert(ws_.presses.end(), scratch_.presses.begin(), scratch_.presses.end());
-}
-
-void ShakeStep::settle(double h, const std::vector<Contact>& touching,
-                       const std::vector<LimitRow>& limits) {
-  step_ = h;
-  scratch_.touching = touching;
-  scratch_.touching_limits.clear();
-  for (const LimitRow& limit : limits)  // soft ones have acted
-    if (limit.compliance == 0) scratch_.touching_limits.push_back(limit);
-  std::size_t rows = scratch_.touching_limits.size();
-  for (const Contact& c : touching) rows += c.friction > 0 ? 3 : 1;
-  scratch_.warm.assign(rows, 0.0);
-  pushVelocities(body_.start, false);
 }
 
 void ShakeStep::makeAffine() {
@@ -102,13 +104,7 @@ void ShakeStep::movePins(const Inputs& inputs, double h) {
 
 void stepBodyShake(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
                    State& state, int ragdoll, StepReport& report) {
-  ShakeStep(model, ws, state, ragdoll, report).run(inputs, h);
-}
-
-void settleBodyShake(const Model& model, double h, Workspace::Impl& ws, State& state, int ragdoll,
-                     const std::vector<Contact>& touching, const std::vector<LimitRow>& limits) {
-  StepReport report;
-  ShakeStep(model, ws, state, ragdoll, report).settle(h, touching, limits);
+  ShakeStep(model, ws, ws.shake, state, ragdoll, report).run(inputs, h);
 }
 
 void prepareShake(const Model& model, const Inputs& inputs, Workspace::Impl& ws, State& state) {

@@ -6,18 +6,11 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kProgress = 0.8;        ///< of the last round's violation: more is no progress
-constexpr int kMaxRounds = 6;            ///< of contacts and sticks in turn
-constexpr double kContactMargin = 0.02;  ///< [m]
-constexpr double kLimitMargin = 0.3;     ///< [rad]
-constexpr double kActiveGap = 1e-3;      ///< [m] contacts nearer than this are solved for at once
-constexpr double kActiveAngle = 0.01;    ///< [rad] likewise
-constexpr double kLever = 0.1;           ///< [m] of a radian that is seen
-constexpr int kMaxSearches = 3;          ///< for contacts that others push the body into
-constexpr double kRecoverySpeed = 2;     ///< [m/s] at which overlap found at the start opens
-constexpr double kRecoveryTurn = 5;      ///< [rad/s] the same of a limit that is violated
-constexpr double kFarBeyond = 0.02;      ///< [rad] violated by more than steps leave behind
-constexpr double kMissed = 1e-4;         ///< [m] deeper than that is found and solved again
+constexpr double kLimitMargin = 0.3;   ///< [rad]
+constexpr double kActiveAngle = 0.01;  ///< [rad] likewise
+constexpr double kLever = 0.1;         ///< [m] of a radian that is seen
+constexpr double kRecoveryTurn = 5;    ///< [rad/s] the same of a limit that is violated
+constexpr double kFarBeyond = 0.02;    ///< [rad] violated by more than steps leave behind
 
 bool isForced(const std::vector<std::uint8_t>& forced, std::size_t i) {
   return i < forced.size() && forced[i] != 0;
@@ -93,6 +86,7 @@ void ShakeStep::gather(double h, bool leapfrog) {
     scratch_.limit_row[i] = schur.size();
     schur.addLimit(limit, static_cast<int>(i), scratch_.softness[i].compliance);
   }
+  scratch_.own_rows = schur.size();
 }
 
 bool ShakeStep::forceViolated() {
@@ -243,7 +237,7 @@ void ShakeStep::recall(double h) {
   p.setZero(scratch_.schur.size());
   if (scratch_.presses.empty()) return;
   const Press* last = nullptr;
-  for (int i = 0; i < p.size(); ++i) {
+  for (int i = 0; i < ownRows(); ++i) {
     const Schur::Row& row = scratch_.schur.row(i);
     if (row.kind != Schur::Row::Kind::kTangent) last = lastPress(keyOf(row));
     if (!last) continue;
@@ -257,7 +251,7 @@ void ShakeStep::recall(double h) {
 
 void ShakeStep::remember(double h) {
   scratch_.presses.clear();
-  for (int i = 0; i < scratch_.schur.size(); ++i) {
+  for (int i = 0; i < ownRows(); ++i) {
     const Schur::Row& row = scratch_.schur.row(i);
     const double force = scratch_.total[i] / (h * h);
     if (row.kind == Schur::Row::Kind::kLimit) {
@@ -277,9 +271,9 @@ void ShakeStep::remember(double h) {
 void ShakeStep::fillGaps(double h) {
   const double share = h / step_;
   Schur& schur = scratch_.schur;
-  scratch_.b.resize(schur.size());
+  scratch_.b.resize(ownRows());
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
-  for (int i = 0; i < schur.size(); ++i) {
+  for (int i = 0; i < ownRows(); ++i) {
     const Schur::Row& row = schur.row(i);
     if (row.kind == Schur::Row::Kind::kLimit) {
       const LimitRow& limit = scratch_.limits[row.source];

@@ -6,13 +6,10 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kStable = 1.0;   ///< h sqrt(Omega2) of a substep; 2 is the edge of stability
-constexpr int kMaxSubsteps = 16;  ///< above, one implicit step is cheaper
 constexpr int kMaxPieces =
     64;  ///< of implicit steps; beyond, the rest of the step is one rigid motion
 constexpr int kMaxDriven = 4;       ///< the same while obstacles or pins move
 constexpr double kSqueezed = 1e-3;  ///< [m] overlap that no sound step leaves behind
-constexpr double kRedoRise = 1e-3;  ///< of the kinetic energy (1 J at least): done again at half
 
 }  // namespace
 

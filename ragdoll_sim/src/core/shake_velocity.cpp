@@ -7,12 +7,17 @@ namespace ragdoll {
 namespace {
 
 constexpr double kBounceSteps = 4;       ///< bounce only above an approach speed of 4 g h
-constexpr double kDeepImpact = 0.2;      ///< [m] contact that would reach so deep is an impact
 constexpr double kTouchingAngle = 1e-4;  ///< [rad]
 
 }  // namespace
 
 void ShakeStep::finish(double h, bool leapfrog, bool impact) {
+  move(h, leapfrog);
+  pushVelocities(body_.end, impact, h);
+  std::swap(body_.start, body_.end);
+}
+
+void ShakeStep::move(double h, bool leapfrog) {
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
   v() = scratch_.dx / h;
   if (leapfrog) v() += (0.5 * h) * scratch_.acceleration;
@@ -21,8 +26,6 @@ void ShakeStep::finish(double h, bool leapfrog, bool impact) {
   x() += scratch_.dx;
   body_.end.setPose(rows_, xData());
   body_.end.projectVelocities(rows_, vData());
-  pushVelocities(body_.end, impact, h);
-  std::swap(body_.start, body_.end);
 }
 
 void ShakeStep::restrictToTouching(double h) {
@@ -72,6 +75,16 @@ void ShakeStep::releaseSprings(double h) {
 
 void ShakeStep::pushVelocities(StickSolver& sticks, bool impact, double h) {
   if (scratch_.touching.empty() && scratch_.touching_limits.empty()) return;
+  gatherTouching(h);
+  Schur& schur = scratch_.schur;
+  schur.assemble(rows_, sticks, system_.W);
+  fillRates(impact);
+  scratch_.p = Eigen::Map<const Eigen::VectorXd>(scratch_.warm.data(), schur.size());
+  schur.solve(scratch_.b, scratch_.p);
+  schur.move(rows_, sticks, system_.W, scratch_.p, vData());
+}
+
+void ShakeStep::gatherTouching(double h) {
   Schur& schur = scratch_.schur;
   schur.start(ragdoll_.first);
   for (std::size_t i = 0; i < scratch_.touching.size(); ++i)
@@ -84,9 +97,13 @@ void ShakeStep::pushVelocities(StickSolver& sticks, bool impact, double h) {
       schur.addLimit(limit, static_cast<int>(i), 2 / (h * limit.damping),
                      -0.5 * h * limit.springTorque());
   }
-  schur.assemble(rows_, sticks, system_.W);
-  scratch_.b.resize(schur.size());
-  for (int i = 0; i < schur.size(); ++i) {
+  scratch_.own_rows = schur.size();
+}
+
+void ShakeStep::fillRates(bool impact) {
+  const Schur& schur = scratch_.schur;
+  scratch_.b.resize(ownRows());
+  for (int i = 0; i < ownRows(); ++i) {
     const Schur::Row& row = schur.row(i);
     scratch_.b[i] = schur.along(i, vData());
     if (row.kind == Schur::Row::Kind::kLimit) continue;
@@ -95,9 +112,6 @@ void ShakeStep::pushVelocities(StickSolver& sticks, bool impact, double h) {
     if (impact && row.kind == Schur::Row::Kind::kNormal && -scratch_.b[i] > bounceSpeed(c))
       scratch_.b[i] *= 1 + c.restitution;
   }
-  scratch_.p = Eigen::Map<const Eigen::VectorXd>(scratch_.warm.data(), schur.size());
-  schur.solve(scratch_.b, scratch_.p);
-  schur.move(rows_, sticks, system_.W, scratch_.p, vData());
 }
 
 double ShakeStep::bounceSpeed(const Contact& c) const {
@@ -113,6 +127,13 @@ bool ShakeStep::isImpact(const Contact& c, double h, bool may_bounce) const {
   return speed > bounceSpeed(c) && gapAt(c, scratch_.dx.data()) < 0;
 }
 
+double ShakeStep::timeOfTouch(double g0, double v0, double end, double h) {
+  const double q = (end - g0 - v0 * h) / (h * h);  // gap = g0 + v0 t + q t^2
+  const double root = std::sqrt(std::max(0.0, v0 * v0 - 4 * q * g0));
+  const double t = g0 > 0 ? 2 * g0 / (-v0 + root) : 0;
+  return t >= 0 ? t : h;
+}
+
 double ShakeStep::firstImpact(double h, bool may_bounce) const {
   double first = h;
   for (const Contact& c : scratch_.contacts) {
@@ -122,10 +143,7 @@ double ShakeStep::firstImpact(double h, bool may_bounce) const {
                       c.normal.dot(c.surface_motion) / step_;
     const double g0 = std::max(
         0.0, end - c.normal.dot(motionOf(c, scratch_.dx.data()) - h / step_ * c.surface_motion));
-    const double q = (end - g0 - v0 * h) / (h * h);  // gap = g0 + v0 t + q t^2
-    const double root = std::sqrt(std::max(0.0, v0 * v0 - 4 * q * g0));
-    const double t = g0 > 0 ? 2 * g0 / (-v0 + root) : 0;
-    if (t >= 0 && t < first) first = t;
+    first = std::min(first, timeOfTouch(g0, v0, end, h));
   }
   return first;
 }

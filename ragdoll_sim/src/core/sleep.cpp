@@ -29,6 +29,15 @@ bool comesNear(const Model& model, const State& state, const SweptObstacle& obst
          ((x.rowwise().maxCoeff().array() + pad) >= obstacle.bounds.lo.array()).all();
 }
 
+/// Applies `pass` to pairs until it passes nothing on any more.
+template <class Pass>
+void spread(const std::vector<BodyPair>& pairs, const Pass& pass) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const BodyPair& pair : pairs) changed = pass(pair.first, pair.second) || changed;
+  }
+}
+
 }  // namespace
 
 void wakeDisturbed(const Model& model, const Inputs& inputs, double h, State& state) {
@@ -63,30 +72,35 @@ bool wakeTouched(const std::vector<Contact>& contacts, const Points& x1, State& 
   return woke;
 }
 
-void spreadPressed(const std::vector<const Contact*>& pressing,
-                   std::vector<std::uint8_t>& pressed) {
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (const Contact* c : pressing) {
-      if (pressed[c->ragdoll] == pressed[c->other]) continue;
-      pressed[c->ragdoll] = pressed[c->other] = 1;
-      changed = true;
-    }
-  }
-}
-
-void putToSleep(const Model& model, const std::vector<std::uint8_t>& pressed, double h,
-                State& state) {
+void putToSleep(const Model& model, const std::vector<BodyPair>& pressing, double h,
+                std::vector<std::uint8_t>& pressed, State& state) {
+  spread(pressing, [&](int i, int j) {
+    // Sleepers lie on something.
+    if ((pressed[i] || state.asleep[i]) == (pressed[j] || state.asleep[j])) return false;
+    pressed[i] = pressed[j] = 1;
+    return true;
+  });
   for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
     if (state.asleep[i]) continue;
     const Ragdoll& r = model.ragdolls[i];
-    auto v = state.v.middleCols(r.first, model.skeletonOf(r).size());
+    const auto v = state.v.middleCols(r.first, model.skeletonOf(r).size());
     const bool still =
         pressed[i] && v.colwise().squaredNorm().maxCoeff() < kStillSpeed * kStillSpeed;
     state.quiet[i] = still ? state.quiet[i] + h : 0;
-    if (state.quiet[i] < kQuietTime) continue;
+  }
+  std::vector<std::uint8_t> still(model.ragdolls.size());
+  for (std::size_t i = 0; i < still.size(); ++i)
+    still[i] = state.asleep[i] || state.quiet[i] >= kQuietTime;
+  spread(pressing, [&](int i, int j) {
+    if (still[i] == still[j]) return false;
+    still[i] = still[j] = 0;
+    return true;
+  });
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    if (state.asleep[i] || !still[i]) continue;
+    const Ragdoll& r = model.ragdolls[i];
     state.asleep[i] = 1;
-    v.setZero();
+    state.v.middleCols(r.first, model.skeletonOf(r).size()).setZero();
   }
 }
 

@@ -33,11 +33,12 @@ StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, 
   wakeDisturbed(model, inputs, h, state);
   gatherForces(inputs, h, ws, state);
   ws.pressed.assign(model.ragdolls.size(), 0);
+  ws.pressing.clear();
   if (model.solver.method == Method::kJakobsen)
     stepJakobsen(model, inputs, h, ws, state, report);
   else
     stepShake(model, inputs, h, ws, state, report);
-  if (model.solver.sleep) putToSleep(model, ws.pressed, h, state);
+  if (model.solver.sleep) putToSleep(model, ws.pressing, h, ws.pressed, state);
   if (!inputs.obstacles.empty()) state.obstacles = inputs.obstacles;
   ++state.step;
   state.time += h;

@@ -26,4 +26,9 @@ struct Contact {
   double gap_start = 0;                   ///< [m] at the step's start
 };
 
+/// Two bodies that press on each other.
+struct BodyPair {
+  int first = 0, second = 0;  ///< ragdolls
+};
+
 }  // namespace ragdoll

@@ -22,7 +22,11 @@ class PairDetector {
   void appendSelf(const Model& model, const Points& x0, const Points& x1, int ragdoll,
                   double margin, std::vector<Contact>& contacts);
 
-  /// Appends those between ragdolls, ascending; Contact::ragdoll < Contact::other.
+  /// Appends those between the ragdolls given, ascending; Contact::ragdoll < Contact::other.
+  void appendBetween(const Model& model, const State& state, const std::vector<int>& ragdolls,
+                     const Points& x0, const Points& x1, double margin,
+                     std::vector<Contact>& contacts);
+  /// Between all of them.
   void appendBetween(const Model& model, const State& state, const Points& x0, const Points& x1,
                      double margin, std::vector<Contact>& contacts);
 
@@ -43,6 +47,7 @@ class PairDetector {
   std::vector<Bounds> bodies_, capsules_;  ///< swept; capsules: of all bodies, in order
   std::vector<Bounds> own_;                ///< of one body
   std::vector<int> first_;                 ///< a body's first capsule
+  std::vector<int> all_;                   ///< ragdolls
   std::vector<int> near_;                  ///< capsules of the first body near the second
 };
 

@@ -35,8 +35,9 @@ class ContactProjection {
   void sweep(Points& x);
   /// Gives bouncing contacts their speed; changes v only.
   void bounce(Points& v) const;
-  void markPressed(std::vector<std::uint8_t>& pressed) const;  ///< per ragdoll
-  int pressing() const;                                        ///< contacts with lambda_n > 0
+  /// pressed: per ragdoll, by an obstacle; pressing: bodies on each other.
+  void markPressed(std::vector<std::uint8_t>& pressed, std::vector<BodyPair>& pressing) const;
+  int pressing() const;  ///< contacts with lambda_n > 0
 
  private:
   struct Response {

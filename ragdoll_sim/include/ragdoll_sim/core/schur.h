@@ -36,7 +36,11 @@ class Schur {
 
   /// first: the body's first column of the state.
   void start(int first);
-  void addContact(const Contact& contact, int source);
+  void addContact(const Contact& contact, int source) {
+    addContact(contact, source, 0, contact.count);
+  }
+  /// The part of a contact that its particles begin ... end - 1, this body's, have in it.
+  void addContact(const Contact& contact, int source, int begin, int end);
   void addLimit(const LimitRow& limit, int source, double compliance, double least = 0);
   bool empty() const { return rows_.empty(); }
   int size() const { return static_cast<int>(rows_.size()); }
@@ -57,6 +61,8 @@ class Schur {
   double along(int i, const double* x) const;
 
  private:
+  friend class JointSchur;
+
   int first_ = 0, columns_ = 0;
   std::vector<Row> rows_;
   PaddedRows K_, Z_;                   ///< s x padded rows

@@ -24,13 +24,8 @@ void stepShake(const Model& model, const Inputs& inputs, double h, Workspace::Im
 /// Sizes what bodies need and sweeps the obstacles; before the bodies of a step.
 void prepareShake(const Model& model, const Inputs& inputs, Workspace::Impl& ws, State& state);
 
-/// One body's part of it; its presses are appended to ws.presses, what touches it at the end is
-/// left in ws.shake.
+/// One body's part of it; its presses are appended to ws.presses.
 void stepBodyShake(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
                    State& state, int ragdoll, StepReport& report);
-
-/// Its velocity stage once more, after others have pushed it at the step's end.
-void settleBodyShake(const Model& model, double h, Workspace::Impl& ws, State& state, int ragdoll,
-                     const std::vector<Contact>& touching, const std::vector<LimitRow>& limits);
 
 }  // namespace ragdoll

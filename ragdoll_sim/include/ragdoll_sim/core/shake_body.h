@@ -30,6 +30,7 @@ struct ShakeScratch {
   std::vector<Contact> contacts, touching, missed;  ///< near; touching at the step's end
   std::vector<LimitRow> limits, touching_limits, missed_limits;
   std::vector<int> contact_row, limit_row;  ///< first row of each in the Schur complement, or -1
+  int own_rows = 0;                         ///< of them; contacts with other bodies come after
   std::vector<std::uint8_t> forced_contacts, forced_limits;  ///< must be among the rows
   Points free_dx;                                            ///< before contacts and limits
   Eigen::VectorXd free_lambda;

@@ -17,20 +17,36 @@ namespace ragdoll {
 
 class ShakeStep {
  public:
-  ShakeStep(const Model& model, Workspace::Impl& ws, State& state, int ragdoll, StepReport& report);
+  ShakeStep(const Model& model, Workspace::Impl& ws, ShakeScratch& scratch, State& state,
+            int ragdoll, StepReport& report);
 
   void run(const Inputs& inputs, double h);
 
-  /// Velocity stage once more, at the step's end: what touches there is known.
-  void settle(double h, const std::vector<Contact>& touching, const std::vector<LimitRow>& limits);
+  /// x <- where the body would go if it met nothing; velocities are left as they then are.
+  void predict(const Inputs& inputs, double h);
 
  private:
+  friend class ShakeIsland;
+
   static constexpr double kTolerance = 1e-10;        ///< relative error of a stick's squared length
   static constexpr double kContactTolerance = 1e-6;  ///< [m]
   static constexpr double kTouching = 1e-5;          ///< [m]
   static constexpr double kUnsettled = 5e-4;         ///< [m] a contact solution this bad is refused
   static constexpr int kMaxBounces = 4;              ///< in one step; later ones do not bounce
   static constexpr int kMaxImpacts = 32;             ///< in one step that are located in time
+  static constexpr double kDeepImpact = 0.2;  ///< [m] contact that would reach so deep is an impact
+  static constexpr double kContactMargin = 0.02;  ///< [m]
+  static constexpr double kActiveGap =
+      1e-3;                                ///< [m] contacts nearer than this are solved for at once
+  static constexpr double kMissed = 1e-4;  ///< [m] deeper than that is found and solved again
+  static constexpr double kRecoverySpeed = 2;  ///< [m/s] at which overlap found at the start opens
+  static constexpr int kMaxRounds = 6;         ///< of contacts and sticks in turn
+  static constexpr double kProgress = 0.8;  ///< of the last round's violation: more is no progress
+  static constexpr int kMaxSearches = 3;    ///< for contacts that others push the body into
+  static constexpr double kStable = 1.0;    ///< h sqrt(Omega2) of a substep; 2: edge of stability
+  static constexpr int kMaxSubsteps = 16;   ///< above, one implicit step is cheaper
+  /// Of the kinetic energy (1 J at least): a substep that gains more is done again at half.
+  static constexpr double kRedoRise = 1e-3;
 
   auto x() { return state_.x.middleCols(ragdoll_.first, n_); }
   auto v() { return state_.v.middleCols(ragdoll_.first, n_); }
@@ -38,8 +54,11 @@ class ShakeStep {
   double* vData() { return state_.v.data() + 3 * ragdoll_.first; }
   double* multipliers() { return state_.multipliers.data() + ws_.first_stick[index_]; }
 
-  // Start of the step (shake.cpp).
+  // Start and end of the step (shake.cpp).
 
+  void begin(const Inputs& inputs, double h);
+  /// Tells the workspace what pressed.
+  void end();
   void makeAffine();
   bool obstaclesMove(const Inputs& inputs) const;
   /// Pinned particles move evenly to their targets and carry what is rigid with them.
@@ -138,6 +157,8 @@ class ShakeStep {
   bool findMissed();
   /// Likewise limits, at ws_.x1.
   bool findMissedLimits();
+  /// Rows of the Schur complement that are the body's own.
+  int ownRows() const { return scratch_.own_rows; }
   /// Solves for the constraints found.
   void pressFound(double h, bool leapfrog);
   /// Position stage: dx so that no contact and no limit is violated and every stick has its length.
@@ -157,6 +178,8 @@ class ShakeStep {
 
   /// Velocity stage at the end of the motion dx over h.
   void finish(double h, bool leapfrog = true, bool impact = false);
+  /// Its first part: makes the motion; velocities that the sticks allow.
+  void move(double h, bool leapfrog);
   /// Keeps the contacts and limits that touch at the end of dx: the others do not act on
   /// velocities.
   void restrictToTouching(double h);
@@ -165,11 +188,16 @@ class ShakeStep {
   /// No touching contact approaches, none slips more than friction allows; on impact the fast ones
   /// bounce.
   void pushVelocities(StickSolver& sticks, bool impact, double h = 0);
+  /// Rows of what touches, and the rates b at which they open.
+  void gatherTouching(double h);
+  void fillRates(bool impact);
   /// [m/s] approach above which a contact bounces: slower is rest.
   double bounceSpeed(const Contact& c) const;
   /// Whether the contact has to be located in time: it bounces, or would go deep.
   bool isImpact(const Contact& c, double h, bool may_bounce) const;
-  /// Time of the earliest impact within h (gap falling as a parabola), or h.
+  /// [s] when a gap that falls as a parabola from g0 at v0 [m/s] to `end` after h is closed, or h.
+  static double timeOfTouch(double g0, double v0, double end, double h);
+  /// Time of the earliest impact within h, or h.
   double firstImpact(double h, bool may_bounce) const;
   /// Newton's impact law at the present pose for the contacts that touch.
   void bounce();

@@ -1,7 +1,8 @@
 // Sleeping: a body at rest on something costs nothing until something touches it.
 //
 // A body falls asleep when none of its particles has moved faster than kStillSpeed for kQuietTime
-// while something pressed on it: what floats or swings free never sleeps, however slowly. It wakes
+// while something pressed on it: what floats or swings free never sleeps, however slowly. Bodies
+// that press on each other fall asleep together, when the last of them has been still. A body wakes
 // when a poke acts on it, an obstacle moves within reach, a pin of it moves, a body that is not
 // still itself touches it, or a setting changes (wakeAll).
 #pragma once
@@ -23,14 +24,11 @@ void wakeDisturbed(const Model& model, const Inputs& inputs, double h, State& st
 /// itself. x1: where the bodies would go. Returns whether any woke.
 bool wakeTouched(const std::vector<Contact>& contacts, const Points& x1, State& state);
 
-/// Body on body: who lies on a body that lies on something, lies on something. pressing: contacts
-/// between bodies that press.
-void spreadPressed(const std::vector<const Contact*>& pressing, std::vector<std::uint8_t>& pressed);
-
 /// After a step of h [s]: puts to sleep what has been still long enough. pressed: per ragdoll,
-/// whether a contact pressed in this step.
-void putToSleep(const Model& model, const std::vector<std::uint8_t>& pressed, double h,
-                State& state);
+/// whether an obstacle pressed in this step. pressing: who lies on a body that lies on something
+/// lies on something, and bodies that press on each other fall asleep together or not at all.
+void putToSleep(const Model& model, const std::vector<BodyPair>& pressing, double h,
+                std::vector<std::uint8_t>& pressed, State& state);
 
 /// After a change of settings, pins or obstacles.
 void wakeAll(State& state);

@@ -17,7 +17,8 @@ namespace ragdoll {
 struct Workspace::Impl {
   Points force;                       ///< [N] 3 x N of pokes
   bool forced = false;                ///< any poke this step
-  std::vector<std::uint8_t> pressed;  ///< per ragdoll: something pressed on it in this step
+  std::vector<std::uint8_t> pressed;  ///< per ragdoll: an obstacle pressed on it in this step
+  std::vector<BodyPair> pressing;     ///< bodies that pressed on each other
   Points x0, v0;                      ///< at the step's start, relaxation
   Points x1, v1;                      ///< after free motion
   Points acceleration;                ///< of one ragdoll

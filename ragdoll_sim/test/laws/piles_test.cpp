@@ -1,0 +1,39 @@
+// Bodies that fall onto each other, from random poses: they keep what single bodies keep, and the
+// pile comes to rest and sleeps.
+#include <gtest/gtest.h>
+
+#include "support/falls.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+constexpr double kSeconds = 10;  ///< until a pile must sleep
+
+class Piles : public testing::TestWithParam<int> {};
+
+TEST_P(Piles, OfRandomPosesComeToRestAndSleep) {
+  const int bodies = GetParam(), piles = 60 / bodies / bodies;
+  std::mt19937 random(2007);
+  FallRecord record;
+  for (int pile = 0; pile < piles; ++pile) addFall(randomPile(bodies, random), kSeconds, record);
+  RecordProperty("limit_deg", std::to_string(record.limit_deg));
+  RecordProperty("stretch", std::to_string(record.stretch));
+  RecordProperty("penetration_mm", std::to_string(record.penetration_mm));
+  RecordProperty("overlap_mm", std::to_string(record.overlap_mm));
+  RecordProperty("energy_rise_J", std::to_string(record.rise));
+  RecordProperty("sleeping", record.sleeping);
+  EXPECT_LT(record.limit_deg, 2);
+  EXPECT_LT(record.stretch, 1e-3);
+  EXPECT_LT(record.penetration_mm, 1);
+  EXPECT_LT(record.rise, 1e-2);
+  EXPECT_GE(record.sleeping, 95 * piles / 100);
+  EXPECT_GE(record.resting, 95 * piles / 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(Bodies, Piles, testing::Values(2, 3),
+                         [](const auto& info) { return std::to_string(info.param); });
+
+}  // namespace
+}  // namespace ragdoll
