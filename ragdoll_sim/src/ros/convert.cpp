@@ -1,6 +1,7 @@
 #include "ragdoll_sim/ros/convert.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/number_text.h"
@@ -111,6 +112,7 @@ ragdoll_msgs::State toStateMsg(const Model& model, const State& state, const Run
   m.header = header;
   m.run = mark.run;
   m.told = mark.told;
+  m.followed = mark.followed;
   m.step = state.step;
   m.time = state.time;
   m.ragdolls.resize(model.ragdolls.size());
@@ -152,6 +154,27 @@ void checkFinite(const Vec3& v, const char* name, const char* unit) {
     throw Error(name, "is " + shown(v) + "; it must be three finite numbers " + unit);
 }
 
+namespace {
+
+/// The numbers as they are: another rounding would make another motion.
+Pose fromPose(const geometry_msgs::Pose& m, const char* name) {
+  const auto& q = m.orientation;
+  const Pose pose{fromPoint(m.position), Quat(q.w, q.x, q.y, q.z)};
+  checkFinite(pose.position, name, "[m]");
+  if (!(std::abs(pose.orientation.norm() - 1) < 1e-6))
+    throw Error(name, "has an orientation of length " + std::to_string(pose.orientation.norm()) +
+                          "; it must be 1");
+  return pose;
+}
+
+void checkSeconds(double seconds, const char* name, bool positive) {
+  if (std::isfinite(seconds) && (positive ? seconds > 0 : seconds >= 0)) return;
+  throw Error(name, "is " + std::to_string(seconds) + "; it must be " + (positive ? ">" : ">=") +
+                        " 0 [s]");
+}
+
+}  // namespace
+
 Event fromPokeEvent(const Model& model, const ragdoll_msgs::PokeEvent& m) {
   Event event{m.step, {}, m.run};
   event.poke.body_name = m.body_name;
@@ -162,6 +185,49 @@ Event fromPokeEvent(const Model& model, const ragdoll_msgs::PokeEvent& m) {
   checkFinite(event.poke.point, "point", "[m]");
   if (!m.body_name.empty()) event.poke.body = findBody(model, m.body_name);
   return event;
+}
+
+ragdoll_msgs::FollowedFrame toFollowedMsg(const FollowedFrame& followed,
+                                          const std_msgs::Header& header) {
+  const Glide& glide = followed.glide;
+  ragdoll_msgs::FollowedFrame m;
+  m.header = header;
+  m.step = followed.step;
+  m.run = followed.run;
+  m.number = followed.number;
+  m.frame = glide.frame;
+  m.start = toPose(glide.from);
+  m.goal = toPose(glide.to);
+  m.age = glide.age;
+  m.duration = glide.duration;
+  m.jump = glide.jump;
+  for (const Glide::Particle& p : glide.held) {
+    m.held.emplace_back();
+    m.held.back().name = p.name;
+    m.held.back().offset = toVector3(p.offset);
+    m.held.back().age = p.age;
+  }
+  return m;
+}
+
+FollowedFrame fromFollowedMsg(const Model& model, const ragdoll_msgs::FollowedFrame& m) {
+  FollowedFrame followed{m.step, m.run, m.number, {}};
+  Glide& glide = followed.glide;
+  glide.frame = m.frame;
+  glide.from = fromPose(m.start, "start");
+  glide.to = fromPose(m.goal, "goal");
+  glide.age = m.age;
+  glide.duration = m.duration;
+  glide.jump = m.jump != 0;
+  checkSeconds(m.age, "age", false);
+  checkSeconds(m.duration, "duration", true);
+  for (const ragdoll_msgs::HeldParticle& p : m.held) {
+    checkFinite(fromVector3(p.offset), "offset", "[m]");
+    checkSeconds(p.age, "age", false);
+    glide.held.push_back(
+        {findBody(model, p.name).particles.at(0), p.name, fromVector3(p.offset), p.age});
+  }
+  return followed;
 }
 
 std::vector<geometry_msgs::TransformStamped> toTransforms(const FrameTracker& tracker,

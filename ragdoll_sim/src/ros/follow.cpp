@@ -18,6 +18,10 @@ Pose product(const Pose& a, const Pose& b) {
 
 }  // namespace
 
+Pose Glide::at(double passed) const {
+  return between(from, to, std::min(1.0, (age + passed) / duration));
+}
+
 int Follow::use(const std::string& name) {
   if (name.empty()) return -1;
   for (std::size_t i = 0; i < frames_.size(); ++i)
@@ -35,6 +39,7 @@ void Follow::restart(const Model& model, State& state) {
     frame.from = frame.now = frame.to;
     frame.fresh = true;
   }
+  tellAll();
   for (std::size_t i = 0; i < obstacle_frame_.size(); ++i)
     if (obstacle_frame_[i] >= 0)
       state.obstacles[i] = poseOf(model.obstacles[i], obstacle_frame_[i]);
@@ -78,11 +83,47 @@ void Follow::hear(const std::string& name, const Pose& pose) {
       continue;
     if (frame.heard && frame.age > 0 && frame.age < kLongestInterval)
       frame.interval += (frame.interval > 0 ? kNewest : 1) * (frame.age - frame.interval);
+    frame.glide = std::max(kShortestGlide, kGlides * frame.interval);
     frame.from = frame.heard ? frame.now : pose;
     frame.to = pose;
     frame.age = 0;
     if (!frame.heard) frame.now = pose;
+    frame.heard = frame.changed = true;
+  }
+}
+
+std::vector<Glide> Follow::takeChanges() {
+  std::vector<Glide> changes;
+  for (Frame& frame : frames_) {
+    if (!frame.heard || !(frame.changed || changed_all_)) continue;
+    frame.changed = false;
+    changes.push_back({frame.name, frame.from, frame.to, frame.age, frame.glide, frame.fresh, {}});
+    if (!changed_all_) continue;
+    for (const Held& held : held_)
+      if (held.age >= 0 && frames_[held.frame].name == frame.name)
+        changes.back().held.push_back({held.particle, "", held.offset, held.age});
+  }
+  changed_all_ = false;
+  return changes;
+}
+
+void Follow::repeat(const Glide& glide, const Model& model, State& state) {
+  for (std::size_t f = 0; f < frames_.size(); ++f) {
+    Frame& frame = frames_[f];
+    if (frame.name != glide.frame) continue;
     frame.heard = true;
+    frame.fresh = glide.jump;
+    frame.from = glide.from;
+    frame.to = glide.to;
+    frame.age = glide.age;
+    frame.glide = glide.duration;
+    frame.now = glide.at(0);
+    for (const Glide::Particle& p : glide.held)
+      for (Held& held : held_)
+        if (held.particle == p.particle) held.offset = p.offset, held.age = p.age;
+    for (std::size_t i = 0; i < obstacle_frame_.size(); ++i)
+      if (!frame.fresh && obstacle_frame_[i] == static_cast<int>(f))
+        state.obstacles[i] = poseOf(model.obstacles[i], obstacle_frame_[i]);
   }
 }
 
@@ -90,8 +131,7 @@ void Follow::apply(const Model& model, double h, State& state, Inputs& inputs) {
   if (frames_.empty()) return;
   for (Frame& frame : frames_) {
     frame.age += h;
-    const double glide = std::max(kShortestGlide, kGlides * frame.interval);
-    frame.now = between(frame.from, frame.to, std::min(1.0, frame.age / glide));
+    frame.now = between(frame.from, frame.to, std::min(1.0, frame.age / frame.glide));
   }
   inputs.obstacles = state.obstacles;
   for (std::size_t i = 0; i < obstacle_frame_.size(); ++i) {

@@ -11,7 +11,7 @@ namespace {
 
 using Clock = Simulation::Clock;
 
-constexpr int kPokesQueue = 10000;  ///< none may be missing in a bag, and one step may have many
+constexpr int kEventQueue = 10000;  ///< none may be missing in a bag, and one step may have many
 constexpr int kQueue = 100;  ///< messages kept for a slow listener; then the oldest are dropped
 
 }  // namespace
@@ -28,7 +28,8 @@ Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock
   model_ = nh.advertise<ragdoll_msgs::Model>("model", 1, true);
   state_ = nh.advertise<ragdoll_msgs::State>(
       "state", kQueue, [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; });
-  pokes_ = nh.advertise<ragdoll_msgs::PokeEvent>("pokes", kPokesQueue);
+  pokes_ = nh.advertise<ragdoll_msgs::PokeEvent>("pokes", kEventQueue);
+  followed_ = nh.advertise<ragdoll_msgs::FollowedFrame>("followed", kEventQueue);
   joints_ = nh.advertise<sensor_msgs::JointState>("joint_states", kQueue);
   thread_ = std::thread([this] { run(); });
 }
@@ -131,6 +132,8 @@ void Publisher::publishState(const ros::Time& now, bool demanded) {
 void Publisher::publishEvents(const ros::Time& now) {
   for (const Event& event : world_.events)
     pokes_.publish(toPokeEvent(event, toHeader(parameters_.world_frame, now)));
+  for (const FollowedFrame& followed : world_.followed)
+    followed_.publish(toFollowedMsg(followed, toHeader(parameters_.world_frame, now)));
 }
 
 void Publisher::publishJoints(const Posture& posture, const ros::Time& now) {

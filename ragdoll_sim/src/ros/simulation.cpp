@@ -76,6 +76,7 @@ void Simulation::snapshot(Snapshot& out) {
     out.report = world.report();
     out.acted = world.takeActed();
     out.events = world.takeEvents();
+    out.followed = world.takeFollowed();
     out.pulls = world.pulls();
     out.revision = world.revision();
     out.mark = world.mark();

@@ -25,6 +25,7 @@ StateToMarkers::StateToMarkers(ros::NodeHandle& nh, const std::string& coat)
   subscribers_.push_back(nh_.subscribe("model", 10, &StateToMarkers::model, this));
   subscribers_.push_back(nh_.subscribe("state", 100, &StateToMarkers::state, this));
   subscribers_.push_back(nh_.subscribe("pokes", 1000, &StateToMarkers::poke, this));
+  subscribers_.push_back(nh_.subscribe("followed", 1000, &StateToMarkers::followed, this));
   subscribers_.push_back(nh_.subscribe("/tf", 100, &StateToMarkers::transforms, this));
   timer_ = nh_.createWallTimer(ros::WallDuration(kPeriod),
                                [this](const ros::WallTimerEvent&) { draw(); });
@@ -43,7 +44,9 @@ void StateToMarkers::model(const ragdoll_msgs::Model& message) {
   world_.state = startState(*world_.model);
   world_.tracker.emplace(*world_.model);
   world_.tracker->reset(world_.state);
+  follow_ = Follow();
   follow_.restart(*world_.model, world_.state);
+  told_glides_.clear();
   heard_ = false;
   if (markers_ && world_frame_ == message.header.frame_id) return;
   world_frame_ = message.header.frame_id;
@@ -89,7 +92,7 @@ void StateToMarkers::state(const ragdoll_msgs::State& message) {
   else if (passed > 0)
     world_.tracker->update(state);
   const bool other_run = !heard_ || message.run != world_.mark.run;
-  world_.mark = {message.run, message.told};
+  world_.mark = {message.run, message.told, message.followed};
   if (other_run)
     for (const Poke& poke : world_.model->pokes) tell(poke, message.run);
   heard_ = true;
@@ -112,6 +115,15 @@ void StateToMarkers::poke(const ragdoll_msgs::PokeEvent& message) {
       world_.acted.push_back(event.poke);
   } catch (const Error& e) {
     ROS_WARN_THROTTLE(kWarnPeriod, "~pokes ignored: %s", e.what());
+  }
+}
+
+void StateToMarkers::followed(const ragdoll_msgs::FollowedFrame& message) {
+  if (!world_.model) return;
+  try {
+    told_glides_[message.frame] = fromFollowedMsg(*world_.model, message);
+  } catch (const Error& e) {
+    ROS_WARN_THROTTLE(kWarnPeriod, "~followed ignored: %s", e.what());
   }
 }
 
@@ -151,12 +163,22 @@ void StateToMarkers::draw() {
   publishTf();
 }
 
-/// Those that follow a frame of someone else's: a recorded one, or one that is there now.
+/// Those that follow a frame of someone else's: as ~followed tells, else as TF does.
 void StateToMarkers::placeObstacles() {
   if (follow_.empty()) return;
-  for (const std::string& frame : follow_.frames())
-    if (const std::optional<StampedPose> found = frames_->find(frame))
+  for (const std::string& frame : follow_.frames()) {
+    const auto told = told_glides_.find(frame);
+    if (told != told_glides_.end()) {
+      const FollowedFrame& followed = told->second;
+      const auto steps = static_cast<double>(world_.state.step) - static_cast<double>(followed.step);
+      const bool same_run = followed.run == world_.mark.run;
+      follow_.hear(frame, followed.glide.at(same_run
+                                                ? std::max(0.0, steps) * world_.model->solver.step
+                                                : 0));
+    } else if (const std::optional<StampedPose> found = frames_->find(frame)) {
       follow_.hear(frame, found->pose);
+    }
+  }
   follow_.restart(*world_.model, world_.state);
 }
 

@@ -74,7 +74,7 @@ void World::advance() {
     clearings_.erase(clearings_.begin() + static_cast<std::ptrdiff_t>(i));
   }
   gatherPokes();
-  follow_.apply(*model_, stepLength(), state_, inputs_);
+  followFrames();
   for (const Poke& poke : inputs_.pokes)
     if (isActive(poke, state_.time, stepLength()) && !contains(acted_, poke))
       acted_.push_back(poke);
@@ -85,6 +85,19 @@ void World::advance() {
     followed_step_ = state_.step;
   }
   ++revision_;
+}
+
+void World::followFrames() {
+  const auto due = glides_.find(state_.step);
+  if (due != glides_.end()) {
+    for (const Glide& glide : due->second) follow_.repeat(glide, *model_, state_);
+    glides_.erase(due);
+  }
+  for (Glide& glide : follow_.takeChanges()) {
+    for (Glide::Particle& p : glide.held) p.name = particleName(*model_, p.particle);
+    followed_.push_back({state_.step, run_, ++followed_count_, std::move(glide)});
+  }
+  follow_.apply(*model_, stepLength(), state_, inputs_);
 }
 
 void World::reset() {
@@ -103,6 +116,7 @@ void World::replaceBy(World& other) {
   const std::uint32_t run = std::max(run_, other.run_) + 1;
   std::swap(*this, other);
   std::swap(events_, other.events_);  // what this one accepted is still to be told
+  std::swap(followed_, other.followed_);
   revision_ = revision;
   run_ = run;
 }
@@ -130,7 +144,7 @@ void World::endRun() {
 }
 
 RunMark World::mark() const {
-  RunMark mark{run_, state_.step};
+  RunMark mark{run_, state_.step, followed_count_};
   for (const Stream& stream : streams_) mark.told = std::min(mark.told, stream.first);
   return mark;
 }
@@ -138,6 +152,8 @@ RunMark World::mark() const {
 void World::beginRun(bool at_start) {
   ++run_;
   pokes_changed_ = true;
+  followed_count_ = 0;
+  follow_.tellAll();
   beginning_.reset();
   if (at_start) return;
   // Streams that go on and clearings to come are told as events of the new run.
@@ -239,10 +255,19 @@ std::size_t World::clear(std::uint64_t order) {
   return before - pokes_.size();
 }
 
-void World::replay(const Event& event) {
-  if (event.step < state_.step)
-    throw Error("", "the step " + std::to_string(event.step) + " is past; this is step " +
+void World::checkToCome(std::uint64_t step) const {
+  if (step < state_.step)
+    throw Error("", "the step " + std::to_string(step) + " is past; this is step " +
                         std::to_string(state_.step) + ": reset and pause before a replay");
+}
+
+void World::replay(const FollowedFrame& followed) {
+  checkToCome(followed.step);
+  glides_[followed.step].push_back(followed.glide);
+}
+
+void World::replay(const Event& event) {
+  checkToCome(event.step);
   if (event.poke.body_name.empty()) {
     clearings_.push_back({event.step, next_order_++});
     events_.push_back({event.step, {}, run_});
@@ -407,5 +432,7 @@ std::optional<Pose> World::frame(const std::string& name) const {
 std::vector<Poke> World::takeActed() { return std::exchange(acted_, {}); }
 
 std::vector<Event> World::takeEvents() { return std::exchange(events_, {}); }
+
+std::vector<FollowedFrame> World::takeFollowed() { return std::exchange(followed_, {}); }
 
 }  // namespace ragdoll

@@ -1,12 +1,14 @@
 #!/usr/bin/python3
 """ragdoll_lab replay: a recorded run again, bit for bit, or the first thing that differs."""
 
+import math
 import os
 import shutil
 import struct
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 
 import rosbag
@@ -15,16 +17,22 @@ import rospy
 import rostest
 from client import Client, Recorder, wait_for
 from dynamic_reconfigure.client import Client as Settings
-from geometry_msgs.msg import WrenchStamped
+from geometry_msgs.msg import Vector3, WrenchStamped
 from ragdoll_msgs.srv import Attach, Detach, LoadScene, SetState
 from std_msgs.msg import String
-from tf2_ros import StaticTransformBroadcaster, TransformStamped
+from tf2_ros import TransformBroadcaster, TransformStamped
 
 NODE = '/puppet'
-TOPICS = [NODE + '/' + name for name in ('model', 'state', 'pokes')]
+TOPICS = [NODE + '/' + name for name in ('model', 'state', 'pokes', 'followed')]
 HANGING = '''
 ragdolls: [{name: anna, model: human, position: [0, 0, 2]}]
 pins: [anna/right_hand]
+'''
+PUSHED = '''
+ragdolls: [{name: ragdoll, model: human, position: [0, 0, 0.3], rpy_deg: [0, -90, 0]}]
+obstacles:
+  - {type: plane}
+  - {type: box, frame: paddle, position: [0, 0, 0], size: [0.1, 2, 0.6]}
 '''
 
 
@@ -40,6 +48,34 @@ def flipped(value):
     """The number next to it: its last bit is the other one."""
     bits = struct.unpack('<Q', struct.pack('<d', value))[0]
     return struct.unpack('<d', struct.pack('<Q', bits ^ 1))[0]
+
+
+class Robot(threading.Thread):
+    """Publishes frames at 50 Hz that go to and fro and turn, until told not to."""
+
+    def __init__(self, frames):
+        super().__init__(daemon=True)
+        self.frames, self.going = frames, True
+        self.broadcaster = TransformBroadcaster()
+        self.start()
+
+    def stop(self):
+        self.going = False
+        self.join()
+
+    def run(self):
+        while self.going:
+            now = rospy.Time.now()
+            for i, frame in enumerate(self.frames):
+                t = TransformStamped()
+                t.header.stamp = now
+                t.header.frame_id, t.child_frame_id = 'world', frame
+                t.transform.translation = Vector3(
+                    0.4 * math.sin(2 * now.to_sec()) - 0.5, 0.1 * i, 0.3 + 0.5 * i)
+                turn = 0.2 * math.sin(3 * now.to_sec())
+                t.transform.rotation.z, t.transform.rotation.w = math.sin(turn), math.cos(turn)
+                self.broadcaster.sendTransform(t)
+            rospy.rostime.wallsleep(0.02)
 
 
 class LabReplayTest(unittest.TestCase):
@@ -176,24 +212,69 @@ class LabReplayTest(unittest.TestCase):
         self.assertIn('identical', out)
         self.assertIn('not compared', out)
 
-    def test_what_follows_others_cannot_be_replayed(self):
-        gripper = TransformStamped()
-        gripper.header.frame_id, gripper.child_frame_id = 'world', 'gripper'
-        gripper.transform.rotation.w = 1
-        StaticTransformBroadcaster().sendTransform(gripper)
+    def test_what_follows_frames_of_others_is_identical(self):
+        settings = Settings(NODE, timeout=30)
+        attach, detach = (self.client.service(name, kind)
+                          for name, kind in (('attach', Attach), ('detach', Detach)))
+        robot = Robot(['paddle', 'hook'])
+        self.addCleanup(robot.stop)
         recorder = Recorder(self.path, NODE, TOPICS)
-        self.assertTrue(self.client.call_reset().success)
-        attach = self.client.service('attach', Attach)
-        wait_for(lambda: attach('left_hand', 'gripper').success, 'the frame')
-        self.go(60)
-        self.assertTrue(self.client.service('detach', Detach)('left_hand').success)
-        self.go(60)
+        self.assertTrue(self.load(yaml=PUSHED).success)
+        self.go(100)
+        self.assertTrue(self.client.call_reset().success)  # the frames have been heard before
+        self.go(100)
+        wait_for(lambda: attach('left_hand', 'hook').success, 'the frame')
+        self.go(10)  # while the hand is still drawn to its frame
+        kept = self.client.call_get().snapshot
+        self.assertTrue(attach('right_foot', 'hook').success)
+        self.go(100)
+        settings.update_configuration({'gravity_x': 1.5, 'step': 0.002})
+        self.go(100)
+        self.assertTrue(self.client.call_pause(True).success)  # the frames go on
+        rospy.rostime.wallsleep(0.2)
+        self.assertTrue(self.client.call_pause(False).success)
+        self.go(100)
+        self.assertTrue(self.restore(kept).success)
+        self.go(100)
+        self.assertTrue(detach('left_hand').success)
+        self.go(100)
         recorder.stop()
         status, out, errors = replay(self.path)
-        self.assertEqual((status, errors), (2, ''), out)
-        self.assertIn('cannot be replayed', out)
-        self.assertIn('gripper', out)
-        self.assertTrue(out.splitlines()[-1].count('identical'), out)  # once it is let go
+        self.assertEqual((status, errors), (0, ''), out)
+        # loaded, reset, twice attached, other settings, restored, let go
+        self.assertGreaterEqual(out.count('identical'), 7, out)
+
+        followed = NODE + '/followed'
+        with rosbag.Bag(self.path) as bag:
+            told = [m for _, m, _ in bag.read_messages([followed])]
+        self.assertEqual({m.frame for m in told}, {'paddle', 'hook'})
+        status, out, _ = replay(self.altered(lambda topic, _: topic != followed))
+        self.assertEqual(status, 2, out)
+        self.assertIn('paddle, hook of another node, and ~followed was not recorded', out)
+        led = next(m for m in told if m.frame == 'hook' and m.number > 5)  # it holds a hand
+
+        def changed(change):
+            def alter(topic, m):
+                return (topic != followed or (m.run, m.number) != (led.run, led.number) or change(m))
+            return replay(self.altered(alter))
+        status, out, _ = changed(lambda m: False)  # left out
+        self.assertEqual(status, 2, out)
+        self.assertIn('run %d: cannot be replayed' % led.run, out)
+        self.assertIn('number %d is missing' % led.number, out)
+
+        def nudge(message):
+            message.goal.position.x += 1e-6
+            return True
+        status, out, _ = changed(nudge)
+        self.assertEqual(status, 1, out)
+        self.assertIn('run %d: differs at step' % led.run, out)
+
+        def endless(message):
+            message.duration = float('nan')
+            return True
+        status, _, errors = changed(endless)
+        self.assertEqual(status, 2)
+        self.assertIn('duration', errors)
 
     def test_what_cannot_be_read_is_named(self):
         self.record_pokes()

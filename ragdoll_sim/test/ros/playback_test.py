@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """state_to_markers draws of a bag what the node drew when it was recorded."""
 
+import copy
 import os
 import shutil
 import subprocess
@@ -12,11 +13,17 @@ import roslib.packages
 import rospy
 import rostest
 from client import Client, Inbox, Recorder, position, wait_for
-from ragdoll_msgs.msg import Model, State
+from ragdoll_msgs.msg import FollowedFrame, Model, State
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 TOPICS = ['/ragdoll/' + name for name in ('model', 'state', 'pokes')]
+
+BOX = '''
+ragdolls: [{name: ragdoll, model: human, position: [0, 0, 2]}]
+obstacles: [{type: box, frame: paddle, position: [0.5, 0, 0], size: [0.1, 1, 1]}]
+solver: {step: 0.001}
+'''
 
 
 def numbers(message):
@@ -101,9 +108,33 @@ class PlaybackTest(unittest.TestCase):
             return count('/played') == own
         wait_for(silent, 'silence of the relay')
 
+    def test_an_obstacle_is_where_followed_tells(self):
+        """No TF has the frame: where it is in each step is in the bag."""
+        model = copy.deepcopy(Inbox('/ragdoll/model', Model).first(lambda m: True, 'a model'))
+        state = self.client.restart()
+        tell_model, tell_state, tell_followed = (
+            rospy.Publisher('/told/' + name, kind, latch=True, queue_size=1)
+            for name, kind in (('model', Model), ('state', State), ('followed', FollowedFrame)))
+        model.scene_yaml = BOX
+        tell_model.publish(model)
+        drawn = Inbox('/told/markers', MarkerArray)
+        followed = FollowedFrame(run=state.run, number=1, step=100, frame='paddle', age=0.01,
+                                 duration=0.1)
+        followed.start.position.x, followed.goal.position.x = 1.0, 3.0
+        followed.start.orientation.w = followed.goal.orientation.w = 1
+        for step, x in ((100, 1.2), (125, 1.7), (200, 3.0)):  # of the frame, 1 ms a step
+            state.step, state.time = step, 0.001 * step
+
+            def there():
+                tell_followed.publish(followed)
+                tell_state.publish(state)
+                boxes = [m for a in drawn.all()[-1:] for m in a.markers if m.ns == 'obstacles']
+                return boxes and abs(boxes[0].pose.position.x - (x + 0.5)) < 1e-9
+            wait_for(there, 'the box at step %d' % step)
+
     def test_frames_where_nobody_else_has_them(self):
         """A body of another name, told by hand: what the node does not publish, the relay does."""
-        model = Inbox('/ragdoll/model', Model).first(lambda m: True, 'a model')
+        model = copy.deepcopy(Inbox('/ragdoll/model', Model).first(lambda m: True, 'a model'))
         state = self.client.restart()
         frames = Inbox('/tf', TFMessage)
         tell_model = rospy.Publisher('/played/model', Model, latch=True, queue_size=1)

@@ -48,18 +48,21 @@ void Recording::findNodes() {
   const Topics models = topicsOf(bag_, "ragdoll_msgs/Model");
   const Topics states = topicsOf(bag_, "ragdoll_msgs/State");
   const Topics pokes = topicsOf(bag_, "ragdoll_msgs/PokeEvent");
+  const Topics followed = topicsOf(bag_, "ragdoll_msgs/FollowedFrame");
   const std::string right = "; record ~model, ~pokes and ~state of the node";
   if (models.empty()) throw Error(path_, "holds no ragdoll_msgs/Model" + right);
   if (states.empty()) throw Error(path_, "holds no ragdoll_msgs/State" + right);
-  if (models.size() == 1 && states.size() == 1 && pokes.size() <= 1) {
+  if (models.size() == 1 && states.size() == 1 && pokes.size() <= 1 && followed.size() <= 1) {
     nodes_.push_back({parentOf(*states.begin()), *models.begin(), *states.begin(),
-                      pokes.empty() ? "" : *pokes.begin()});
+                      pokes.empty() ? "" : *pokes.begin(),
+                      followed.empty() ? "" : *followed.begin()});
     return;
   }
   for (const std::string& state : states) {
-    NodeTopics node{parentOf(state), "", state, ""};
+    NodeTopics node{parentOf(state), "", state, "", ""};
     node.model = inNamespace(models, node.name);
     node.pokes = inNamespace(pokes, node.name);
+    node.followed = inNamespace(followed, node.name);
     if (node.model.empty())
       throw Error(path_, "holds no ragdoll_msgs/Model beside " + state + right);
     nodes_.push_back(node);
@@ -95,6 +98,14 @@ std::map<std::uint32_t, std::vector<ragdoll_msgs::PokeEvent>> Recording::pokes(
   std::map<std::uint32_t, std::vector<ragdoll_msgs::PokeEvent>> found;
   read<ragdoll_msgs::PokeEvent>(
       node.pokes, [&](const ragdoll_msgs::PokeEvent& m) { found[m.run].push_back(m); });
+  return found;
+}
+
+std::map<std::uint32_t, std::vector<ragdoll_msgs::FollowedFrame>> Recording::followed(
+    const NodeTopics& node) const {
+  std::map<std::uint32_t, std::vector<ragdoll_msgs::FollowedFrame>> found;
+  read<ragdoll_msgs::FollowedFrame>(
+      node.followed, [&](const ragdoll_msgs::FollowedFrame& m) { found[m.run].push_back(m); });
   return found;
 }
 

@@ -1,7 +1,8 @@
-// The runs of ragdoll nodes in a bag: what ~model and ~pokes say of each run, and its states in
-// turn.
+// The runs of ragdoll nodes in a bag: what ~model, ~pokes and ~followed say of each run, and its
+// states in turn.
 #pragma once
 
+#include <ragdoll_msgs/FollowedFrame.h>
 #include <ragdoll_msgs/Model.h>
 #include <ragdoll_msgs/PokeEvent.h>
 #include <ragdoll_msgs/State.h>
@@ -18,7 +19,7 @@ namespace ragdoll::lab {
 /// The topics of one node, found by their types; whatever the node was called.
 struct NodeTopics {
   std::string name;  ///< namespace of its topics: "/ragdoll"
-  std::string model, state, pokes;
+  std::string model, state, pokes, followed;  ///< the last two: "" where there is none
 };
 
 class Recording {
@@ -31,6 +32,8 @@ class Recording {
   /// By number of the run. Throws Error.
   std::map<std::uint32_t, ragdoll_msgs::Model> models(const NodeTopics& node) const;
   std::map<std::uint32_t, std::vector<ragdoll_msgs::PokeEvent>> pokes(const NodeTopics& node) const;
+  std::map<std::uint32_t, std::vector<ragdoll_msgs::FollowedFrame>> followed(
+      const NodeTopics& node) const;
   void forEachState(const NodeTopics& node,
                     const std::function<void(const ragdoll_msgs::State&)>& visit) const;
 

@@ -1,5 +1,5 @@
-// ragdoll_lab replay: simulates the runs of a bag again, from ~model and ~pokes, and compares every
-// recorded state with its step, bit for bit.
+// ragdoll_lab replay: simulates the runs of a bag again, from ~model, ~pokes and ~followed, and
+// compares every recorded state with its step, bit for bit.
 #include <cstring>
 #include <iomanip>
 #include <iostream>
@@ -67,6 +67,8 @@ struct Run {
   std::string hindrance;    ///< why it cannot be replayed
   std::string difference;   ///< the first that was found
   std::uint64_t first = 0;  ///< step of its first state
+  std::uint32_t followed = 0;  ///< so many of ~followed are there, without a gap
+  bool gap = false;            ///< there are more, after a gap
   std::size_t states = 0, compared = 0, events = 0;
 };
 
@@ -81,8 +83,9 @@ class Replay {
       : where_(path + ": " + node.state),
         node_(node),
         models_(recording.models(node)),
-        pokes_(recording.pokes(node)) {
-    recording.forEachState(node, [this](const ragdoll_msgs::State& s) { last_ = {s.run, s.told}; });
+        pokes_(recording.pokes(node)),
+        followed_(recording.followed(node)) {
+    recording.forEachState(node, [this](const ragdoll_msgs::State& s) { last_ = {s.run, s.told, s.followed}; });
   }
 
   void compare(const ragdoll_msgs::State& recorded) {
@@ -93,6 +96,11 @@ class Replay {
     ++run_->states;
     if (!run_->hindrance.empty() || !run_->difference.empty()) return;
     if (recorded.run == last_.run && recorded.step > last_.told) return;  // not yet told what acted
+    if (recorded.followed > run_->followed) {
+      if (recorded.run != last_.run || run_->followed == 0 || run_->gap)
+        run_->hindrance = missingFollowed(recorded);
+      return;
+    }
     World& world = *run_->world;
     checkFits(world, recorded);
     while (world.state().step < recorded.step) world.advance();
@@ -124,8 +132,8 @@ class Replay {
       if (run.compared < run.states)
         std::cout
             << "  " << run.states - run.compared
-            << " states at the end are not compared: a ~wrench acts on them, and the bag ends "
-               "before ~pokes tells of it\n";
+            << " states at the end are not compared: a ~wrench or a frame acts on them, and the "
+               "bag ends before ~pokes or ~followed tells of it\n";
     }
     run_.reset();
   }
@@ -156,15 +164,26 @@ class Replay {
     run_->world = std::make_unique<World>(parseScene(model.scene_yaml, node_.model));
     World& world = *run_->world;
     if (model.run == run_->number && !model.snapshot.empty()) world.restore(model.snapshot);
-    const std::vector<std::string> frames = world.followedFrames();
-    if (!frames.empty())
-      run_->hindrance = "obstacles or pins follow " + joined(frames) +
-                        " of another node, whose motion ~pokes does not tell";
     for (const ragdoll_msgs::PokeEvent& message : pokes_[run_->number]) {
       const Event event = fromPokeEvent(*world.model(), message);
       if (!event.poke.body_name.empty()) ++run_->events;
       world.replay(event);
     }
+    for (const ragdoll_msgs::FollowedFrame& message : followed_[run_->number]) {
+      run_->gap = message.number != run_->followed + 1;
+      if (run_->gap) break;
+      ++run_->followed;
+      world.replay(fromFollowedMsg(*world.model(), message));
+    }
+  }
+
+  std::string missingFollowed(const ragdoll_msgs::State& state) const {
+    const std::string what = "obstacles or pins follow " +
+                             joined(run_->world->followedFrames()) + " of another node, and ";
+    if (node_.followed.empty()) return what + "~followed was not recorded";
+    return what + "of the " + std::to_string(state.followed) + " messages of ~followed up to step " +
+           std::to_string(state.step) + " number " + std::to_string(run_->followed + 1) +
+           " is missing: record ~followed from before the run begins";
   }
 
   std::string restarted(const ragdoll_msgs::State& state) const {
@@ -193,6 +212,7 @@ class Replay {
   const NodeTopics& node_;
   std::map<std::uint32_t, ragdoll_msgs::Model> models_;
   std::map<std::uint32_t, std::vector<ragdoll_msgs::PokeEvent>> pokes_;
+  std::map<std::uint32_t, std::vector<ragdoll_msgs::FollowedFrame>> followed_;
   RunMark last_;            ///< of the node's last state
   std::uint32_t next_ = 0;  ///< the smallest number that the next run may have
   std::unique_ptr<Run> run_;
@@ -219,8 +239,8 @@ int replay(const std::string& path) {
 int replayCommand(const Words& words) {
   std::string bag;
   CommandLine line{"replay BAG",
-                   "Simulates the runs of a bag with ~model, ~pokes and ~state again and compares "
-                   "every state,\nbit for bit. Status 1: one differs; 2: a run cannot be replayed.",
+                   "Simulates the runs of a bag with ~model, ~pokes, ~followed and ~state again and "
+                   "compares every\nstate, bit for bit. Status 1: one differs; 2: a run cannot be replayed.",
                    {},
                    "BAG",
                    "the bag file"};

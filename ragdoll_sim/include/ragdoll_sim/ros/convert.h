@@ -7,6 +7,7 @@
 #include <geometry_msgs/Transform.h>
 #include <geometry_msgs/TransformStamped.h>
 #include <geometry_msgs/Vector3.h>
+#include <ragdoll_msgs/FollowedFrame.h>
 #include <ragdoll_msgs/Model.h>
 #include <ragdoll_msgs/PokeEvent.h>
 #include <ragdoll_msgs/State.h>
@@ -53,6 +54,12 @@ ragdoll_msgs::PokeEvent toPokeEvent(const Event& event, const std_msgs::Header& 
 /// The poke's start is for World::replay to set. Throws Error for a body that the model does not
 /// know, and for numbers that are not finite.
 Event fromPokeEvent(const Model& model, const ragdoll_msgs::PokeEvent& message);
+
+ragdoll_msgs::FollowedFrame toFollowedMsg(const FollowedFrame& followed,
+                                          const std_msgs::Header& header);
+
+/// Throws Error for a particle that the model does not know, and for numbers that are no glide.
+FollowedFrame fromFollowedMsg(const Model& model, const ragdoll_msgs::FollowedFrame& message);
 
 /// All frames of all ragdolls, each in its parent; the roots in header.frame_id.
 std::vector<geometry_msgs::TransformStamped> toTransforms(const FrameTracker& tracker,

@@ -16,6 +16,24 @@
 
 namespace ragdoll {
 
+/// How a frame glides from one step on.
+struct Glide {
+  struct Particle {
+    int particle = 0;
+    std::string name;            ///< "ragdoll/particle"
+    Vec3 offset = Vec3::Zero();  ///< [m] from the frame when it was first heard
+    double age = 0;              ///< [s] since then
+  };
+  std::string frame;
+  Pose from, to;
+  double age = 0;       ///< [s] on the way when the step begins
+  double duration = 0;  ///< [s] > 0
+  bool jump = false;    ///< what follows has no velocity in this step
+  std::vector<Particle> held;
+
+  Pose at(double passed) const;  ///< [s] after the beginning of the step
+};
+
 class Follow {
  public:
   static constexpr double kGlides = 2;
@@ -36,6 +54,12 @@ class Follow {
   /// pose: of the frame in the world, now. The same pose again is no news.
   void hear(const std::string& frame, const Pose& pose);
 
+  /// What apply() is about to do otherwise than was told by the last call.
+  std::vector<Glide> takeChanges();
+  void tellAll() { changed_all_ = true; }  ///< the next time
+  /// Instead of hear(): what takeChanges() told, before the same step.
+  void repeat(const Glide& glide, const Model& model, State& state);
+
   /// Where obstacles and pins are to be at the end of the next step, which lasts h.
   void apply(const Model& model, double h, State& state, Inputs& inputs);
 
@@ -46,6 +70,8 @@ class Follow {
     Pose from, to, now;
     double age = 0;       ///< [s] of simulated time since `to` was heard
     double interval = 0;  ///< [s] of simulated time between news, smoothed; 0: not known yet
+    double glide = kShortestGlide;  ///< [s] from `from` to `to`
+    bool changed = false;           ///< not yet told
   };
   struct Held {
     int frame = -1;  ///< -1: held where Pin::target says
@@ -59,6 +85,7 @@ class Follow {
   std::vector<Frame> frames_;
   std::vector<int> obstacle_frame_;  ///< per obstacle, -1: fixed
   std::vector<Held> held_;           ///< per pin
+  bool changed_all_ = false;
 };
 
 }  // namespace ragdoll

@@ -50,7 +50,7 @@ class Publisher {
   Simulation& simulation_;
   const RosClock& clock_;
   const Parameters parameters_;
-  ros::Publisher model_, state_, pokes_, joints_;
+  ros::Publisher model_, state_, pokes_, followed_, joints_;
   tf2_ros::TransformBroadcaster tf_;
   MarkerPublisher markers_;
   Metrics metrics_;

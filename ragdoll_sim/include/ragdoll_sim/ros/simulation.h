@@ -40,6 +40,7 @@ struct Snapshot {
   StepReport report;
   std::vector<Poke> acted;    ///< since the last snapshot
   std::vector<Event> events;  ///< since the last snapshot
+  std::vector<FollowedFrame> followed;  ///< since the last snapshot
   std::vector<Pull> pulls;
   std::uint64_t revision = 0;
   RunMark mark;

@@ -1,8 +1,9 @@
-// Draws recorded runs: ~markers and /tf from ~model, ~state and ~pokes, as the node that simulated
-// them published them. Bears that node's name, so that what a bag plays arrives here and what is
+// Draws recorded runs: ~markers and /tf from ~model, ~state, ~pokes and ~followed, as the node
+// that simulated them published them. Bears that node's name, so that what a bag plays arrives here and what is
 // drawn goes where rviz expects it.
 #pragma once
 
+#include <ragdoll_msgs/FollowedFrame.h>
 #include <ragdoll_msgs/Model.h>
 #include <ragdoll_msgs/PokeEvent.h>
 #include <ragdoll_msgs/State.h>
@@ -12,6 +13,7 @@
 #include <tf2_ros/transform_broadcaster.h>
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -37,6 +39,7 @@ class StateToMarkers {
   void model(const ragdoll_msgs::Model& message);
   void state(const ragdoll_msgs::State& message);
   void poke(const ragdoll_msgs::PokeEvent& message);
+  void followed(const ragdoll_msgs::FollowedFrame& message);
   void transforms(const ros::MessageEvent<tf2_msgs::TFMessage const>& event);
   void draw();
 
@@ -56,6 +59,7 @@ class StateToMarkers {
   Snapshot world_;  ///< its state is the last that was heard
   Follow follow_;
   std::vector<Told> told_;
+  std::map<std::string, FollowedFrame> told_glides_;  ///< the last of each frame
   bool heard_ = false;  ///< a state of the present model
   ros::Time last_stamp_;
   ros::WallTime recorded_tf_;  ///< when /tf last brought the ragdolls' frames from elsewhere

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -31,10 +32,19 @@ struct Event {
   std::uint32_t run = 0;   ///< World::run() that it belongs to
 };
 
+/// The same, of a frame of others that obstacles or pins follow.
+struct FollowedFrame {
+  std::uint64_t step = 0;    ///< from whose beginning on it holds
+  std::uint32_t run = 0;     ///< World::run() that it belongs to
+  std::uint32_t number = 0;  ///< within its run, from 1 on
+  Glide glide;
+};
+
 /// Where in its runs a world is.
 struct RunMark {
   std::uint32_t run = 0;   ///< World::run()
   std::uint64_t told = 0;  ///< step: events have told all that acted before it
+  std::uint32_t followed = 0;  ///< how many FollowedFrames have been told of the run
 };
 
 /// A particle that is dragged (core/pull.h).
@@ -82,6 +92,7 @@ class World {
   std::size_t clearPokes();  ///< those that act and those to come; returns how many
   /// A poke, or a clearing of all pokes, at its recorded step. Throws Error if that is past.
   void replay(const Event& event);
+  void replay(const FollowedFrame& followed);  ///< the same; those of a step in their order
   /// `pokes` replace those that the same source gave before and act for `seconds`, unless replaced.
   void stream(const std::string& source, std::vector<Poke> pokes, double seconds);
 
@@ -109,6 +120,7 @@ class World {
 
   std::vector<Poke> takeActed();    ///< pokes that acted in some step since the last call
   std::vector<Event> takeEvents();  ///< pokes that were accepted since the last call
+  std::vector<FollowedFrame> takeFollowed();  ///< that acted first since the last call
 
  private:
   struct Accepted {
@@ -130,6 +142,8 @@ class World {
   void beginRun(bool at_start);
   void changePins(const std::vector<Pin>& pins);
   void setPokes(const std::vector<Poke>& pokes);
+  void followFrames();
+  void checkToCome(std::uint64_t step) const;
   void gatherPokes();
   void addPulls();
   void sortPokes();
@@ -158,6 +172,9 @@ class World {
   bool pokes_changed_ = false;       ///< since inputs_.pokes was gathered
   std::vector<Poke> acted_;
   std::vector<Event> events_;
+  std::vector<FollowedFrame> followed_;
+  std::uint32_t followed_count_ = 0;                    ///< in this run
+  std::map<std::uint64_t, std::vector<Glide>> glides_;  ///< to come, by step
 };
 
 }  // namespace ragdoll
