@@ -125,21 +125,35 @@ class Recorder:
         rospy.wait_for_service(self.node + '/' + name, 30)
         return rospy.ServiceProxy(self.node + '/' + name, kind, persistent=True)
 
-    def simulate(self, fall):
-        """(model, states) of a fall."""
+    def begin(self, fall):
+        """Its first state and the length of a step [s], which is the first one made."""
         answer = self.load(yaml=scene(fall))
         if not answer.success:
             raise RuntimeError(answer.status_message)
-        states = [self.get().state]
+        first = self.get().state
         self.step(1)
-        h, done = self.get().state.time, 1
-        each = max(1, int(round(1 / (self.rate * h))))  # steps per state
+        return first, self.get().state.time
+
+    def simulate(self, fall):
+        """(model, states) of a fall."""
+        first, h = self.begin(fall)
+        states, done, each = [first], 1, self.steps_per_state(h)
         for step in range(each, int(round(self.seconds / h)) + 1, each):
             self.step(step - done)
             states.append(self.get().state)
             done = step
         model = rospy.wait_for_message(self.node + '/model', Model, 30)
         return model, states
+
+    def steps_per_state(self, h):
+        """States are those of whole steps [s]: a rate that does not fit would be another one."""
+        steps = 1 / (self.rate * h)
+        each = max(1, int(round(steps)))
+        if abs(steps - each) > 1e-3 * each:
+            near = sorted({max(1, int(steps)), int(steps) + 1})
+            sys.exit('fall_dataset: --rate %g does not fit steps of %g s: it can be %s Hz' % (
+                self.rate, h, ' or '.join('%g' % (1 / (n * h)) for n in near)))
+        return each
 
     def record(self, path, fall):
         """Writes the bag of a fall; returns all its labels."""
@@ -190,6 +204,7 @@ def main():
     os.makedirs(arguments.out, exist_ok=True)
     rospy.init_node('fall_dataset')
     recorder = Recorder(arguments.node, arguments.seconds, arguments.rate)
+    recorder.steps_per_state(recorder.begin(draw(arguments.seed))[1])  # before anything is written
     begin = rospy.get_rostime().to_sec()
     with open(table, 'w', newline='') as file:
         rows = csv.DictWriter(file, FIELDS)

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/number_text.h"
 
 namespace ragdoll {
@@ -149,6 +150,13 @@ std::string shown(const Vec3& v) {
   return "(" + numberText(v.x()) + ", " + numberText(v.y()) + ", " + numberText(v.z()) + ")";
 }
 
+std::string listed(const std::vector<std::string>& names) {
+  constexpr std::size_t kMost = 20;  // more helps nobody
+  if (names.size() <= kMost) return joined(names);
+  return joined({names.begin(), names.begin() + kMost}) + " and " +
+         std::to_string(names.size() - kMost) + " more";
+}
+
 void checkFinite(const Vec3& v, const char* name, const char* unit) {
   if (!v.allFinite())
     throw Error(name, "is " + shown(v) + "; it must be three finite numbers " + unit);
@@ -162,14 +170,14 @@ Pose fromPose(const geometry_msgs::Pose& m, const char* name) {
   const Pose pose{fromPoint(m.position), Quat(q.w, q.x, q.y, q.z)};
   checkFinite(pose.position, name, "[m]");
   if (!(std::abs(pose.orientation.norm() - 1) < 1e-6))
-    throw Error(name, "has an orientation of length " + std::to_string(pose.orientation.norm()) +
+    throw Error(name, "has an orientation of length " + numberText(pose.orientation.norm()) +
                           "; it must be 1");
   return pose;
 }
 
 void checkSeconds(double seconds, const char* name, bool positive) {
   if (std::isfinite(seconds) && (positive ? seconds > 0 : seconds >= 0)) return;
-  throw Error(name, "is " + std::to_string(seconds) + "; it must be " + (positive ? ">" : ">=") +
+  throw Error(name, "is " + numberText(seconds) + "; it must be " + (positive ? ">" : ">=") +
                         " 0 [s]");
 }
 

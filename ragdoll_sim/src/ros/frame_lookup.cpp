@@ -1,7 +1,9 @@
 #include "ragdoll_sim/ros/frame_lookup.h"
 
-#include <algorithm>
-#include <vector>
+#include <ros/this_node.h>
+
+#include <map>
+#include <sstream>
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
@@ -10,15 +12,19 @@
 namespace ragdoll {
 namespace {
 
-constexpr std::size_t kMaxNames = 40;  ///< in a message; more helps nobody
-
-std::string frameNames(const tf2_ros::Buffer& buffer) {
-  std::vector<std::string> names;
-  buffer._getFrameStrings(names);
-  std::sort(names.begin(), names.end());
-  const bool more = names.size() > kMaxNames;
-  if (more) names.resize(kMaxNames);
-  return names.empty() ? "none" : joined(names) + (more ? ", ..." : "");
+/// Of the YAML text in which tf2 tells what it has heard: {frame: who has published it}.
+std::map<std::string, std::string> broadcasters(const tf2_ros::Buffer& buffer) {
+  std::map<std::string, std::string> found;
+  std::istringstream text(buffer.allFramesAsYAML());
+  std::string line, frame;
+  while (std::getline(text, line)) {
+    if (!line.empty() && line[0] != ' ') frame = line.substr(0, line.rfind(':'));
+    const std::size_t at = line.find("broadcaster: '");
+    if (at == std::string::npos) continue;
+    const std::size_t begin = line.find('\'', at) + 1;
+    found[frame] = line.substr(begin, line.rfind('\'') - begin);
+  }
+  return found;
 }
 
 }  // namespace
@@ -31,14 +37,23 @@ bool FrameLookup::isWorld(const std::string& frame) const {
   return frame.empty() || normal(frame) == world_frame_;
 }
 
-Pose FrameLookup::inWorld(const std::string& frame) const {
+std::vector<std::string> FrameLookup::others() const {
+  std::vector<std::string> names;
+  for (const auto& [frame, broadcaster] : broadcasters(buffer_))
+    if (broadcaster != ros::this_node::getName()) names.push_back(frame);
+  return names;
+}
+
+Pose FrameLookup::inWorld(const std::string& frame, const Names& own) const {
   if (isWorld(frame)) return Pose();
   try {
     return fromTransform(
         buffer_.lookupTransform(world_frame_, normal(frame), ros::Time(0)).transform);
   } catch (const tf2::LookupException&) {
+    const std::vector<std::string> others = this->others();
     throw Error("", "unknown frame '" + frame + "'; there are " + world_frame_ +
-                        " (or \"\") and, of TF, " + frameNames(buffer_));
+                        "; of other nodes: " + (others.empty() ? "none" : listed(others)) +
+                        (own ? "; of the ragdolls: " + listed(own()) : ""));
   } catch (const tf2::TransformException& e) {
     throw Error("",
                 "frame '" + frame + "' is not connected to '" + world_frame_ + "': " + e.what());

@@ -14,6 +14,10 @@
 namespace ragdoll {
 namespace {
 
+std::string shown(double v) { return numberText(v); }
+std::string shown(bool v) { return v ? "true" : "false"; }
+std::string shown(const std::string& v) { return v.empty() ? "\"\"" : v; }
+
 class Reader {
  public:
   explicit Reader(const ros::NodeHandle& nh) : nh_(nh) {}
@@ -22,11 +26,12 @@ class Reader {
   void read(const std::string& key, const std::string& type, T& value) {
     known_.push_back(key);
     if (!nh_.hasParam(key) || nh_.getParam(key, value)) return;
-    throw Error("parameter " + nh_.resolveName(key), "must be " + type + ", is " + shown(key));
+    throw Error("parameter " + nh_.resolveName(key), "must be " + type + ", by default " +
+                                                        shown(value) + ", is " + given(key));
   }
 
   void check(bool ok, const std::string& key, const std::string& right) const {
-    if (!ok) throw Error("parameter " + nh_.resolveName(key), "is " + shown(key) + "; " + right);
+    if (!ok) throw Error("parameter " + nh_.resolveName(key), "is " + given(key) + "; " + right);
   }
 
   /// Warns of what stands in the node's namespace and is not a parameter.
@@ -44,7 +49,7 @@ class Reader {
   }
 
  private:
-  std::string shown(const std::string& key) const {
+  std::string given(const std::string& key) const {
     XmlRpc::XmlRpcValue value;
     nh_.getParam(key, value);
     if (value.getType() == XmlRpc::XmlRpcValue::TypeDouble) return numberText(value);
@@ -71,6 +76,8 @@ Parameters readParameters(const ros::NodeHandle& nh) {
   in.read("wrench_timeout", "a number", p.wrench_timeout);
   in.read("coat", "text", p.coat);
   in.read("show_limits", "true or false", p.show_limits);
+  double diagnostic_period = 1;  // which diagnostic_updater reads by itself
+  in.read("diagnostic_period", "a number", diagnostic_period);
 
   in.check(!p.scene.empty(), "scene", "it must name a scene: stairs, a path or package://...");
   if (!p.world_frame.empty() && p.world_frame[0] == '/') p.world_frame.erase(0, 1);
@@ -81,6 +88,8 @@ Parameters readParameters(const ros::NodeHandle& nh) {
            "realtime_factor", "it must be > 0, or -1 to run free");
   in.check(p.wrench_timeout > 0 && p.wrench_timeout <= 60, "wrench_timeout",
            "it must be in (0, 60] s");
+  in.check(diagnostic_period > 0 && diagnostic_period <= 3600, "diagnostic_period",
+           "it must be in (0, 3600] s");
   if (!p.coat.empty()) {
     try {
       coatKind(p.coat);
@@ -89,7 +98,7 @@ Parameters readParameters(const ros::NodeHandle& nh) {
     }
   }
   in.warnOfOthers({"preset", "method", "integrator", "step", "sweeps", "tolerance", "damping",
-                   "sleep", "gravity_x", "gravity_y", "gravity_z", "diagnostic_period"});
+                   "sleep", "gravity_x", "gravity_y", "gravity_z"});
   return p;
 }
 

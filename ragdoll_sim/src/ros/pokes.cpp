@@ -43,7 +43,8 @@ std::string Pokes::accept(const ragdoll_msgs::Poke::Request& request) {
     checkFinite(force, "force", "[N]");
     checkFinite(point, "reference_point", "[m]");
     const std::optional<Pose> own = world.frame(frame);
-    const Quat q_WF = own ? own->orientation : frames_.inWorld(frame).orientation;
+    const auto own_frames = [&] { return world.frameNames(); };
+    const Quat q_WF = own ? own->orientation : frames_.inWorld(frame, own_frames).orientation;
     poke.force = q_WF * force;
     poke.point = q_WF * point;
     poke.start = world.state().time + delay;

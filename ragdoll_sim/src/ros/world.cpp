@@ -418,6 +418,12 @@ bool World::hasFrame(const std::string& name) const {
   return false;
 }
 
+std::vector<std::string> World::frameNames() const {
+  std::vector<std::string> names;
+  for (int i = 0; i < tracker_.size(); ++i) names.push_back(tracker_.name(i));
+  return names;
+}
+
 std::optional<Pose> World::frame(const std::string& name) const {
   for (int i = 0; i < tracker_.size(); ++i) {
     if (tracker_.name(i) != name) continue;

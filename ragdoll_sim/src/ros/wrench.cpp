@@ -1,9 +1,7 @@
 #include "ragdoll_sim/ros/wrench.h"
 
-#include <algorithm>
-
 #include "ragdoll_sim/core/error.h"
-#include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/ros/convert.h"
 
 namespace ragdoll {
 namespace {
@@ -51,9 +49,8 @@ std::vector<Poke> wrenchPokes(const World& world, const std::string& frame, cons
   const FrameTracker& tracker = world.tracker();
   const std::optional<Pose> pose = world.frame(frame);
   if (!pose) {
-    std::vector<std::string> names;
-    for (int i = 0; i < std::min(tracker.size(), 40); ++i) names.push_back(tracker.name(i));
-    throw Error("frame_id", "'" + frame + "' is not a ragdoll's frame; there are " + joined(names));
+    throw Error("frame_id", "'" + frame + "' is not a ragdoll's frame; there are " +
+                                listed(world.frameNames()));
   }
   Points forces = Points::Zero(3, world.model()->size());
   std::vector<Poke> pokes;

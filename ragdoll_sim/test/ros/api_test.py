@@ -86,6 +86,20 @@ class ApiTest(unittest.TestCase):
         told = {name[len(NODE) + 1:] for name in column('Parameters read at the start')}
         self.assertEqual(set(known.split(', ')), told)
 
+    def test_types_and_defaults_of_the_start(self):
+        """The node tells both when it meets a value that has no type of its parameters'."""
+        program = roslib.packages.find_node('ragdoll_sim', 'ragdoll_node')[0]
+        defaults = column('Parameters read at the start', 2)
+        for name, kind in column('Parameters read at the start').items():
+            key = name[len(NODE) + 1:]
+            rospy.set_param('/wrong_%s/%s' % (key, key), [1, 2])
+            run = subprocess.run([program, '__name:=wrong_' + key], timeout=30,
+                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                 universal_newlines=True)
+            self.assertEqual(run.returncode, 1, run.stdout)
+            self.assertIn('must be %s, by default %s, is' % (
+                {'number': 'a number'}.get(kind, kind), defaults[name].split(':')[0]), run.stdout)
+
     def test_settings(self):
         settings = dynamic_reconfigure.client.Client(NODE, timeout=30)
         there = {NODE + '/' + p['name']: p for p in settings.get_parameter_descriptions(timeout=30)}

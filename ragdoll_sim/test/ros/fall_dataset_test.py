@@ -112,6 +112,18 @@ class FallDatasetTest(unittest.TestCase):
         self.assertIn('labels.csv', text)
         self.assertEqual(contents(os.path.join(out, 'fall_000005.bag')), kept)
 
+    def test_a_rate_that_does_not_fit_the_steps_is_refused(self):
+        for rate, words in ((50, ['60 or 40 Hz']), (1000, ['120 Hz'])):
+            out = os.path.join(self.folder, 'uneven')
+            run = subprocess.run(
+                [sys.executable, SCRIPT, '--falls', '1', '--rate', str(rate), '--out', out],
+                timeout=60, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                universal_newlines=True)
+            self.assertEqual(run.returncode, 1, run.stdout)
+            for word in ['--rate %d' % rate] + words:
+                self.assertIn(word, run.stdout)
+            self.assertEqual(os.listdir(out), [])
+
     def test_pose_classes(self):
         pose_class = load_script().pose_class
         body = {'neck': (0, 0, 0.5), 'left_hip': (0, 0.1, 0), 'right_hip': (0, -0.1, 0),

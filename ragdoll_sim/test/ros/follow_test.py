@@ -135,6 +135,19 @@ class FollowTest(unittest.TestCase):
             self.assertFalse(answer.success, args)
             for word in words:
                 self.assertIn(word, answer.status_message)
+        # None of the ragdolls' own frames, of this scene or another; the rest is counted.
+        self.scene(FLOATING.replace('name: ragdoll', 'name: other'))
+        self.robot.frames.update({'more_%02d' % i: (0, 0, 0) for i in range(30)})
+
+        def message():
+            return self.attach('left_hand', 'nowhere').status_message
+        text = wait_for(lambda: 'more_10' in message() and message(), 'the frames in the message')
+        self.assertIn('gripper', text)
+        self.assertRegex(text, r'and \d+ more')
+        self.assertNotIn('head', text)
+        self.assertLess(len(text), 500)
+        self.robot.frames = {name: at for name, at in self.robot.frames.items()
+                             if not name.startswith('more')}
         for body, words in [('left_hand', ['not held']), ('left_paw', ['left_hand'])]:
             answer = self.detach(body)
             self.assertFalse(answer.success, body)
@@ -203,9 +216,11 @@ class FollowTest(unittest.TestCase):
             return None
 
         def warned():
-            return [s for m in reports.all() for s in m.status if 'pusher' in s.message]
+            return [s for m in reports.all()[seen:] for s in m.status if 'pusher' in s.message]
         wait_for(lambda: obstacle() and abs(obstacle().x + 2) < 1e-6, 'the box at its frame')
-        self.assertEqual(warned(), [])
+        wait_for(lambda: reports.all() and not [s for s in reports.all()[-1].status
+                                                if 'pusher' in s.message], 'no warning')
+        seen = len(reports.all())
         del self.robot.frames['pusher']
         status = wait_for(warned, 'a warning')[0]
         self.assertEqual(status.level, 1)

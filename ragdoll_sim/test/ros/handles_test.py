@@ -203,6 +203,7 @@ class HandlesTest(unittest.TestCase):
 
         def goes_on():
             # Two seconds, twice as long as the watchdog's; a machine that stalls does not do so always.
+            self.mouse.drag(HAND, (at[0], at[1], at[2] + 0.3))
             begin = self.client.states.all()[-1].step
             wait_for(lambda: self.client.states.all()[-1].step > begin + 500, 'two seconds')
             return self.pulled_lately()

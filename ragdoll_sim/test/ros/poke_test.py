@@ -151,8 +151,9 @@ class PokeTest(unittest.TestCase):
         seen = len(self.client.pokes.all())
         later = rospy.Time.now() + rospy.Duration(5.0)
         self.accept('head', (FORCE, 0, 0), start=later.to_sec(), duration=SECONDS)
+        left = (later - rospy.Time.now()).to_sec()
         event = wait_for(lambda: self.client.pokes.all()[seen:], 'the poke event')[0]
-        self.assertGreater(event.step, self.steps(4.0))
+        self.assertGreaterEqual(event.step, self.steps(left))
         self.assertLessEqual(event.step, self.steps(5.0))
         self.assert_vector(self.gained(self.client.step(event.step)), [0, 0, 0])
         n = self.steps(SECONDS)

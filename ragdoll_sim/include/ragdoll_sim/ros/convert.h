@@ -37,6 +37,9 @@ std_msgs::ColorRGBA toColor(const Rgba& color);
 /// "(1, 2, 3)"
 std::string shown(const Vec3& v);
 
+/// "a, b, c and 7 more"
+std::string listed(const std::vector<std::string>& names);
+
 /// Throws Error.
 void checkFinite(const Vec3& v, const char* name, const char* unit);
 

@@ -5,8 +5,10 @@
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "ragdoll_sim/core/types.h"
 
@@ -21,11 +23,17 @@ class FrameLookup {
  public:
   explicit FrameLookup(const std::string& world_frame) : world_frame_(world_frame) {}
 
+  using Names = std::function<std::vector<std::string>()>;
+
   const std::string& worldFrame() const { return world_frame_; }
   bool isWorld(const std::string& frame) const;
 
-  /// Latest known pose in the world frame. Throws Error that names the frames there are.
-  Pose inWorld(const std::string& frame) const;
+  /// Latest known pose in the world frame. Throws Error that names the frames there are: of other
+  /// nodes, and `own`.
+  Pose inWorld(const std::string& frame, const Names& own = nullptr) const;
+
+  /// Frames that other nodes publish, in alphabetic order.
+  std::vector<std::string> others() const;
 
   /// The same; nothing where there is none.
   std::optional<StampedPose> find(const std::string& frame) const;

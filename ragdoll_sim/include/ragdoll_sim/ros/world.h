@@ -117,6 +117,7 @@ class World {
   /// Pose of one of the world's own frames at this very step; nothing if it has none of that name.
   std::optional<Pose> frame(const std::string& name) const;
   bool hasFrame(const std::string& name) const;
+  std::vector<std::string> frameNames() const;
 
   std::vector<Poke> takeActed();    ///< pokes that acted in some step since the last call
   std::vector<Event> takeEvents();  ///< pokes that were accepted since the last call

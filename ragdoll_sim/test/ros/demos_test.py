@@ -1,0 +1,153 @@
+#!/usr/bin/python3
+"""crowd.launch, fall_dataset.launch and playback.launch, started as a user does, without rviz."""
+
+import csv
+import io
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import rosbag
+import roslib.packages
+import rosnode
+import rospy
+import rostest
+from client import Client, Inbox, wait_for
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+LONG = 100  # [s] for what computes as fast as it can
+
+
+def points(ragdoll):
+    return [(p.x, p.y, p.z) for p in ragdoll.positions]
+
+
+def middle(ragdoll):
+    return [sum(c) / len(ragdoll.positions) for c in zip(*points(ragdoll))]
+
+
+def contents(path):
+    with rosbag.Bag(path) as bag:
+        found = []
+        for topic, message, t in bag.read_messages():
+            out = io.BytesIO()
+            message.serialize(out)
+            found.append((topic, t, out.getvalue()))
+        return found
+
+
+class DemosTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def start(self, *arguments):
+        """roslaunch in a terminal that stands in self.folder."""
+        log = open(os.path.join(self.folder, 'log'), 'w')
+        self.addCleanup(log.close)
+        launch = subprocess.Popen(['roslaunch', 'ragdoll'] + list(arguments), cwd=self.folder,
+                                  env=dict(os.environ, PWD=self.folder), stdin=subprocess.DEVNULL,
+                                  stdout=log, stderr=subprocess.STDOUT)
+        self.addCleanup(self.end, launch)
+        return launch
+
+    def end(self, launch):
+        """As by Ctrl-C."""
+        if launch.poll() is None:
+            launch.send_signal(signal.SIGINT)
+        launch.wait(LONG)
+
+    def log(self):
+        with open(os.path.join(self.folder, 'log')) as log:
+            return log.read()
+
+    def record_falls(self, out, falls=2, seed=4, rate=60):
+        launch = self.start('fall_dataset.launch', 'falls:=%d' % falls, 'seed:=%d' % seed,
+                            'seconds:=3', 'rate:=%d' % rate, 'out:=' + out)
+        launch.wait(LONG)
+        return os.path.join(self.folder, out)
+
+    def test_a_crowd_falls_and_comes_to_rest(self):
+        launch = self.start('crowd.launch', 'rviz:=false', 'realtime_factor:=8')
+        client = Client()
+        names = ['crowd_%d' % i for i in range(20)]
+        self.assertEqual([r.name for r in client.model.ragdolls], names)
+        frames = Inbox('/tf', TFMessage)
+        wait_for(lambda: {t.child_frame_id for m in frames.all()[-1:] for t in m.transforms} >=
+                 {name + '/head' for name in names}, 'the frames of all')
+        client.restart()
+        start = [middle(r) for r in client.states.all()[-1].ragdolls]
+        self.assertTrue(all(at[2] > 1.5 for at in start))
+        client.call_pause(False)
+        wait_for(lambda: sum(r.asleep for r in client.states.all()[-1].ragdolls) == 20,
+                 'all at rest')
+        for ragdoll, at in zip(client.states.all()[-1].ragdolls, start):
+            lies = middle(ragdoll)
+            self.assertLess(lies[2], 0.3)
+            self.assertLess(abs(lies[0] - at[0]) + abs(lies[1] - at[1]), 1.5)
+            self.assertGreater(min(p[2] for p in points(ragdoll)), 0)
+            self.assertEqual({v for w in ragdoll.velocities for v in (w.x, w.y, w.z)}, {0})
+        self.end(launch)
+
+    def test_a_data_set_is_there_and_the_same_for_the_same_seed(self):
+        first, second = (self.record_falls(out) for out in ('first', 'second'))
+        for out in (first, second):
+            self.assertEqual(sorted(os.listdir(out)),
+                             ['fall_000004.bag', 'fall_000005.bag', 'labels.csv'], self.log())
+        with open(os.path.join(first, 'labels.csv'), newline='') as file:
+            rows = list(csv.DictReader(file))
+        with open(os.path.join(first, 'labels.csv')) as a, \
+                open(os.path.join(second, 'labels.csv')) as b:
+            self.assertEqual(a.read(), b.read())
+        lab = roslib.packages.find_node('ragdoll_sim', 'ragdoll_lab')[0]
+        for row, seed in zip(rows, (4, 5)):
+            self.assertEqual((row['bag'], row['seed']), ('fall_%06d.bag' % seed, str(seed)))
+            self.assertTrue(0 < float(row['impact_time']) < 3)
+            self.assertIn(row['end_pose'], ('upright', 'supine', 'prone', 'on_left_side',
+                                            'on_right_side'))
+            found = contents(os.path.join(first, row['bag']))
+            self.assertEqual(found, contents(os.path.join(second, row['bag'])))
+            topics = [topic for topic, _, _ in found]
+            self.assertEqual(topics.count('/ragdoll/state'), 3 * 60 + 1)
+            self.assertEqual((topics.count('/ragdoll/model'), topics.count('/ragdoll/label')), (1, 1))
+            replayed = subprocess.run([lab, 'replay', os.path.join(first, row['bag'])], timeout=60,
+                                      stdout=subprocess.PIPE, universal_newlines=True)
+            self.assertEqual(replayed.returncode, 0, replayed.stdout)
+            self.assertIn('identical in 181 states', replayed.stdout)
+
+    def test_a_bag_plays_without_the_node(self):
+        path = os.path.join(self.record_falls('falls', falls=1), 'fall_000004.bag')
+        with rosbag.Bag(path) as bag:
+            states = [m for _, m, _ in bag.read_messages(['/ragdoll/state'])]
+        launch = self.start('playback.launch', 'bag:=falls/fall_000004.bag', 'rviz:=false',
+                            'rate:=0.5')
+        markers, frames = Inbox('/ragdoll/markers', MarkerArray), Inbox('/tf', TFMessage)
+
+        def sticks():
+            """Where the drawn sticks' ends are."""
+            return {tuple((p.x, p.y, p.z) for p in m.points) for a in markers.all()
+                    for m in a.markers if m.ns == 'sticks'}
+        wait_for(lambda: len(sticks()) > 30, 'moving sticks')
+        self.assertNotIn('/ragdoll/poke', [s for s, _ in rospy.get_master().getSystemState()[2][2]])
+        self.assertTrue(rospy.get_param('/use_sim_time'))
+        launch.wait(LONG)  # it ends with the bag
+        # What was drawn is what was recorded, nothing between and nothing else.
+        recorded = [set(points(s.ragdolls[0])) for s in states]
+        for drawn in sticks():
+            self.assertTrue(any(set(drawn) <= at for at in recorded))
+        pelvis = {t.transform.translation.z for m in frames.all() for t in m.transforms
+                  if t.child_frame_id == 'ragdoll/pelvis'}
+        self.assertGreater(max(pelvis), 0.8)
+        self.assertLess(min(pelvis), 0.5)
+        self.assertFalse(rospy.has_param('/use_sim_time'))  # whoever comes next has a clock
+        self.assertNotIn('/ragdoll', rosnode.get_node_names())
+
+
+if __name__ == '__main__':
+    rospy.init_node('demos_test')
+    rostest.rosrun('ragdoll_sim', 'demos', DemosTest, sys.argv)
