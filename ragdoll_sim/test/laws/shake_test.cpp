@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <tuple>
 
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
@@ -182,6 +183,44 @@ TEST(ShakeBounce, ParticleRisesToRestitutionSquaredWithinAPercentAtSixtyHertz) {
     EXPECT_NEAR(top / (e * e), 1, 0.01) << "restitution " << e;
   }
 }
+
+/// A rod falls without turning and strikes the floor with its lower end. The impulse J along the
+/// normal at the distance d beside the centre of mass turns the end's speed round: with 1/m + d^2/I
+/// the end's inverse mass, J = (1 + e) v / (1/m + d^2/I); then u = J/m - v, omega = J d / I.
+class RodBounce : public testing::TestWithParam<std::tuple<double, double>> {};
+
+TEST_P(RodBounce, RisesAndTurnsByTheImpulseAtItsEndAtSixtyHertz) {
+  constexpr double kRadius = 0.05, kHeight = 1, kMass = 2;
+  const double tilt = rad(std::get<0>(GetParam())), e = std::get<1>(GetParam());
+  for (const double gyration : {0.5, 1 / std::sqrt(12.0)}) {  // masses at the ends, uniform rod
+    SkeletonSpec body = oneStick(0, 0, kRadius);
+    body.segments[0].mass = kMass;
+    body.segments[0].gyration = gyration;
+    Scene scene = sceneOf(body, Vec3(0, 0, kHeight + kRadius));
+    scene.ragdolls[0].pose.orientation = Quat(Eigen::AngleAxisd(-tilt, Vec3::UnitY()));
+    scene.obstacles = {floorPlane(0, e)};
+    scene.solver.method = Method::kShake;
+    World world(scene);
+    const double start = centreOfMass(world.model, world.state, 0).z();
+    world.steps(static_cast<int>(std::ceil(std::sqrt(2 * kHeight / kG) * 60)) + 1);
+
+    const double v = std::sqrt(2 * kG * kHeight), d = 0.5 * std::cos(tilt);
+    const double I = kMass * gyration * gyration;
+    const double J = (1 + e) * v / (1 / kMass + d * d / I);
+    const double exact = std::pow(J / kMass - v, 2) / (2 * kG);  // [m] from where it struck
+    const Vec3 u = momentum(world.model, world.state) / kMass;
+    const double top = centreOfMass(world.model, world.state, 0).z() + u.z() * u.z() / (2 * kG);
+    EXPECT_NEAR((top - (start - kHeight)) / exact, 1, 1e-6) << "gyration " << gyration;
+    const Vec3 arm = world.x(1) - world.x(0);
+    const Vec3 omega = arm.cross(world.v(1) - world.v(0)) / arm.squaredNorm();
+    EXPECT_NEAR(omega.y() / (J * d / I), 1, 1e-6) << "gyration " << gyration;
+    EXPECT_LT(u.head<2>().norm(), 1e-9);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(TiltsAndRestitutions, RodBounce,
+                         testing::Combine(testing::Values(60.0, 75.0, 85.0),
+                                          testing::Values(0.7, 0.9, 1.0)));
 
 TEST(ShakeContact, EnergyOfAFallNeverRisesAndTheBodyComesToRest) {
   Scene scene = parseScene(
