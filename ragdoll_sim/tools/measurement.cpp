@@ -19,12 +19,6 @@ constexpr int kFewRounds = 3;             ///< of configurations dearer than kDe
 constexpr double kDear = 0.1;             ///< [s] of one run
 constexpr double kShortestTiming = 2e-3;  ///< [s] what is shorter is run several times
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t n = values.size();
-  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
-}
-
 /// Runs one configuration again and again from the scene's start.
 class Runner {
  public:
@@ -70,6 +64,12 @@ double cpuTime() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
 Measurement measureAccuracy(const Model& model, const Configuration& configuration,

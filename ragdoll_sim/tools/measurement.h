@@ -46,6 +46,8 @@ void measureCost(const Model& model, double horizon, Measurement& one);
 /// [s] of CPU time of this process.
 double cpuTime();
 
+double median(std::vector<double> values);
+
 /// Marks the Pareto front. Errors below the reference's uncertainty count as that.
 void markBest(double uncertainty, std::vector<Measurement>& all);
 

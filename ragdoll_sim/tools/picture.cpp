@@ -19,10 +19,17 @@ std::string quoted(const std::string& text) {
 
 bool drawable(const Measurement& m) { return m.finite && m.error > 0 && m.cost > 0; }
 
-std::vector<std::string> familyNames(const Survey& survey) {
+/// A family is a curve along its steps; adaptive ones are one along their tolerances.
+std::string curveOf(const Configuration& configuration) {
+  if (configuration.solver.tolerance > 0)
+    return std::string(methodName(configuration.solver.method)) + " to a tolerance";
+  return configuration.family;
+}
+
+std::vector<std::string> curveNames(const Survey& survey) {
   std::vector<std::string> names;
   for (const Measurement& m : survey.rows) {
-    const std::string& name = m.configuration.family;
+    const std::string name = curveOf(m.configuration);
     if (m.configuration.is_preset || !drawable(m)) continue;
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
@@ -70,10 +77,10 @@ bool run(const std::string& script, const std::string& file) {
 std::string plotScript(const Survey& survey, const std::string& title, const std::string& terminal,
                        const std::string& file) {
   std::ostringstream out;
-  const std::vector<std::string> names = familyNames(survey);
+  const std::vector<std::string> names = curveNames(survey);
   for (std::size_t i = 0; i < names.size(); ++i)
-    out << block("family" + std::to_string(i), survey, [&](const Measurement& m) {
-      return !m.configuration.is_preset && m.configuration.family == names[i];
+    out << block("curve" + std::to_string(i), survey, [&](const Measurement& m) {
+      return !m.configuration.is_preset && curveOf(m.configuration) == names[i];
     });
   out << block("presets", survey, [](const Measurement& m) { return m.configuration.is_preset; })
       << frontBlock(survey);
@@ -88,7 +95,7 @@ std::string plotScript(const Survey& survey, const std::string& title, const std
   out << "u = " << survey.reference.uncertainty << "\n";
   out << "plot $front using 1:2 with steps lw 8 lc rgb '#d8d8d8' title 'Pareto front'";
   for (std::size_t i = 0; i < names.size(); ++i)
-    out << ", \\\n  $family" << i << " using 1:2 with linespoints lw 1.5 pt 7 ps 0.6 lc " << i + 1
+    out << ", \\\n  $curve" << i << " using 1:2 with linespoints lw 1.5 pt 7 ps 0.6 lc " << i + 1
         << " title " << quoted(names[i]) << " noenhanced";
   if (survey.reference.uncertainty > 0)
     out << ", \\\n  u with lines dt 2 lc rgb '#888888' title 'reference is unsure below'";
@@ -102,7 +109,7 @@ std::string draw(const Survey& survey, const std::string& title, const std::stri
   const std::string missing =
       "no picture: gnuplot is not there (Debian, Ubuntu: apt-get install gnuplot-nox)";
   if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) return missing;
-  if (familyNames(survey).empty()) return "no picture: nothing has an error above zero";
+  if (curveNames(survey).empty()) return "no picture: nothing has an error above zero";
   for (const auto& [terminal, ending] : {std::pair("pngcairo", ".png"), std::pair("svg", ".svg")})
     if (!run(plotScript(survey, title, terminal, base + ending), base + ending))
       return "no picture: gnuplot could not draw " + base + ending;

@@ -68,7 +68,7 @@ std::string toCsv(const Survey& survey) {
   std::string text =
       "family,preset,method,step,sweeps,integrator,cost_s_per_s,cost_ratio_to_thesis,error_m,"
       "error_uncertainty_m,stretch,penetration_m,limit_violation_rad,energy_drift_J,energy_rise_J,"
-      "finite,pareto\n";
+      "finite,pareto,tolerance_m\n";
   for (const Measurement& m : survey.rows) {
     const Configuration& c = m.configuration;
     const SolverSpec& s = c.solver;
@@ -76,9 +76,10 @@ std::string toCsv(const Survey& survey) {
                    c.is_preset ? c.family.c_str() : "", methodName(s.method), s.step);
     text += s.method == Method::kJakobsen ? format("%d,%s,", s.sweeps, integratorName(s.integrator))
                                           : ",,";
-    text += format("%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d\n", m.cost, m.ratio, m.error,
+    text += format("%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d,", m.cost, m.ratio, m.error,
                    survey.reference.uncertainty, m.stretch, m.penetration, m.limit_violation,
                    m.energy_drift, m.energy_rise, m.finite ? 1 : 0, m.best ? 1 : 0);
+    text += s.tolerance > 0 ? format("%.9g\n", s.tolerance) : "\n";
   }
   return text;
 }
