@@ -1,17 +1,16 @@
 // ragdoll_peers: the same bodies in other engines, in one process: their rounds of timing are
 // interleaved, medians count, and the clock is the thread's CPU time.
 #include <cstdio>
-#include <cstring>
 #include <exception>
+#include <string>
 
 #include "comparisons.h"
 
 int main(int argc, char** argv) {
   using namespace ragdoll::peers;
-  const char* what = argc > 1 ? argv[1] : "";
-  if (argc > 2 ||
-      (argc == 2 && std::strcmp(what, "pendulum") != 0 && std::strcmp(what, "fall") != 0)) {
-    std::fprintf(stderr, "Usage: ragdoll_peers [pendulum | fall]\n");
+  const std::string what = argc > 1 ? argv[1] : "";
+  if (argc > 2 || (argc == 2 && what != "pendulum" && what != "fall" && what != "crowd")) {
+    std::fprintf(stderr, "Usage: ragdoll_peers [pendulum | fall | crowd]\n");
     return 2;
   }
   std::vector<Engine> engines = ragdollEngines();
@@ -28,8 +27,9 @@ int main(int argc, char** argv) {
   add(mujocoEngines());
 #endif
   try {
-    if (std::strcmp(what, "fall") != 0) comparePendulum(engines);
-    if (std::strcmp(what, "pendulum") != 0) compareFall(engines);
+    if (what.empty() || what == "pendulum") comparePendulum(engines);
+    if (what.empty() || what == "fall") compareFall(engines);
+    if (what.empty() || what == "crowd") compareCrowd(engines);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "ragdoll_peers: %s\n", error.what());
     return 1;

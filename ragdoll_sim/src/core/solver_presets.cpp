@@ -20,8 +20,8 @@ constexpr Preset kPresets[] = {
     {"thesis", Method::kJakobsen, Integrator::kVerlet, 1.0 / 60, 10, "20 mm"},
     {"draft", Method::kShake, Integrator::kVerlet, 1.0 / 60, 10, "10 mm"},
     {"balanced", Method::kShake, Integrator::kVerlet, 1.0 / 120, 10, "8 mm"},
-    {"precise", Method::kShake, Integrator::kVerlet, 1.0 / 500, 10, "6 mm"},
-    {"reference", Method::kRk, Integrator::kVerlet, 1.0 / 1000, 10, "6 mm"},
+    {"precise", Method::kShake, Integrator::kVerlet, 1.0 / 500, 10, "7 mm"},
+    {"reference", Method::kRk, Integrator::kVerlet, 1.0 / 1000, 10, "7 mm"},
 };
 
 }  // namespace
