@@ -20,6 +20,8 @@ namespace ragdoll {
 namespace {
 
 constexpr int kMaxParticles = 1000000;  ///< in a scene; more is a typing error
+/// Of a scene's systems, whose matrices over particles and sticks are dense: 2 GB and about 10 s.
+constexpr double kMaxNumbers = 1e8, kMaxWork = 2e10;
 
 void checkSolver(const SolverSpec& s) {
   if (!(s.step > 0 && s.step <= 1))
@@ -214,7 +216,12 @@ Model buildModel(const Scene& scene) {
       if (model.self_collision) model.notes.push_back(describePairs(s));
     }
   for (const ObstacleSpec& o : scene.obstacles) model.obstacles.push_back(resolve(o));
-  setPins(model, resolvePins(scene, model));
+  const std::vector<Pin> pins = resolvePins(scene, model);
+  try {
+    setPins(model, pins);
+  } catch (const Error& e) {  // it knows no file
+    throw Error(scene.where, e.what());
+  }
   correctStarts(specs, model);
   for (const PokeSpec& p : scene.pokes) model.pokes.push_back(resolve(p, model));
   std::stable_sort(model.pokes.begin(), model.pokes.end(), [&](const Poke& a, const Poke& b) {
@@ -256,20 +263,31 @@ BodyRef findBody(const Model& model, const std::string& name) {
 
 void setPins(Model& model, const std::vector<Pin>& pins) {
   std::map<std::pair<int, std::vector<int>>, int> known;
-  std::vector<System> systems;
+  std::vector<std::pair<int, std::vector<int>>> wanted;  // skeleton and pins of each system
   std::vector<int> chosen;
+  double numbers = 0, work = 0;
   for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
     const Ragdoll& r = model.ragdolls[i];
     std::vector<int> local;
     for (const Pin& p : pins)
       if (p.ragdoll == static_cast<int>(i)) local.push_back(p.particle - r.first);
     std::sort(local.begin(), local.end());
-    const auto [it, fresh] =
-        known.try_emplace({r.skeleton, local}, static_cast<int>(systems.size()));
-    if (fresh)
-      systems.push_back(buildSystem(model.skeletonOf(r), r.skeleton, local, model.warnings));
+    const auto [it, fresh] = known.try_emplace({r.skeleton, local}, static_cast<int>(wanted.size()));
     chosen.push_back(it->second);
+    if (!fresh) continue;
+    wanted.push_back(it->first);
+    const Skeleton& s = model.skeletonOf(r);
+    const double size = s.size() + static_cast<double>(s.sticks.size() + s.hidden_sticks.size());
+    numbers += size * size;
+    work += size * size * size;
+    if (numbers > kMaxNumbers || work > kMaxWork)
+      throw Error("ragdoll '" + r.name + "'",
+                  "is too much: its model and those before it, once for each set of pins, have "
+                  "matrices that are too large; use smaller models, or the same ones again");
   }
+  std::vector<System> systems;
+  for (const auto& [skeleton, local] : wanted)
+    systems.push_back(buildSystem(model.skeletons[skeleton], skeleton, local, model.warnings));
   model.pins = pins;
   model.systems = std::move(systems);
   for (std::size_t i = 0; i < chosen.size(); ++i) model.ragdolls[i].system = chosen[i];

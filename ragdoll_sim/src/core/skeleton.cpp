@@ -13,6 +13,12 @@
 
 namespace ragdoll {
 
+namespace {
+
+constexpr std::size_t kMaxHidden = 3000;  ///< pairs in rigid groups; matrices over them are dense
+
+}  // namespace
+
 int Skeleton::particle(const std::string& name) const { return indexOf(particles, name); }
 
 int Skeleton::segment(const std::string& name) const {
@@ -174,6 +180,11 @@ void completeGroups(const SkeletonSpec& spec, Skeleton& s) {
       for (std::size_t j = i + 1; j < p.size(); ++j)
         if (seen.insert(std::minmax(p[i], p[j])).second)
           s.hidden_sticks.push_back({p[i], p[j], (s.rest.col(p[i]) - s.rest.col(p[j])).norm()});
+    if (s.hidden_sticks.size() > kMaxHidden)
+      throw Error(spec.segments[g].where,
+                  "the particles of rigid groups up to '" + spec.segments[g].name + "' make " +
+                      std::to_string(s.hidden_sticks.size()) + " pairs; at most " +
+                      std::to_string(kMaxHidden) + " are possible");
   }
 }
 

@@ -1,6 +1,5 @@
 #include "ragdoll_sim/core/snapshot.h"
 
-#include <cmath>
 #include <cstring>
 #include <string>
 #include <type_traits>
@@ -65,6 +64,12 @@ class Reader {
     static_assert(std::is_arithmetic_v<T> || std::is_enum_v<T>);
     raw(&value, sizeof value);
   }
+  void operator()(bool& value) {
+    std::uint8_t byte = 0;  // a bool of any other value than 0 or 1 is undefined
+    (*this)(byte);
+    if (byte > 1) throw Error("snapshot", "is damaged: a switch is neither on nor off");
+    value = byte == 1;
+  }
   void operator()(std::string& s) {
     s.resize(count(1));
     raw(s.data(), s.size());
@@ -81,8 +86,8 @@ class Reader {
       v.resize(count(sizeof(T)));
       raw(v.data(), v.size() * sizeof(T));
     } else {
-      v.resize(count(1));
-      for (T& item : v) visit(*this, item);
+      v.clear();  // it grows with what is there: a wrong count takes no memory
+      for (std::size_t n = count(1); n > 0; --n) visit(*this, v.emplace_back());
     }
   }
   std::size_t position() const { return at_; }
@@ -161,27 +166,6 @@ void visitMoment(Archive& a, T& moment) {
   visitSolver(a, solver);
   a(pins), a(pokes);
   visitState(a, state);
-}
-
-void checkParticles(const Model& model, const std::vector<int>& particles) {
-  for (const int p : particles)
-    if (p < 0 || p >= model.size()) throw Error("snapshot", "is damaged: a particle out of range");
-}
-
-/// What step() relies on.
-void checkFits(const Model& model, const Moment& m) {
-  const auto bodies = model.ragdolls.size();
-  if (m.state.x.cols() != model.size() || m.state.v.cols() != model.size() ||
-      m.state.asleep.size() != bodies || m.state.quiet.size() != bodies ||
-      m.state.obstacles.size() != model.obstacles.size())
-    throw Error("snapshot", "is damaged: its sizes are not those of the scene");
-  if (!m.state.x.allFinite() || !m.state.v.allFinite() || !std::isfinite(m.state.time))
-    throw Error("snapshot", "is damaged: it holds numbers that are not finite");
-  for (const Press& press : m.state.presses)
-    if (press.ragdoll < 0 || press.ragdoll >= static_cast<int>(bodies))
-      throw Error("snapshot", "is damaged: a ragdoll out of range");
-  for (const Poke& poke : m.pokes) checkParticles(model, poke.body.particles);
-  for (const Pin& pin : m.pins) checkParticles(model, {pin.particle});
 }
 
 }  // namespace

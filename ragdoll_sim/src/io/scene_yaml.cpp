@@ -1,5 +1,6 @@
 #include "ragdoll_sim/io/scene_yaml.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -16,6 +17,8 @@ namespace {
 
 constexpr std::size_t kMaxEntries =
     10000;  ///< of every list of a scene, and of all ragdolls together
+constexpr std::size_t kMaxParts = 200000;  ///< of all models of a scene: an alias repeats parts
+constexpr std::size_t kMaxPlaced = 100000;  ///< particles of a scene with a place of their own
 constexpr double kDegree = M_PI / 180;
 constexpr double kUnitTolerance = 1e-14;  ///< a quaternion this close to unit length stays as it is
 
@@ -27,16 +30,31 @@ class ModelCache {
   std::shared_ptr<const SkeletonSpec> get(const Reader& reader) {
     if (reader.isMap()) {
       auto& model = inlined_[reader.value().get()];
-      if (!model) model = std::make_shared<const SkeletonSpec>(readModel(reader, "model"));
+      if (!model) {
+        model = std::make_shared<const SkeletonSpec>(readModel(reader, "model"));
+        count(*model, reader);
+      }
       return model;
     }
     if (!reader.isText()) reader.failType("a model's name, a path or a mapping");
     auto& model = named_[reader.text()];
-    if (!model) model = loadModel(findModel(reader.text(), folder_, reader.where()));
+    if (!model) {
+      model = loadModel(findModel(reader.text(), folder_, reader.where()));
+      count(*model, reader);
+    }
     return model;
   }
 
  private:
+  void count(const SkeletonSpec& model, const Reader& reader) {
+    parts_ += model.particles.size() + model.sticks.size() + model.joints.size();
+    for (const SegmentSpec& segment : model.segments) parts_ += 1 + segment.particles.size();
+    if (parts_ > kMaxParts)
+      reader.fail("makes more than " + std::to_string(kMaxParts) +
+                  " parts in the models of this scene; use one model more than once, or 'count'");
+  }
+
+  std::size_t parts_ = 0;
   std::string folder_;
   std::map<std::string, std::shared_ptr<const SkeletonSpec>> named_;
   std::map<const Value*, std::shared_ptr<const SkeletonSpec>> inlined_;
@@ -69,6 +87,13 @@ Quat readOrientation(MapReader& map) {
     quaternion->fail("has length 0; [x, y, z, w] of length 1 is expected");
   if (std::abs(length - 1) < kUnitTolerance) return given_orientation;
   return Quat(given_orientation.coeffs() / length);
+}
+
+/// Those of the ragdolls read so far; each of `count` has its own.
+void checkPlaced(const Reader& reader, const RagdollSpec& ragdoll, std::size_t& placed) {
+  placed += ragdoll.place.size() * static_cast<std::size_t>(std::max(1, ragdoll.count));
+  if (placed > kMaxPlaced)
+    reader.fail("places more than " + std::to_string(kMaxPlaced) + " particles of this scene");
 }
 
 RagdollSpec readRagdoll(const Reader& reader, ModelCache& models) {
@@ -166,7 +191,8 @@ PokeSpec readPoke(const Reader& reader) {
 
 void checkCount(const Reader& reader, const std::vector<RagdollSpec>& ragdolls) {
   std::size_t total = 0;
-  for (const RagdollSpec& ragdoll : ragdolls) total += ragdoll.count > 0 ? ragdoll.count : 1;
+  for (const RagdollSpec& ragdoll : ragdolls)
+    total += static_cast<std::size_t>(std::max(1, ragdoll.count));
   if (total > kMaxEntries) {
     reader.fail("are " + std::to_string(total) + " ragdolls; at most " +
                 std::to_string(kMaxEntries) + " are possible");
@@ -184,8 +210,10 @@ Scene readScene(const Reader& reader, const std::string& folder) {
   }
   ModelCache models(folder);
   const Reader ragdolls = map.need("ragdolls");
+  std::size_t placed = 0;
   for (const Reader& item : ragdolls.list(kMaxEntries)) {
     scene.ragdolls.push_back(readRagdoll(item, models));
+    checkPlaced(item, scene.ragdolls.back(), placed);
   }
   if (scene.ragdolls.empty()) ragdolls.fail("is empty; at least one ragdoll is expected");
   checkCount(ragdolls, scene.ragdolls);

@@ -79,6 +79,48 @@ TEST(HostileText, TooManyOfAKind) {
               StartsWith("scene.yaml:4: ragdolls[0].model.particles: has 1001 keys; at most 1000"));
 }
 
+std::string particles(int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) {
+    if (i > 0) text += ", ";
+    text += "p" + std::to_string(i) + ": {position: [" + std::to_string(i % 10) + ", " +
+            std::to_string(i / 10 % 10) + ", " + std::to_string(i / 100) + "], mass: 1}";
+  }
+  return "{" + text + "}";
+}
+
+TEST(HostileText, AliasesThatRepeatParts) {
+  std::string many = "ragdolls:\n- {name: r, model: {particles: &p " + particles(1000) + "}}\n";
+  for (int i = 0; i < 300; ++i)
+    many += "- {name: r" + std::to_string(i) + ", model: {particles: *p}}\n";
+  EXPECT_THAT(errorOfText(many), StartsWith("scene.yaml:202: ragdolls[200].model: makes more than "
+                                            "200000 parts"));
+  std::string places;
+  for (int i = 0; i < 100; ++i) places += ", p" + std::to_string(i) + ": [0, 0, 0]";
+  EXPECT_THAT(errorOfText("ragdolls:\n- {model: human, count: 2000, place: {x: [0, 0, 0]" + places +
+                          "}}\n"),
+              StartsWith("scene.yaml:2: ragdolls[0]: places more than 100000 particles"));
+}
+
+TEST(HostileText, RigidGroupOfManyPairs) {
+  std::string members;
+  for (int i = 0; i < 100; ++i) members += (i > 0 ? ", p" : "p") + std::to_string(i);
+  EXPECT_THAT(errorOfText(sceneWithModel("      particles: " + particles(100) +
+                                         "\n      segments: {all: {particles: [" + members +
+                                         "], mass: 1, com: [0, 0, 0], inertia: [1, 1, 1, 0, 0, 0]}}")),
+              HasSubstr("segments.all: the particles of rigid groups up to 'all' make 4950 pairs"));
+}
+
+TEST(HostileText, MatricesThatNoMachineHolds) {
+  std::string scene = "ragdolls: [{name: r, count: 400, model: {particles: " + particles(300) +
+                      ", sticks: [[p0, p1]";
+  for (int i = 1; i < 299; ++i)
+    scene += ", [p" + std::to_string(i) + ", p" + std::to_string(i + 1) + "]";
+  scene += "]}}]\npins: [r_0/p0";
+  for (int i = 1; i < 300; ++i) scene += ", r_" + std::to_string(i) + "/p" + std::to_string(i);
+  EXPECT_THAT(errorOfText(scene + "]\n"), StartsWith("scene.yaml: ragdoll 'r_93': is too much"));
+}
+
 TEST(HostileText, LongValueIsShortenedInTheMessage) {
   const std::string error = errorOfText("coat: " + std::string(100000, 'x') + "\nragdolls: 1\n");
   EXPECT_THAT(error, HasSubstr("xxx...'"));

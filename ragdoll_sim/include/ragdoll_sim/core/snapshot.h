@@ -28,6 +28,9 @@ std::uint64_t fingerprint(const Model& model);
 
 std::vector<std::uint8_t> toBytes(const Model& model, const Moment& moment);
 
+/// Throws Error unless step() can go on from it: sizes, indices, names, finite numbers.
+void checkFits(const Model& model, const Moment& moment);
+
 /// Throws Error that says what the bytes are instead: no snapshot, damaged, of another version or
 /// of another scene.
 Moment fromBytes(const Model& model, const std::vector<std::uint8_t>& bytes);
