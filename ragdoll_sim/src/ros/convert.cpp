@@ -133,6 +133,16 @@ ragdoll_msgs::State toStateMsg(const Model& model, const State& state, const Run
   return m;
 }
 
+namespace {
+
+/// The nearest that a message can hold.
+ros::Duration toDuration(double seconds) {
+  constexpr double kLongest = 2147483647;  // [s]
+  return ros::Duration(std::clamp(seconds, -kLongest, kLongest));
+}
+
+}  // namespace
+
 ragdoll_msgs::PokeEvent toPokeEvent(const Event& event, const std_msgs::Header& header) {
   const Poke& poke = event.poke;
   ragdoll_msgs::PokeEvent m;
@@ -141,7 +151,7 @@ ragdoll_msgs::PokeEvent toPokeEvent(const Event& event, const std_msgs::Header& 
   m.body_name = poke.body_name;
   m.point = toPoint(poke.point);
   m.force = toVector3(poke.force);
-  m.duration = ros::Duration(poke.duration);
+  m.duration = toDuration(poke.duration);
   m.run = event.run;
   return m;
 }

@@ -138,7 +138,9 @@ void Handles::hold(const Feedback& message) {
   simulation_.call([&](World& world) {
     const std::optional<Pose> own = world.frame(frame);
     const Pose pose = own ? *own : frames_.inWorld(frame);
-    world.pull(message.marker_name, pose.position + pose.orientation * point);
+    const Vec3 target = pose.position + pose.orientation * point;
+    checkFinite(target, "pose", "[m]");
+    world.pull(message.marker_name, target);
   });
   grips_[message.marker_name] = Simulation::Clock::now();
   touched_.insert(message.marker_name);

@@ -78,6 +78,11 @@ void Metrics::measure(const Snapshot& world, double seconds) {
   paused_ = world.paused;
   wanted_factor_ = world.realtime_factor;
   message_.paused = world.paused;
+  message_.waiting = world.waiting;
+  message_.step_lateness_p50 = world.lateness.percentile(0.5);
+  message_.step_lateness_p99 = world.lateness.percentile(0.99);
+  message_.step_lateness_p999 = world.lateness.percentile(0.999);
+  message_.step_lateness_max = world.lateness.max();
   message_.realtime_factor = since_.simulated / seconds;
   message_.step_time = since_.steps > 0 ? since_.stepping / static_cast<double>(since_.steps) : 0;
   message_.contacts = static_cast<std::uint32_t>(world.report.contacts);
@@ -91,7 +96,10 @@ void Metrics::measure(const Snapshot& world, double seconds) {
 void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   using diagnostic_msgs::DiagnosticStatus;
   status.summary(DiagnosticStatus::OK, paused_ ? "paused" : "running");
-  if (!paused_ && !was_paused_ && message_.realtime_factor < kTooSlow * wanted_factor_)
+  if (message_.waiting)
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "waiting for /clock: /use_sim_time is set and nobody has published a time");
+  else if (!paused_ && !was_paused_ && message_.realtime_factor < kTooSlow * wanted_factor_)
     status.mergeSummary(DiagnosticStatus::WARN, "slower than real time is wanted");
   if (since_.rigid > 0)
     status.mergeSummary(DiagnosticStatus::WARN,
@@ -104,6 +112,10 @@ void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.mergeSummary(DiagnosticStatus::WARN, "no news from TF of " + joined(missing));
   status.add("real-time factor", message_.realtime_factor);
   status.add("time of a step [us]", 1e6 * message_.step_time);
+  status.add("lateness of steps, 50 % [us]", 1e6 * message_.step_lateness_p50);
+  status.add("lateness of steps, 99 % [us]", 1e6 * message_.step_lateness_p99);
+  status.add("lateness of steps, 99.9 % [us]", 1e6 * message_.step_lateness_p999);
+  status.add("lateness of steps, largest [us]", 1e6 * message_.step_lateness_max);
   status.add("solver", message_.solver);
   status.add("ragdolls", message_.ragdolls);
   status.add("asleep", message_.asleep);

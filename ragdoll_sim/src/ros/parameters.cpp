@@ -82,8 +82,8 @@ Parameters readParameters(const ros::NodeHandle& nh) {
   in.check(!p.scene.empty(), "scene", "it must name a scene: stairs, a path or package://...");
   if (!p.world_frame.empty() && p.world_frame[0] == '/') p.world_frame.erase(0, 1);
   in.check(!p.world_frame.empty(), "world_frame", "it must name a TF frame");
-  in.check(p.publish_rate > 0 && p.publish_rate <= 1000, "publish_rate",
-           "it must be in (0, 1000] Hz");
+  in.check(p.publish_rate >= 0.001 && p.publish_rate <= 1000, "publish_rate",
+           "it must be in [0.001, 1000] Hz");
   in.check((p.realtime_factor > 0 && std::isfinite(p.realtime_factor)) || p.realtime_factor == -1,
            "realtime_factor", "it must be > 0, or -1 to run free");
   in.check(p.wrench_timeout > 0 && p.wrench_timeout <= 60, "wrench_timeout",

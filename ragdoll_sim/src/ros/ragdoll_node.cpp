@@ -19,6 +19,7 @@
 
 namespace {
 
+constexpr double kPoll = 0.01;  ///< [s]
 constexpr int kCallbackThreads = 4;  ///< a long ~step leaves some for the other services
 
 ragdoll::World loadWorld(const std::string& parameter, const std::string& scene) {
@@ -66,6 +67,8 @@ int main(int argc, char** argv) {
     if (clock.own()) ticks = std::make_unique<ragdoll::ClockPublisher>(nh, simulation, clock);
     ros::AsyncSpinner spinner(kCallbackThreads);
     spinner.start();
+    while (ros::ok() && !ros::isShuttingDown()) ros::WallDuration(kPoll).sleep();
+    simulation.end();  // else ROS would wait for a call that waits for its steps
     ros::waitForShutdown();
   } catch (const ragdoll::Error& e) {
     ROS_FATAL("%s", e.what());

@@ -1,5 +1,9 @@
 #include "ragdoll_sim/ros/reconfigure.h"
 
+#include <ros/master.h>
+
+#include <cmath>
+
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/core/solver_presets.h"
@@ -58,14 +62,14 @@ void Reconfigure::refresh() {
   boost::recursive_mutex::scoped_lock lock(mutex_);
   present_ =
       toConfig(model->solver, model->gravity, simulation_.realtimeFactor(), present_.show_limits);
-  if (server_) server_->updateConfig(present_);
+  // Without a master the server would wait for one.
+  if (server_ && ros::master::check()) server_->updateConfig(present_);
 }
 
 void Reconfigure::changed(SolverConfig& config) {
-  publisher_.showLimits(config.show_limits);
-  present_.show_limits = config.show_limits;
   try {
-    if (config.realtime_factor <= 0 && config.realtime_factor != -1)
+    const bool paced = config.realtime_factor > 0 && std::isfinite(config.realtime_factor);
+    if (!paced && config.realtime_factor != -1)
       throw Error("realtime_factor", "is " + numberText(config.realtime_factor) +
                                          "; it must be > 0, or -1 to run free");
     const auto scene = simulation_.call([](World& world) { return world.scene(); });
@@ -84,6 +88,7 @@ void Reconfigure::changed(SolverConfig& config) {
       simulation_.jump([&](World& world) { world.configure(shared, model); });
     }
     simulation_.setRealtimeFactor(config.realtime_factor);
+    publisher_.showLimits(config.show_limits);
     const auto model = simulation_.call([](World& world) { return world.model(); });
     config =
         toConfig(model->solver, model->gravity, simulation_.realtimeFactor(), config.show_limits);

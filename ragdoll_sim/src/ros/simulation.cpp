@@ -12,6 +12,8 @@ using std::chrono::milliseconds;
 constexpr milliseconds kNap{2};       ///< shortest sleep; several short steps share one wake-up
 constexpr milliseconds kMaxLag{250};  ///< a simulation that is later than this does not catch up
 constexpr milliseconds kPoll{1};      ///< how often another clock is looked at
+constexpr std::chrono::minutes kLatenessWindow{1};
+constexpr double kLongestStep = 1e6;   ///< [s] of wall time; slower is standing still
 constexpr double kMaxClockJump = 1;   ///< [s] of another clock: more than this is not made up for
 
 }  // namespace
@@ -26,12 +28,16 @@ Simulation::Simulation(World world, Options options)
 }
 
 Simulation::~Simulation() {
+  end();
+  thread_.join();
+}
+
+void Simulation::end() {
   {
     std::lock_guard<std::mutex> lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
-  thread_.join();
 }
 
 void Simulation::setPaused(bool paused) {
@@ -83,7 +89,10 @@ void Simulation::snapshot(Snapshot& out) {
     out.beginning = world.beginning();
     out.paused = paused_;
     out.realtime_factor = realtime_factor_;
+    out.waiting = options_.external_clock && !(options_.external_clock() > 0);
     out.progress = progress_;
+    out.lateness = last_lateness_;
+    out.lateness.add(lateness_);
     out.alpha.reset();
     if (paused_ || options_.external_clock || realtime_factor_ < 0) return;
     const double interval =
@@ -153,8 +162,18 @@ bool Simulation::stepIsDue() {
   return now > external_due_;
 }
 
+void Simulation::noteLateness(Clock::time_point begin) {
+  if (!step_jobs_.empty() || realtime_factor_ < 0 || options_.external_clock) return;
+  if (begin - lateness_begin_ > kLatenessWindow) {
+    last_lateness_ = std::exchange(lateness_, Histogram());
+    lateness_begin_ = begin;
+  }
+  lateness_.add(duration<double>(begin - due_).count());
+}
+
 void Simulation::advance() {
   const Clock::time_point begin = Clock::now();
+  noteLateness(begin);
   world_.advance();
   const Clock::time_point end = Clock::now();
 
@@ -206,7 +225,8 @@ void Simulation::rebase() {
 
 Simulation::Clock::duration Simulation::wallStep() const {
   if (realtime_factor_ < 0) return Clock::duration::zero();
-  return duration_cast<Clock::duration>(duration<double>(world_.stepLength() / realtime_factor_));
+  const double seconds = std::min(world_.stepLength() / realtime_factor_, kLongestStep);
+  return duration_cast<Clock::duration>(duration<double>(seconds));
 }
 
 }  // namespace ragdoll

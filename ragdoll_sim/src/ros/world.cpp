@@ -13,6 +13,8 @@
 namespace ragdoll {
 namespace {
 
+constexpr std::size_t kMaxPokes = 100000;  ///< acting and to come
+constexpr double kMaxAhead = 1e15;  ///< steps: more than any clock tells, and exact as a double
 constexpr double kFollowPeriod = 0.004;  ///< [s] of simulated time; frames follow at least so often
 
 bool isOver(const Poke& poke, double time, double h) {
@@ -25,6 +27,12 @@ bool samePins(const std::vector<Pin>& a, const std::vector<Pin>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Pin& p, const Pin& q) {
     return p.particle == q.particle && p.frame == q.frame && p.target == q.target;
   });
+}
+
+void checkRoom(std::size_t pokes) {
+  if (pokes >= kMaxPokes)
+    throw Error("", "there are " + std::to_string(pokes) +
+                        " pokes that act or are to come, which is the most; ~clear_pokes ends them");
 }
 
 std::string particleName(const Model& model, int particle) {
@@ -75,9 +83,12 @@ void World::advance() {
   }
   gatherPokes();
   followFrames();
+  // Each once between two looks: when it begins, or in the first step after a look.
+  const double h = stepLength();
   for (const Poke& poke : inputs_.pokes)
-    if (isActive(poke, state_.time, stepLength()) && !contains(acted_, poke))
+    if (isActive(poke, state_.time, h) && (acted_taken_ || !isActive(poke, state_.time - h, h)))
       acted_.push_back(poke);
+  acted_taken_ = false;
   addPulls();
   report_ = step(*model_, inputs_, workspace_, state_);
   if (state_.step % steps_per_follow_ == 0) {
@@ -125,7 +136,7 @@ void World::restart() {
   // Scratch memory might carry something over; a run that starts again must give the same bits.
   workspace_ = Workspace();
   report_ = StepReport();
-  acted_.clear();
+  takeActed();
   inputs_ = Inputs();
   pokes_changed_ = true;
   steps_per_follow_ =
@@ -227,6 +238,7 @@ Poke World::rounded(Poke poke, std::uint64_t& first) const {
 }
 
 std::uint64_t World::addPoke(Poke poke) {
+  checkRoom(pokes_.size());
   Event event;
   event.run = run_;
   event.poke = rounded(std::move(poke), event.step);
@@ -250,7 +262,7 @@ std::size_t World::clear(std::uint64_t order) {
   for (Stream& s : streams_) endStream(s);
   streams_.clear();
   pulls_.clear();
-  acted_.clear();
+  takeActed();
   pokes_changed_ = true;
   return before - pokes_.size();
 }
@@ -259,6 +271,9 @@ void World::checkToCome(std::uint64_t step) const {
   if (step < state_.step)
     throw Error("", "the step " + std::to_string(step) + " is past; this is step " +
                         std::to_string(state_.step) + ": reset and pause before a replay");
+  if (static_cast<double>(step - state_.step) > kMaxAhead)
+    throw Error("", "the step " + std::to_string(step) + " is too far ahead of step " +
+                        std::to_string(state_.step));
 }
 
 void World::replay(const FollowedFrame& followed) {
@@ -269,6 +284,7 @@ void World::replay(const FollowedFrame& followed) {
 void World::replay(const Event& event) {
   checkToCome(event.step);
   if (event.poke.body_name.empty()) {
+    checkRoom(clearings_.size());
     clearings_.push_back({event.step, next_order_++});
     events_.push_back({event.step, {}, run_});
     return;
@@ -435,7 +451,10 @@ std::optional<Pose> World::frame(const std::string& name) const {
   return std::nullopt;
 }
 
-std::vector<Poke> World::takeActed() { return std::exchange(acted_, {}); }
+std::vector<Poke> World::takeActed() {
+  acted_taken_ = true;
+  return std::exchange(acted_, {});
+}
 
 std::vector<Event> World::takeEvents() { return std::exchange(events_, {}); }
 

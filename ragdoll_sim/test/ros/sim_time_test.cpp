@@ -1,6 +1,8 @@
 // /use_sim_time: services answer although no clock ticks; with one, the simulation follows it.
 // The tests run in the order in which they stand here: first there is no clock.
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
+#include <ragdoll_msgs/Metrics.h>
 #include <ragdoll_msgs/Poke.h>
 #include <ragdoll_msgs/State.h>
 #include <ragdoll_msgs/Step.h>
@@ -89,6 +91,16 @@ TEST_F(SimTime, standsStillWithoutAClock) {
   EXPECT_EQ(tf.size(), 0u);  // a stamp of zero would mean something else
 }
 
+TEST_F(SimTime, saysThatItWaits) {
+  Inbox<ragdoll_msgs::Metrics> metrics("/ragdoll/metrics");
+  Inbox<diagnostic_msgs::DiagnosticArray> reports("/diagnostics");
+  EXPECT_TRUE(waitFor([&] { return metrics.last() && metrics.last()->waiting; }));
+  EXPECT_TRUE(waitFor([&] {
+    return reports.last() && reports.last()->status[0].level == 1 &&
+           reports.last()->status[0].message.find("waiting for /clock") != std::string::npos;
+  }));
+}
+
 TEST_F(SimTime, followsTheClock) {
   ASSERT_TRUE(pause(true));
   ASSERT_TRUE(reset());
@@ -98,6 +110,8 @@ TEST_F(SimTime, followsTheClock) {
   ASSERT_TRUE(tf.connected());
   runClock(100.2, 2);
   ASSERT_TRUE(waitFor([&] { return states_.last()->header.stamp.toSec() > 102.15; }));
+  Inbox<ragdoll_msgs::Metrics> metrics("/ragdoll/metrics");
+  EXPECT_TRUE(waitFor([&] { return metrics.last() && !metrics.last()->waiting; }));
   EXPECT_GT(states_.last()->time, 1.8);
   EXPECT_LT(states_.last()->time, 2.25);
   EXPECT_LT(states_.last()->header.stamp.toSec(), 102.25);

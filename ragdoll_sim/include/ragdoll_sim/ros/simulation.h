@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/histogram.h"
 #include "ragdoll_sim/ros/world.h"
 
 namespace ragdoll {
@@ -46,8 +47,10 @@ struct Snapshot {
   RunMark mark;
   std::shared_ptr<const Bytes> beginning;  ///< of the run
   bool paused = false;
+  bool waiting = false;        ///< the clock to follow has told no time yet
   double realtime_factor = 1;  ///< that is wanted; -1: free
   Progress progress;
+  Histogram lateness;  ///< [s] how late steps began, over the last one to two minutes
   /// Where a viewer is between the tracker's last two updates, in [0, 1]; nothing: look at `state`.
   std::optional<double> alpha;
 };
@@ -65,6 +68,9 @@ class Simulation {
 
   Simulation(World world, Options options);
   ~Simulation();
+
+  /// Ends after the present step; who waits in call() or step() gets an Error. Does not wait.
+  void end();
 
   /// Runs command(World&) between two steps and returns what it returns; exceptions come through.
   /// Throws Error when the simulation has ended. Not to be called from a command.
@@ -120,6 +126,7 @@ class Simulation {
   void run();
   void drain();
   bool stepIsDue();
+  void noteLateness(Clock::time_point begin);
   void advance();
   void waitForWork();
   void endStepJobs();
@@ -134,6 +141,9 @@ class Simulation {
   double external_due_ = 0;
   Progress progress_;
   std::deque<StepJob> step_jobs_;
+  /// [s] How late steps began by the steady clock: the minute that runs, and the one before.
+  Histogram lateness_, last_lateness_;
+  Clock::time_point lateness_begin_ = Clock::now();
 
   std::mutex mutex_;
   std::condition_variable wake_;

@@ -87,7 +87,7 @@ class World {
   void restore(const Bytes& bytes);  ///< throws Error, then nothing has changed
 
   /// Begins at poke.start, or now if that is past; start and duration are rounded to whole steps.
-  /// Returns the step at which it begins.
+  /// Returns the step at which it begins. Throws Error if there are too many.
   std::uint64_t addPoke(Poke poke);
   std::size_t clearPokes();  ///< those that act and those to come; returns how many
   /// A poke, or a clearing of all pokes, at its recorded step. Throws Error if that is past.
@@ -119,7 +119,7 @@ class World {
   bool hasFrame(const std::string& name) const;
   std::vector<std::string> frameNames() const;
 
-  std::vector<Poke> takeActed();    ///< pokes that acted in some step since the last call
+  std::vector<Poke> takeActed();    ///< pokes that acted in some step since the last call, once
   std::vector<Event> takeEvents();  ///< pokes that were accepted since the last call
   std::vector<FollowedFrame> takeFollowed();  ///< that acted first since the last call
 
@@ -172,6 +172,7 @@ class World {
   std::vector<Pull> pulls_;
   bool pokes_changed_ = false;       ///< since inputs_.pokes was gathered
   std::vector<Poke> acted_;
+  bool acted_taken_ = true;  ///< since the last step
   std::vector<Event> events_;
   std::vector<FollowedFrame> followed_;
   std::uint32_t followed_count_ = 0;                    ///< in this run

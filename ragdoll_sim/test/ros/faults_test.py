@@ -1,0 +1,234 @@
+#!/usr/bin/python3
+"""What goes wrong around a running node: the master dies, a listener does not read, someone
+interrupts, a file is gone, the clock does not tick. Each test starts nodes of its own."""
+
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+from xmlrpc.client import ServerProxy
+
+import roslib.packages
+import rosbag
+import rospy
+import rostest
+from client import LIMIT, Client, Recorder, bits, wait_for
+from ragdoll_msgs.msg import State
+from ragdoll_msgs.srv import GetState, LoadScene, Step
+from raw import Service, Subscriber
+from std_srvs.srv import SetBool
+
+PROGRAM = roslib.packages.find_node('ragdoll_sim', 'ragdoll_node')[0]
+SCENES = os.path.join(roslib.packages.get_pkg_dir('ragdoll_sim'), 'scenes')
+
+
+class Node:
+    """A ragdoll_node in a process of its own."""
+
+    def __init__(self, name, master=None, **parameters):
+        self.name = '/' + name
+        self.environment = dict(os.environ)
+        if master:
+            self.environment['ROS_MASTER_URI'] = master
+        self.master = ServerProxy(self.environment['ROS_MASTER_URI'])
+        arguments = ['_%s:=%s' % item for item in parameters.items()]
+        self.process = subprocess.Popen([PROGRAM, '__name:=' + name] + arguments,
+                                        env=self.environment)
+
+    def uri(self):
+        return wait_for(lambda: self.master.lookupNode('/test', self.name)[2], self.name)
+
+    def service(self, name, kind):
+        name = self.name + '/' + name
+        uri = wait_for(lambda: self.master.lookupService('/test', name)[2], name)
+        return Service(uri, name, kind)
+
+    def subscriber(self, topic, kind, **options):
+        """Once the topic is advertised: before that the node hangs up."""
+        topic = self.name + '/' + topic
+        wait_for(lambda: topic in [t for t, _ in self.master.getPublishedTopics('/test', '')[2]],
+                 topic)
+        return Subscriber(self.uri(), topic, kind, **options)
+
+    def resident(self):
+        with open('/proc/%d/statm' % self.process.pid) as f:
+            return int(f.read().split()[1]) * os.sysconf('SC_PAGE_SIZE')
+
+    def end(self, how=signal.SIGINT):
+        """Status and seconds after the signal."""
+        begin = time.monotonic()
+        self.process.send_signal(how)
+        status = self.process.wait(LIMIT)
+        return status, time.monotonic() - begin
+
+    def kill(self):
+        if self.process.poll() is None:
+            self.process.kill()
+            self.process.wait()
+
+
+class Roscore:
+    def __init__(self, port):
+        self.uri = 'http://127.0.0.1:%d' % port
+        self.process = subprocess.Popen(['rosmaster', '--core', '-p', str(port)],
+                                        stdout=subprocess.DEVNULL)
+        wait_for(self.answers, 'a master')
+
+    def answers(self):
+        try:
+            return ServerProxy(self.uri).getPid('/test')[0] == 1
+        except OSError:
+            return False
+
+    def kill(self):
+        self.process.kill()
+        self.process.wait()
+
+
+def free_port():
+    with socket.socket() as s:
+        s.bind(('127.0.0.1', 0))
+        return s.getsockname()[1]
+
+
+def keeps_pace(time_of_state):
+    """Simulated seconds are real ones, in one window of several: a busy machine spoils some."""
+    def window():
+        begin, first = time.monotonic(), time_of_state()
+        time.sleep(0.3)
+        last = time_of_state()
+        return abs((last - first) / (time.monotonic() - begin) - 1) < 0.1
+    return wait_for(window, 'a simulation at its pace')
+
+
+class FaultsTest(unittest.TestCase):
+    def start(self, name, **parameters):
+        node = Node(name, **parameters)
+        self.addCleanup(node.kill)
+        return node
+
+    def test_a_listener_that_never_reads_delays_nobody(self):
+        node = self.start('unread', scene='weightless', publish_rate=500)
+        client = Client(node.name)
+        deaf = [node.subscriber('state', State, buffer=4096) for _ in range(3)]
+        first = wait_for(lambda: client.states.all() and client.states.all()[-1], 'a state')
+        # More than the sockets and the queue of 100 messages hold: what is older is dropped.
+        wait_for(lambda: client.states.all()[-1].step > first.step + 500, 'states')
+        before = node.resident()
+        wait_for(lambda: client.states.all()[-1].step > first.step + 2000, 'states')
+        self.assertLess(node.resident() - before, 20e6)
+        keeps_pace(lambda: client.call_get().state.time)
+        self.assertEqual(node.end()[0], 0)
+        for subscriber in deaf:
+            subscriber.close()
+
+    def test_a_bag_at_full_rate_has_every_step_and_every_poke(self):
+        node = self.start('recorded', scene='weightless', publish_rate=1000, start_paused='true')
+        client = Client(node.name)
+        folder = tempfile.mkdtemp()
+        self.addCleanup(shutil.rmtree, folder)
+        topics = [node.name + '/' + t for t in ('state', 'pokes', 'model')] + ['/tf']
+        recorder = Recorder(os.path.join(folder, 'full.bag'), node.name, topics)
+        client.call_pause(False)
+        told = [client.poke('head', force=(i, 0, 0)).status_message for i in range(1, 101)]
+        keeps_pace(lambda: client.call_get().state.time)
+        client.call_pause(True)
+        last = client.call_get().state
+        client.at(last.step)
+        recorder.stop()
+        pokes, states = {}, []
+        with rosbag.Bag(recorder.path) as bag:
+            for topic, message, _ in bag.read_messages():
+                if topic.endswith('/pokes'):
+                    pokes.setdefault(message.force.x, []).append(message.step)
+                if topic.endswith('/state'):
+                    states.append(message)
+        self.assertEqual(pokes, {float(i + 1): [int(text.split()[-1])]
+                                 for i, text in enumerate(told)})
+        self.assertEqual(bits(states[-1]), bits(last))
+        self.assertTrue(all(a.step <= b.step for a, b in zip(states, states[1:])))
+
+    def test_without_its_master_the_node_goes_on(self):
+        master = Roscore(free_port())
+        self.addCleanup(lambda: master.kill())
+        node = self.start('orphan', master=master.uri, scene='weightless')
+        states = node.subscriber('state', State)
+        get = node.service('get_state', GetState)
+        load = node.service('load_scene', LoadScene)
+        step, pause = node.service('step', Step), node.service('pause', SetBool)
+        begun = states.next()
+
+        master.kill()
+        wait_for(lambda: states.next().step > begun.step + 100, 'steps without a master')
+        keeps_pace(lambda: get.call().state.time)
+        self.assertTrue(load.call(path='hang').success)
+        self.assertTrue(pause.call(data=True).success)
+        self.assertEqual(step.call(steps=3).step - get.call().state.step, 0)
+        self.assertTrue(pause.call(data=False).success)
+
+        master = Roscore(int(master.uri.split(':')[-1]))
+        # Who is connected stays connected; the new master knows nothing of the node, as roscpp
+        # registers once, so that nobody new finds it.
+        reached = get.call().state.step
+        wait_for(lambda: states.next().step > reached + 100, 'steps with another master')
+        self.assertTrue(load.call(path='fall').success)
+        self.assertEqual(ServerProxy(master.uri).lookupNode('/test', node.name)[0], -1)
+        self.assertEqual(node.end()[0], 0)
+        # Started again it is found again.
+        again = self.start('orphan', master=master.uri, scene='weightless')
+        self.assertGreater(again.service('get_state', GetState).call().state.time, -1)
+        self.assertEqual(again.end()[0], 0)
+
+    def test_interrupted_in_mid_step_it_ends_by_itself(self):
+        node = self.start('busy', scene='crowd', realtime_factor=-1)
+        Client(node.name)
+        status, seconds = node.end()
+        print('interrupted in mid-step: ended after %.3f s' % seconds)
+        self.assertEqual(status, 0)
+
+    def test_interrupted_in_a_long_call_it_ends_by_itself(self):
+        node = self.start('stepping', scene='crowd', start_paused='true')
+        step = node.service('step', Step)
+        get = node.service('get_state', GetState)
+        caller = threading.Thread(target=self.expect_no_answer, args=(step,))
+        caller.start()
+        wait_for(lambda: get.call().state.step > 0, 'steps')
+        status, seconds = node.end()
+        caller.join()
+        print('interrupted in a call of 1e7 steps: ended after %.3f s' % seconds)
+        self.assertEqual(status, 0)
+
+    def expect_no_answer(self, step):
+        try:
+            self.assertFalse(step.call(steps=10000000).success)
+        except (AssertionError, EOFError, OSError):
+            pass  # the connection ends with the node
+
+    def test_a_scene_file_that_is_gone_is_not_needed(self):
+        folder = tempfile.mkdtemp()
+        path = os.path.join(folder, 'mine.yaml')
+        shutil.copy(os.path.join(SCENES, 'fall.yaml'), path)
+        node = self.start('forgetful', scene=path, start_paused='true')
+        client = Client(node.name)
+        start = client.restart()
+        client.step(10)
+        shutil.rmtree(folder)
+        again = client.restart()
+        self.assertEqual(bits(again), bits(start))
+        before = client.call_get().snapshot
+        answer = client.service('load_scene', LoadScene)(path, '')
+        self.assertFalse(answer.success)
+        self.assertIn(path, answer.status_message)
+        self.assertEqual(client.call_get().snapshot, before)
+        self.assertEqual(node.end()[0], 0)
+
+
+if __name__ == '__main__':
+    rospy.init_node('faults_test')
+    rostest.rosrun('ragdoll_sim', 'faults', FaultsTest, sys.argv)
