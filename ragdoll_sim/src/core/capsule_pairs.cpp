@@ -10,8 +10,10 @@ constexpr int kTaperSteps = 6;      ///< of one parameter after the other; 2 to 
 constexpr int kSectionSteps = 32;   ///< golden sections: 1e-7 of an axis
 constexpr double kSettled = 1e-9;   ///< of a parameter
 constexpr int kMaxAdvances = 64;    ///< of one sweep; grazing paths converge slowly
+constexpr int kMaxHalvings = 4;     ///< of the step, to find when axes had not yet crossed
 constexpr double kTouch = 1e-4;     ///< [m] a sweep stops this far from the surface
 constexpr double kParallel = 0.03;  ///< squared sine (10 degrees) below which axes may lie flat
+constexpr double kFlat = 1e-4;      ///< [m] a place nearer than both ends by more is a touch
 constexpr double kOverlap = 0.1;    ///< share of the first axis that flat contact must span
 
 double clampUnit(double s) { return std::clamp(s, 0.0, 1.0); }
@@ -69,6 +71,21 @@ bool flatEnds(const CapsuleAxis& a, const CapsuleAxis& b, std::array<AxisPoints,
 CapsuleTouch touchAt(const CapsuleAxis& a, const CapsuleAxis& b, const AxisPoints& at,
                      double start) {
   return {at, normalAt(a, b, at), a.radius(at.s) + b.radius(at.t), start};
+}
+
+int touchesAt(const CapsuleAxis& a, const CapsuleAxis& b, double start,
+              std::array<CapsuleTouch, 2>& touches) {
+  const AxisPoints nearest = nearestPoints(a, b);
+  std::array<AxisPoints, 2> ends;
+  if (!flatEnds(a, b, ends)) {
+    touches[0] = touchAt(a, b, nearest, start);
+    return 1;
+  }
+  // Axes that cross at a small angle are nearest between the ends.
+  const double gap0 = gapAt(a, b, ends[0]), gap1 = gapAt(a, b, ends[1]);
+  if (gapAt(a, b, nearest) < std::min(gap0, gap1) - kFlat) ends[gap0 > gap1 ? 0 : 1] = nearest;
+  touches = {touchAt(a, b, ends[0], start), touchAt(a, b, ends[1], start)};
+  return 2;
 }
 
 }  // namespace
@@ -141,14 +158,21 @@ int findTouches(const SweptCapsule& first, const SweptCapsule& second, double ma
   } else if (std::min(start, smallestGap(first.at(1), second.at(1))) > near) {
     return 0;
   }
-  const CapsuleAxis a = first.at(time), b = second.at(time);
-  std::array<AxisPoints, 2> ends;
-  if (flatEnds(a, b, ends)) {
-    touches = {touchAt(a, b, ends[0], start), touchAt(a, b, ends[1], start)};
-    return 2;
-  }
-  touches[0] = touchAt(a, b, nearestPoints(a, b), start);
-  return 1;
+  return touchesAt(first.at(time), second.at(time), start, touches);
+}
+
+int findOverlaps(const SweptCapsule& first, const SweptCapsule& second, double depth,
+                 std::array<CapsuleTouch, 2>& touches) {
+  const auto sideKept = [&](double time) {
+    const CapsuleAxis a = first.at(time), b = second.at(time), a0 = first.at(0), b0 = second.at(0);
+    const AxisPoints at = nearestPoints(a, b);
+    return normalAt(a, b, at).dot(a0.at(at.s) - b0.at(at.t)) > 0;
+  };
+  if (!(smallestGap(first.at(1), second.at(1)) < -depth)) return 0;
+  double time = 1;
+  for (int i = 0; i < kMaxHalvings && !sideKept(time); ++i) time *= 0.5;
+  const double start = smallestGap(first.at(0), second.at(0));
+  return touchesAt(first.at(time), second.at(time), start, touches);
 }
 
 }  // namespace ragdoll

@@ -69,9 +69,10 @@ void findAllContacts(const Model& model, const Inputs& inputs, Workspace::Impl& 
   if (model.self_collision)
     for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
       if (!state.asleep[i])
-        ws.pairs.appendSelf(model, state.x, ws.x1, static_cast<int>(i), kMargin, ws.contacts);
+        ws.pairs.appendSelf(model, state.x, ws.x1, static_cast<int>(i),
+                            PairSearch::touches(kMargin), ws.contacts);
   if (model.ragdoll_collision)
-    ws.pairs.appendBetween(model, state, state.x, ws.x1, kMargin, ws.contacts);
+    ws.pairs.appendBetween(model, state, state.x, ws.x1, PairSearch::touches(kMargin), ws.contacts);
 }
 
 }  // namespace

@@ -8,10 +8,14 @@
 namespace ragdoll {
 namespace {
 
-Bounds sweptBounds(const SweptCapsule& c, double margin) {
+Bounds searchedBounds(const SweptCapsule& c, PairSearch search) {
+  if (search.at_end) {
+    const double radius = std::max(c.ra, c.rb);
+    return {c.a1.cwiseMin(c.b1).array() - radius, c.a1.cwiseMax(c.b1).array() + radius};
+  }
   // Each of two bodies brings half the margin and its own travel, which bounds their relative one.
   const double travel = std::max((c.a1 - c.a0).norm(), (c.b1 - c.b0).norm());
-  const double pad = std::max(c.ra, c.rb) + 0.5 * margin + kSpeculative * travel;
+  const double pad = std::max(c.ra, c.rb) + 0.5 * search.margin + kSpeculative * travel;
   return {c.a0.cwiseMin(c.b0).cwiseMin(c.a1).cwiseMin(c.b1).array() - pad,
           c.a0.cwiseMax(c.b0).cwiseMax(c.a1).cwiseMax(c.b1).array() + pad};
 }
@@ -34,18 +38,20 @@ SweptCapsule swept(const Model& model, const Ragdoll& r, const Capsule& c, const
 }  // namespace
 
 void PairDetector::bound(const Model& model, const Body& body, const Points& x0, const Points& x1,
-                         double margin, std::vector<Bounds>& out) const {
+                         PairSearch search, std::vector<Bounds>& out) const {
   for (const Capsule& c : body.skeleton->capsules)
-    out.push_back(sweptBounds(swept(model, *body.ragdoll, c, x0, x1), margin));
+    out.push_back(searchedBounds(swept(model, *body.ragdoll, c, x0, x1), search));
 }
 
 void PairDetector::appendPair(const Model& model, const Body& p, int i, const Body& q, int j,
-                              const Points& x0, const Points& x1, double margin,
+                              const Points& x0, const Points& x1, PairSearch search,
                               std::vector<Contact>& contacts) const {
   const Capsule &c = p.skeleton->capsules[i], &d = q.skeleton->capsules[j];
   std::array<CapsuleTouch, 2> touches;
-  const int count = findTouches(swept(model, *p.ragdoll, c, x0, x1),
-                                swept(model, *q.ragdoll, d, x0, x1), margin, touches);
+  const SweptCapsule first = swept(model, *p.ragdoll, c, x0, x1),
+                     second = swept(model, *q.ragdoll, d, x0, x1);
+  const int count = search.at_end ? findOverlaps(first, second, -search.margin, touches)
+                                  : findTouches(first, second, search.margin, touches);
   for (int k = 0; k < count; ++k) {
     const CapsuleTouch& touch = touches[k];
     Contact contact;
@@ -64,26 +70,28 @@ void PairDetector::appendPair(const Model& model, const Body& p, int i, const Bo
 }
 
 void PairDetector::appendSelf(const Model& model, const Points& x0, const Points& x1, int ragdoll,
-                              double margin, std::vector<Contact>& contacts) {
+                              PairSearch search, std::vector<Contact>& contacts) {
   const Ragdoll& r = model.ragdolls[ragdoll];
   const Body body{ragdoll, &r, &model.skeletonOf(r)};
   own_.clear();
-  bound(model, body, x0, x1, margin, own_);
+  bound(model, body, x0, x1, search, own_);
   for (const CapsulePair& pair : body.skeleton->self_pairs)
     if (overlap(own_[pair.first], own_[pair.second]))
-      appendPair(model, body, pair.first, body, pair.second, x0, x1, margin, contacts);
+      appendPair(model, body, pair.first, body, pair.second, x0, x1, search, contacts);
 }
 
 void PairDetector::appendBetween(const Model& model, const State& state, const Points& x0,
-                                 const Points& x1, double margin, std::vector<Contact>& contacts) {
+                                 const Points& x1, PairSearch search,
+                                 std::vector<Contact>& contacts) {
   all_.resize(model.ragdolls.size());
   std::iota(all_.begin(), all_.end(), 0);
-  appendBetween(model, state, all_, x0, x1, margin, contacts);
+  appendBetween(model, state, all_, x0, x1, search, contacts);
 }
 
 void PairDetector::appendBetween(const Model& model, const State& state,
                                  const std::vector<int>& ragdolls, const Points& x0,
-                                 const Points& x1, double margin, std::vector<Contact>& contacts) {
+                                 const Points& x1, PairSearch search,
+                                 std::vector<Contact>& contacts) {
   capsules_.clear();
   bodies_.clear();
   first_.clear();
@@ -93,7 +101,7 @@ void PairDetector::appendBetween(const Model& model, const State& state,
   };
   for (int k = 0; k < static_cast<int>(ragdolls.size()); ++k) {
     first_.push_back(static_cast<int>(capsules_.size()));
-    bound(model, bodyOf(k), x0, x1, margin, capsules_);
+    bound(model, bodyOf(k), x0, x1, search, capsules_);
     bodies_.push_back(unionOf(capsules_, first_.back(), capsules_.size()));
   }
   for (const auto& [i, j] : grid_.findPairs(bodies_)) {
@@ -109,7 +117,7 @@ void PairDetector::appendBetween(const Model& model, const State& state,
       if (!overlap(of_p[k], bodies_[j])) continue;
       for (const int l : near_)
         if (overlap(of_p[k], of_q[l]))
-          appendPair(model, p, static_cast<int>(k), q, l, x0, x1, margin, contacts);
+          appendPair(model, p, static_cast<int>(k), q, l, x0, x1, search, contacts);
     }
     for (std::size_t k = found; k < contacts.size(); ++k)
       contacts[k].moves = {!state.asleep[p.index], !state.asleep[q.index]};

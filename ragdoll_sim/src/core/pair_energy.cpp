@@ -22,7 +22,7 @@ class Group {
     return energy;
   }
 
-  void takeOut(double rise) {
+  void takeOut(double rise, bool held) {
     const Points all = state_.v;
     const double before = kineticEnergy(all);
     for (const int i : bodies_)
@@ -36,6 +36,10 @@ class Group {
         auto v = state_.v.middleCols(first(i), size(i));
         v += keep * (all.middleCols(first(i), size(i)) - v);
       }
+    } else if (held) {
+      const double left = kineticEnergy(state_.v);
+      const double keep = left > 0 ? std::sqrt(std::max(0.0, 1 - (rise - inner) / left)) : 0;
+      for (const int i : bodies_) state_.v.middleCols(first(i), size(i)) *= keep;
     } else {
       takeOutOfRelative(rise - inner);
     }
@@ -73,8 +77,9 @@ class Group {
 
 }  // namespace
 
-void takeOutOfGroup(const Model& model, const std::vector<int>& bodies, double rise, State& state) {
-  Group(model, bodies, state).takeOut(rise);
+void takeOutOfGroup(const Model& model, const std::vector<int>& bodies, bool held, double rise,
+                    State& state) {
+  Group(model, bodies, state).takeOut(rise, held);
 }
 
 }  // namespace ragdoll

@@ -28,12 +28,16 @@ void ShakeStep::findConstraints(double h) {
     appendContacts(model_, ws_.obstacles, state_.x, ws_.x1, index_, kContactMargin,
                    scratch_.contacts);
   if (model_.self_collision)
-    ws_.pairs.appendSelf(model_, state_.x, ws_.x1, index_, kContactMargin, scratch_.contacts);
+    ws_.pairs.appendSelf(model_, state_.x, ws_.x1, index_, PairSearch::touches(kContactMargin),
+                         scratch_.contacts);
   // An overlap found at the start opens at a bounded speed, so that nothing is shot out.
   overlap_ = 0;
   for (const Contact& c : scratch_.contacts) overlap_ = std::max(overlap_, -c.gap_start);
   for (Contact& c : scratch_.contacts)
-    if (c.gap_start < 0) c.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * h);
+    if (c.count == 4)
+      c.offset -= overlapLeft(c, h);
+    else if (c.gap_start < 0)
+      c.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * h);
   if (length2_ != rows_.length2.data()) return;  // angles mean nothing before the body is joined
   appendLimits(model_, ws_.x1, state_, index_, kLimitMargin, scratch_.limits);
   for (LimitRow& limit : scratch_.limits) {
@@ -110,20 +114,32 @@ bool ShakeStep::forceViolated() {
   return any;
 }
 
-bool ShakeStep::findMissed() {
+bool ShakeStep::findMissed(double h) {
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
   bool any = findMissedLimits();
-  if (ws_.obstacles.empty()) return any;
   scratch_.missed.clear();
-  appendContacts(model_, ws_.obstacles, state_.x, ws_.x1, index_, 0, scratch_.missed);
-  for (Contact& c : scratch_.missed) {
+  if (!ws_.obstacles.empty())
+    appendContacts(model_, ws_.obstacles, state_.x, ws_.x1, index_, 0, scratch_.missed);
+  for (Contact& c : scratch_.missed)
     if (c.gap_start < 0) c.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * step_);
-    if (gapAt(c, scratch_.dx.data()) >= -kMissed) continue;
+  const std::size_t obstacles = scratch_.missed.size();
+  if (model_.self_collision)
+    ws_.pairs.appendSelf(model_, state_.x, ws_.x1, index_, PairSearch::overlaps(kMissedPair),
+                         scratch_.missed);
+  for (std::size_t i = 0; i < scratch_.missed.size(); ++i) {
+    Contact& c = scratch_.missed[i];
+    if (i >= obstacles) c.offset -= overlapLeft(c, h);
+    if (gapAt(c, scratch_.dx.data()) >= (i < obstacles ? -kMissed : -kMissedPair)) continue;
     scratch_.contacts.push_back(c);
     scratch_.forced_contacts.push_back(1);
     any = true;
   }
   return any;
+}
+
+double ShakeStep::overlapLeft(const Contact& pair, double h) {
+  const double overlap = std::max(0.0, -pair.gap_start), more = overlap - kMissedPair;
+  return more > 0 ? kMissedPair + more * std::exp(-h / kPairRecovery) : overlap;
 }
 
 bool ShakeStep::findMissedLimits() {
@@ -180,7 +196,7 @@ void ShakeStep::press(double h, bool leapfrog) {
     pressFound(h, leapfrog);
     if (failed_) break;
     const bool forced = forceViolated();
-    const bool missed = leapfrog && findMissed();
+    const bool missed = leapfrog && findMissed(h);
     if (!forced && !missed) break;
     if (search + 1 == kMaxSearches) {
       failed_ = leapfrog;  // smaller steps meet fewer things at once

@@ -132,7 +132,7 @@ void ShakeStep::pressImplicit(double h) {
     if (!done && round > 1 && now > kProgress * violation) break;
     violation = now;
   }
-  failed_ = worstViolation() > kUnsettled || findMissed();
+  failed_ = worstViolation() > kUnsettled || findMissed(h);
   if (!failed_) remember(h);
 }
 

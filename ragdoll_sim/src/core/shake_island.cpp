@@ -31,7 +31,6 @@ ShakeIsland::ShakeIsland(const Model& model, Workspace::Impl& ws, IslandScratch&
 }
 
 void ShakeIsland::run(const Inputs& inputs, double h) {
-  step_ = h;
   for (ShakeStep& step : steps_) step.begin(inputs, h);
   s_.known.clear();
   s_.pressing.clear();
@@ -99,7 +98,7 @@ void ShakeIsland::guard(double h) {
       failed_ = failed_ || (can_halve && sub * stiffest() > 2 * ShakeStep::kStable) ||
                 (can_halve && rise > ShakeStep::kRedoRise && rise > ShakeStep::kRedoRise * energy);
       if (!failed() && rise > 0) {
-        takeOutOfGroup(model_, bodies_, rise, state_);
+        takeOutOfGroup(model_, bodies_, isHeld(), rise, state_);
         limited = limited || rise > kReportedRise;
       }
     } else {
@@ -150,6 +149,17 @@ double ShakeIsland::energyRise() {
   return rise;
 }
 
+bool ShakeIsland::isHeld() const {
+  for (const ShakeStep& step : steps_) {
+    if (!model_.systemOf(step.ragdoll_).pins.empty()) return true;
+    for (const Press& press : step.scratch_.presses)
+      if (press.obstacle >= 0) return true;
+  }
+  return std::any_of(s_.pressing.begin(), s_.pressing.end(), [this](const BodyPair& pair) {
+    return slotOf(pair.first) < 0 || slotOf(pair.second) < 0;  // a sleeper
+  });
+}
+
 double ShakeIsland::explicitStep(double h, int taken) {
   for (ShakeStep& step : steps_) step.body_.start.setPose(step.rows_, step.xData());
   freeMotion(h);
@@ -193,7 +203,7 @@ double ShakeIsland::implicitStep(double h) {
   if (failed()) return 0;
   double rise = 0;
   for (ShakeStep& step : steps_) rise += step.gainedEnergy(step.driveSpeed());
-  if (rise > 0) takeOutOfGroup(model_, bodies_, rise, state_);
+  if (rise > 0) takeOutOfGroup(model_, bodies_, isHeld(), rise, state_);
   for (ShakeStep& step : steps_)
     for (int k = 0; k < step.rows_.s; ++k)
       step.multipliers()[k] = step.multipliers()[k + step.rows_.s] =
@@ -207,10 +217,6 @@ void ShakeIsland::freeMotion(double h) {
   for (ShakeStep& step : steps_) step.freeMotion(h);
 }
 
-void ShakeIsland::openSlowly(Contact& c, double h) const {
-  if (c.gap_start < 0) c.offset -= std::max(0.0, -c.gap_start - ShakeStep::kRecoverySpeed * h);
-}
-
 void ShakeIsland::findConstraints(double h) {
   for (ShakeStep& step : steps_) step.findConstraints(h);
   for (const int i : all_) {
@@ -220,9 +226,9 @@ void ShakeIsland::findConstraints(double h) {
     if (slot >= 0) ws_.x1.middleCols(r.first, n) += s_.bodies[slot].dx;
   }
   s_.pairs.clear();
-  ws_.pairs.appendBetween(model_, state_, all_, state_.x, ws_.x1, ShakeStep::kContactMargin,
-                          s_.pairs);
-  for (Contact& c : s_.pairs) openSlowly(c, h);
+  ws_.pairs.appendBetween(model_, state_, all_, state_.x, ws_.x1,
+                          PairSearch::touches(ShakeStep::kContactMargin), s_.pairs);
+  for (Contact& c : s_.pairs) c.offset -= ShakeStep::overlapLeft(c, h);
 }
 
 double ShakeIsland::gapAt(const Contact& c) const {
@@ -363,14 +369,15 @@ bool ShakeIsland::forceViolated() {
   return any;
 }
 
-bool ShakeIsland::findMissed() {
+bool ShakeIsland::findMissed(double h) {
   bool any = false;
-  for (ShakeStep& step : steps_) any = step.findMissed() || any;  // sets ws_.x1
+  for (ShakeStep& step : steps_) any = step.findMissed(h) || any;  // sets ws_.x1
   s_.missed.clear();
-  ws_.pairs.appendBetween(model_, state_, all_, state_.x, ws_.x1, 0, s_.missed);
+  ws_.pairs.appendBetween(model_, state_, all_, state_.x, ws_.x1,
+                          PairSearch::overlaps(ShakeStep::kMissedPair), s_.missed);
   for (Contact& c : s_.missed) {
-    openSlowly(c, step_);
-    if (gapAt(c) >= -ShakeStep::kMissed) continue;
+    c.offset -= ShakeStep::overlapLeft(c, h);
+    if (gapAt(c) >= -ShakeStep::kMissedPair) continue;
     s_.pairs.push_back(c);
     s_.forced.push_back(1);
     any = true;
@@ -445,7 +452,7 @@ void ShakeIsland::press(double h) {
     pressFound(h);
     if (failed()) return;
     const bool forced = forceViolated();
-    const bool missed = findMissed();
+    const bool missed = findMissed(h);
     if (!forced && !missed) break;
     if (search + 1 == ShakeStep::kMaxSearches) {
       failed_ = true;  // smaller steps meet fewer things at once
@@ -504,7 +511,7 @@ void ShakeIsland::pressImplicit(double h) {
     if (!done && round > 1 && now > ShakeStep::kProgress * violation) break;
     violation = now;
   }
-  failed_ = worst() > ShakeStep::kUnsettled || findMissed();
+  failed_ = worst() > ShakeStep::kUnsettled || findMissed(h);
   if (!failed_) remember(h);
 }
 

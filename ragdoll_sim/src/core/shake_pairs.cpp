@@ -11,11 +11,9 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kRounds = 4;            ///< of islands that grow
-constexpr double kMargin = 0.005;     ///< [m]
-constexpr double kNear = 1e-3;        ///< [m] bodies that would come nearer make an island
-constexpr double kMissed = 1e-4;      ///< [m] deeper than that, islands have to grow
-constexpr double kRecoverySpeed = 2;  ///< [m/s] at which overlap found at the start opens
+constexpr int kRounds = 4;         ///< of islands that grow
+constexpr double kMargin = 0.005;  ///< [m]
+constexpr double kNear = 1e-3;     ///< [m] bodies that would come nearer make an island
 
 class Together {
  public:
@@ -34,8 +32,8 @@ class Together {
     save();
     predict();
     for (int round = 0; round < kRounds; ++round) {
-      findContacts();
-      join(round == 0 ? kNear : -kMissed);
+      findContacts(round > 0);
+      join(round == 0 ? kNear : -ShakeStep::kMissedPair);
       if (!stepIslands()) break;
       if (holdsAll()) break;
     }
@@ -115,10 +113,15 @@ class Together {
     own.island.assign(1, i);
   }
 
-  void findContacts() {
+  /// Between where the bodies were and where they are now.
+  void findContacts(bool overlaps_only) {
     do {
       p_.found.clear();
-      ws_.pairs.appendBetween(model_, state_, p_.x0, state_.x, kMargin, p_.found);
+      if (!overlaps_only)
+        ws_.pairs.appendBetween(model_, state_, p_.x0, state_.x, PairSearch::touches(kMargin),
+                                p_.found);
+      ws_.pairs.appendBetween(model_, state_, p_.x0, state_.x,
+                              PairSearch::overlaps(ShakeStep::kMissedPair), p_.found);
       const std::vector<std::uint8_t> asleep = state_.asleep;
       if (!wakeTouched(p_.found, state_.x, state_)) break;
       for (int i = 0; i < count_; ++i)
@@ -127,8 +130,7 @@ class Together {
   }
 
   double gapAt(const Contact& c) const {
-    double gap = -c.offset;
-    if (c.gap_start < 0) gap += std::max(0.0, -c.gap_start - kRecoverySpeed * h_);
+    double gap = -c.offset + ShakeStep::overlapLeft(c, h_);
     for (int k = 0; k < 4; ++k) gap += c.weight[k] * c.normal.dot(state_.x.col(c.particle[k]));
     return gap;
   }
@@ -163,7 +165,9 @@ class Together {
       std::sort(still.begin(), still.end());
       still.erase(std::unique(still.begin(), still.end()), still.end());
       if (bodies[head].size() == 1 && still.empty()) {
-        if (p_.own[head].island.empty()) stepAlone(head);
+        if (!p_.own[head].island.empty()) continue;
+        stepAlone(head);
+        any = true;
         continue;
       }
       any = stepIsland(bodies[head], still) || any;

@@ -100,5 +100,42 @@ TEST(Touches, OfParallelCapsulesAreTheEndsOfTheirOverlap) {
   EXPECT_NEAR(touches[1].at.t, 0.5, 1e-12);
 }
 
+TEST(Touches, OfAxesThatCrossAtASmallAngleIncludeTheCrossing) {
+  const double tilt = 0.1;  // rad; a distance of 0.05 at the crossing is one of 0.15 at the ends
+  const SweptCapsule a{{-1, 0, 0}, {1, 0, 0}, {-1, 0, 0}, {1, 0, 0}, 0.05, 0.05};
+  const Vec3 along(std::cos(tilt), std::sin(tilt), 0), up(0, 0, 0.05);
+  const SweptCapsule b{up - along, up + along, up - along, up + along, 0.05, 0.05};
+  std::array<CapsuleTouch, 2> touches;
+  ASSERT_EQ(findTouches(a, b, 0.01, touches), 2);
+  const auto gap = [&](int k) { return gapAt(a.at(1), b.at(1), touches[k].at); };
+  EXPECT_NEAR(std::min(gap(0), gap(1)), -0.05, 1e-12);
+}
+
+/// The first lies along x; the second, across it, slides on it from x = -0.5 to 0.5, where it ends
+/// `depth` deep.
+int overlapsAt(double depth, double least, std::array<CapsuleTouch, 2>& touches) {
+  const SweptCapsule first{{-1, 0, 0}, {1, 0, 0}, {-1, 0, 0}, {1, 0, 0}, 0.05, 0.05};
+  const SweptCapsule second{
+      {-0.5, -1, -0.1}, {-0.5, 1, -0.1}, {0.5, -1, depth - 0.1}, {0.5, 1, depth - 0.1}, 0.05, 0.05};
+  return findOverlaps(first, second, least, touches);
+}
+
+TEST(Overlaps, AreFoundWhereCapsulesThatTouchedHaveSlidTo) {
+  std::array<CapsuleTouch, 2> touches;
+  EXPECT_EQ(overlapsAt(0.009, 0.01, touches), 0);
+  for (const double depth : {0.011, 0.05, 0.09}) {
+    ASSERT_EQ(overlapsAt(depth, 0.01, touches), 1) << depth;
+    EXPECT_NEAR(touches[0].at.s, 0.75, 1e-9) << depth;
+    EXPECT_NEAR((touches[0].normal - Vec3::UnitZ()).norm(), 0, 1e-9) << depth;
+    EXPECT_NEAR(touches[0].gap_start, 0, 1e-12);
+  }
+}
+
+TEST(Overlaps, OfAxesThatHaveCrossedPushBackTheWayTheyCame) {
+  std::array<CapsuleTouch, 2> touches;
+  ASSERT_EQ(overlapsAt(0.15, 0.01, touches), 1);
+  EXPECT_NEAR((touches[0].normal - Vec3::UnitZ()).norm(), 0, 1e-9);
+}
+
 }  // namespace
 }  // namespace ragdoll

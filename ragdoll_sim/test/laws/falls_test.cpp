@@ -31,6 +31,30 @@ TEST_P(Falls, HoldTheBodyTogetherAndEndAtRest) {
   EXPECT_GT(record.resting, 95 * kFalls / 100);
 }
 
+TEST_P(Falls, WithLimbsThatTouchKeepTheSame) {
+  constexpr int kSelfFalls = 25;
+  std::mt19937 random(2007);
+  FallRecord record;
+  for (int fall = 0; fall < kSelfFalls; ++fall) {
+    Scene scene = randomFall(GetParam(), random);
+    scene.self_collision = true;
+    addFall(scene, kSeconds, record);
+  }
+  RecordProperty("limit_deg", std::to_string(record.limit_deg));
+  RecordProperty("penetration_mm", std::to_string(record.penetration_mm));
+  RecordProperty("overlap_mm", std::to_string(record.overlap_mm));
+  RecordProperty("energy_rise_J", std::to_string(record.rise));
+  RecordProperty("step_rise_J", std::to_string(record.step_rise));
+  RecordProperty("resting", record.resting);
+  EXPECT_LT(record.limit_deg, 2);
+  EXPECT_LT(record.stretch, 1e-3);
+  EXPECT_LT(record.penetration_mm, 1);
+  EXPECT_LT(record.overlap_mm, kOverlap);
+  EXPECT_LT(record.rise, 1e-2);
+  EXPECT_LT(record.step_rise, kStepRise);
+  EXPECT_GT(record.resting, 95 * kSelfFalls / 100);
+}
+
 INSTANTIATE_TEST_SUITE_P(Scenes, Falls, testing::Values("stairs", "between_objects"));
 
 }  // namespace

@@ -23,11 +23,14 @@ TEST_P(Piles, OfRandomPosesComeToRestAndSleep) {
   RecordProperty("penetration_mm", std::to_string(record.penetration_mm));
   RecordProperty("overlap_mm", std::to_string(record.overlap_mm));
   RecordProperty("energy_rise_J", std::to_string(record.rise));
+  RecordProperty("step_rise_J", std::to_string(record.step_rise));
   RecordProperty("sleeping", record.sleeping);
   EXPECT_LT(record.limit_deg, 2);
   EXPECT_LT(record.stretch, 1e-3);
   EXPECT_LT(record.penetration_mm, 1);
+  EXPECT_LT(record.overlap_mm, kOverlap);
   EXPECT_LT(record.rise, 1e-2);
+  EXPECT_LT(record.step_rise, kStepRise);
   EXPECT_GE(record.sleeping, 95 * piles / 100);
   EXPECT_GE(record.resting, 95 * piles / 100);
 }

@@ -28,6 +28,14 @@ inline Scene randomFall(const std::string& name, std::mt19937& random) {
   return scene;
 }
 
+/// [mm] Overlap of capsules that may be left at a step's end: half a millimetre stays where it is,
+/// more opens in 50 ms, and what a sweep cannot see (limbs that meet while others push them) is
+/// found when it is there. 1200 falls and piles left 2.7.
+constexpr double kOverlap = 4;
+
+/// [J] in a step: what opens an overlap of millimetres lifts limbs.
+constexpr double kStepRise = 0.1;
+
 /// Humans turned and thrown at random that fall on a floor, each onto the one before; that touch
 /// themselves and each other.
 inline Scene randomPile(int bodies, std::mt19937& random) {
@@ -54,6 +62,7 @@ struct FallRecord {
   double stretch = 0;         ///< of a stick's length
   double penetration_mm = 0;  ///< of a particle's sphere in an obstacle
   double rise = 0;            ///< [J] of the energy above its start
+  double step_rise = 0;       ///< [J] of the energy in one step
   double overlap_mm = 0;      ///< of bodies with themselves and each other, where they may touch
   int falls = 0;
   int resting = 0;   ///< of the falls: at the end nothing moves faster than 1 mm/s
@@ -67,6 +76,7 @@ inline void addFall(const Scene& scene, double seconds, FallRecord& record) {
     return kineticEnergy(world.model, world.state) + potentialEnergy(world.model, world.state);
   };
   const double start = energy();
+  double before = start;
   const int steps = static_cast<int>(std::lround(seconds / world.model.solver.step));
   const auto asleep = [&world] {
     const std::vector<std::uint8_t>& all = world.state.asleep;
@@ -79,7 +89,10 @@ inline void addFall(const Scene& scene, double seconds, FallRecord& record) {
     record.stretch = std::max(record.stretch, maxStickError(world.model, world.state));
     record.penetration_mm =
         std::max(record.penetration_mm, 1e3 * maxPenetration(world.model, world.state));
-    record.rise = std::max(record.rise, energy() - start);
+    const double now = energy();
+    record.rise = std::max(record.rise, now - start);
+    record.step_rise = std::max(record.step_rise, now - before);
+    before = now;
     if (world.model.self_collision)
       record.overlap_mm = std::max(record.overlap_mm, 1e3 * deepestSelfPair(world));
     if (world.model.ragdoll_collision)

@@ -64,6 +64,12 @@ struct CapsuleTouch {
 int findTouches(const SweptCapsule& first, const SweptCapsule& second, double margin,
                 std::array<CapsuleTouch, 2>& touches);
 
+/// Touches of two capsules that overlap by more than `depth` at the step's end, whatever they did on
+/// the way: where that is or, if their axes have crossed, was before. Returns how many of `touches`
+/// are used.
+int findOverlaps(const SweptCapsule& first, const SweptCapsule& second, double depth,
+                 std::array<CapsuleTouch, 2>& touches);
+
 /// Share of the relative travel in a step within which a pair counts as near.
 constexpr double kSpeculative = 0.25;
 

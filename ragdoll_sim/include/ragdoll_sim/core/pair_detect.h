@@ -16,19 +16,28 @@ namespace ragdoll {
 
 constexpr double kBodyFriction = 0.5;  ///< Coulomb coefficient of body on body
 
+/// What is looked for between two poses (capsule_pairs.h).
+struct PairSearch {
+  bool at_end = false;  ///< findOverlaps of more than -margin; else findTouches
+  double margin = 0;    ///< [m]
+
+  static PairSearch touches(double margin) { return {false, margin}; }
+  static PairSearch overlaps(double depth) { return {true, -depth}; }
+};
+
 class PairDetector {
  public:
   /// Appends the contacts of one ragdoll with itself between x0 and x1 (3 x N).
   void appendSelf(const Model& model, const Points& x0, const Points& x1, int ragdoll,
-                  double margin, std::vector<Contact>& contacts);
+                  PairSearch search, std::vector<Contact>& contacts);
 
   /// Appends those between the ragdolls given, ascending; Contact::ragdoll < Contact::other.
   void appendBetween(const Model& model, const State& state, const std::vector<int>& ragdolls,
-                     const Points& x0, const Points& x1, double margin,
+                     const Points& x0, const Points& x1, PairSearch search,
                      std::vector<Contact>& contacts);
   /// Between all of them.
   void appendBetween(const Model& model, const State& state, const Points& x0, const Points& x1,
-                     double margin, std::vector<Contact>& contacts);
+                     PairSearch search, std::vector<Contact>& contacts);
 
   const BodyGrid& grid() const { return grid_; }
 
@@ -39,9 +48,9 @@ class PairDetector {
     const Skeleton* skeleton;
   };
   void bound(const Model& model, const Body& body, const Points& x0, const Points& x1,
-             double margin, std::vector<Bounds>& out) const;
+             PairSearch search, std::vector<Bounds>& out) const;
   void appendPair(const Model& model, const Body& p, int i, const Body& q, int j, const Points& x0,
-                  const Points& x1, double margin, std::vector<Contact>& contacts) const;
+                  const Points& x1, PairSearch search, std::vector<Contact>& contacts) const;
 
   BodyGrid grid_;
   std::vector<Bounds> bodies_, capsules_;  ///< swept; capsules: of all bodies, in order

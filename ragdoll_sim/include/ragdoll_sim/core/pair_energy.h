@@ -2,8 +2,8 @@
 //
 // Contact only takes energy. Where bodies that pressed on each other end a substep with more than
 // they had plus the work of gravity and pokes, the contact solution was wrong: the surplus is taken
-// out of the motion within the bodies, then out of their motion against each other. Their common
-// momentum does not change.
+// out of the motion within the bodies, then out of their motion against each other, or, where
+// something holds them, out of all of it.
 #pragma once
 
 #include <vector>
@@ -13,7 +13,9 @@
 
 namespace ragdoll {
 
-/// Takes `rise` [J] out of the motion of these bodies, as far as their common momentum lets it.
-void takeOutOfGroup(const Model& model, const std::vector<int>& bodies, double rise, State& state);
+/// Takes `rise` [J] out of the motion of these bodies; held: something else, that takes momentum,
+/// pressed on one of them. If not, no more than their common momentum allows.
+void takeOutOfGroup(const Model& model, const std::vector<int>& bodies, bool held, double rise,
+                    State& state);
 
 }  // namespace ragdoll

@@ -35,6 +35,7 @@ class ShakeIsland {
   void stepAlone(double h);
   bool failed() const;
   double energyRise();
+  bool isHeld() const;  ///< by something that takes momentum
 
   // Positions.
   void findConstraints(double h);
@@ -49,7 +50,7 @@ class ShakeIsland {
   void recall(double h);
   void remember(double h);
   bool forceViolated();
-  bool findMissed();
+  bool findMissed(double h);
   double worstViolation() const;
 
   // Velocities.
@@ -59,7 +60,6 @@ class ShakeIsland {
 
   int slotOf(int ragdoll) const;  ///< among the bodies; -1: does not move
   double gapAt(const Contact& c) const;
-  void openSlowly(Contact& c, double h) const;
   /// Adds a contact's rows to both bodies' complements and to the joint rows; returns the first.
   int addRows(const Contact& c, int source);
   double along(int row, double* x) const;
@@ -72,7 +72,6 @@ class ShakeIsland {
   const std::vector<int>& bodies_;
   std::vector<int> all_;  ///< bodies and others, ascending
   std::vector<ShakeStep> steps_;
-  double step_ = 0;  ///< [s] the whole step
   bool failed_ = false;
 };
 

@@ -17,6 +17,9 @@ namespace ragdoll {
 
 class ShakeStep {
  public:
+  static constexpr double kMissedPair = 5e-4;    ///< [m] overlap of two capsules that may stay,
+  static constexpr double kPairRecovery = 0.05;  ///< [s] and where more shrinks to 1 / e of itself
+
   ShakeStep(const Model& model, Workspace::Impl& ws, ShakeScratch& scratch, State& state,
             int ragdoll, StepReport& report);
 
@@ -24,6 +27,10 @@ class ShakeStep {
 
   /// x <- where the body would go if it met nothing; velocities are left as they then are.
   void predict(const Inputs& inputs, double h);
+
+  /// [m] of a pair's overlap at the start that a motion over h [s] leaves: it opens evenly, so that
+  /// no speed comes of it.
+  static double overlapLeft(const Contact& pair, double h);
 
  private:
   friend class ShakeIsland;
@@ -154,7 +161,7 @@ class ShakeStep {
   /// Forces those that the solution for the others violates; whether there are any.
   bool forceViolated();
   /// Contacts that the body was pushed into by those it was free to meet; whether there are any.
-  bool findMissed();
+  bool findMissed(double h);
   /// Likewise limits, at ws_.x1.
   bool findMissedLimits();
   /// Rows of the Schur complement that are the body's own.
