@@ -263,7 +263,7 @@ class Tests {
                                 "obstacles: [{type: plane, friction: 0.6}, "
                                 "{type: box, position: [-1.6, 0, 2], size: [2, 8, 8]}, "
                                 "{type: box, position: [1.6, 0, 2], size: [2, 8, 8]}]\n"),
-                     2 * closing + 6);
+                     2 * closing + 9);  // it may stand propped up for seconds
     e.drive = [=](double time, std::vector<Pose>& obstacles) {
       double way = std::min(time, closing);
       if (time > closing + 1) way = std::max(0.0, closing - (time - closing - 1));

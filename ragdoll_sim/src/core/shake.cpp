@@ -9,7 +9,9 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into affine shape
+constexpr int kAffineEvery = 256;      ///< [steps] rigid groups are put back into affine shape
+constexpr double kCoarse = 1.0 / 120;  ///< [s] steps for which tolerances are made
+constexpr double kFinest = 1e-3;       ///< as small as tolerances get, by those
 
 }  // namespace
 
@@ -32,6 +34,14 @@ ShakeStep::ShakeStep(const Model& model, Workspace::Impl& ws, ShakeScratch& scra
   body_.end.resize(rows_);
 }
 
+void ShakeStep::setStep(double h) {
+  step_ = h;
+  const double share = std::clamp(h * h / (kCoarse * kCoarse), kFinest, 1.0);
+  contact_tolerance_ = share * kContactTolerance;
+  touching_ = share * kTouching;
+  touching_angle_ = share * kTouchingAngle;
+}
+
 void ShakeStep::run(const Inputs& inputs, double h) {
   begin(inputs, h);
   if (model_.solver.method == Method::kRk && model_.solver.tolerance > 0)
@@ -49,7 +59,7 @@ void ShakeStep::predict(const Inputs& inputs, double h) {
 }
 
 void ShakeStep::begin(const Inputs& inputs, double h) {
-  step_ = h;
+  setStep(h);
   if (state_.step % kAffineEvery == 0 || model_.solver.method == Method::kJakobsen) makeAffine();
   movePins(inputs, h);
   driven_ = pin_speed_ > 0 || obstaclesMove(inputs);

@@ -21,10 +21,16 @@ void ShakeStep::adapt(double h) {
     const bool least = sub < 1.01 * h / kMaxSubsteps;
     save();
     failed_ = false;
-    if (!smoothMotion(sub)) {  // contacts and limits: the order is theirs
-      restore();
-      guard(left);
-      break;
+    if (!smoothMotion(sub)) {
+      const double until = failed_ ? 2 * sub : arriveSmoothly(sub);
+      if (failed_ || until > sub) {  // contacts and limits that press: the order is theirs
+        restore();
+        guard(sub);
+        next = std::min(2 * sub, h);
+      }
+      left -= std::min(until, sub);
+      ++taken;
+      continue;
     }
     moveSmoothly();
     const double rate = rungeKuttaError(rows_, body_.start, vData(), sub, scratch_.stages) / sub;

@@ -12,10 +12,6 @@ constexpr double kLever = 0.1;         ///< [m] of a radian that is seen
 constexpr double kRecoveryTurn = 5;    ///< [rad/s] the same of a limit that is violated
 constexpr double kFarBeyond = 0.02;    ///< [rad] violated by more than steps leave behind
 
-bool isForced(const std::vector<std::uint8_t>& forced, std::size_t i) {
-  return i < forced.size() && forced[i] != 0;
-}
-
 }  // namespace
 
 void ShakeStep::findConstraints(double h) {
@@ -30,21 +26,53 @@ void ShakeStep::findConstraints(double h) {
   if (model_.self_collision)
     ws_.pairs.appendSelf(model_, state_.x, ws_.x1, index_, PairSearch::touches(kContactMargin),
                          scratch_.contacts);
-  // An overlap found at the start opens at a bounded speed, so that nothing is shot out.
   overlap_ = 0;
-  for (const Contact& c : scratch_.contacts) overlap_ = std::max(overlap_, -c.gap_start);
-  for (Contact& c : scratch_.contacts)
-    if (c.count == 4)
-      c.offset -= overlapLeft(c, h);
-    else if (c.gap_start < 0)
-      c.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * h);
-  if (length2_ != rows_.length2.data()) return;  // angles mean nothing before the body is joined
-  appendLimits(model_, ws_.x1, state_, index_, kLimitMargin, scratch_.limits);
-  for (LimitRow& limit : scratch_.limits) {
-    startLimit(model_, state_.x, limit);
-    if (limit.compliance > 0 || limit.value > -kFarBeyond) continue;
-    limit.opening = std::max(0.0, -valueAt(model_, state_.x, limit) - kRecoveryTurn * h);
+  for (Contact& c : scratch_.contacts) {
+    overlap_ = std::max(overlap_, -c.gap_start);
+    startContact(c, h);
   }
+  if (length2_ == rows_.length2.data()) {  // angles mean nothing before the body is joined
+    appendLimits(model_, ws_.x1, state_, index_, kLimitMargin, scratch_.limits);
+    for (LimitRow& limit : scratch_.limits) startRow(limit, h);
+  }
+  scratch_.contact_role.assign(scratch_.contacts.size(), ShakeScratch::kIfNear);
+  scratch_.limit_role.assign(scratch_.limits.size(), ShakeScratch::kIfNear);
+}
+
+void ShakeStep::startContact(Contact& c, double h) const {
+  const double* dx = scratch_.dx.data();
+  c.found = c.offset;
+  c.before = gapAt(c, dx) - c.normal.dot(motionOf(c, dx) - h / step_ * c.surface_motion);
+  openSlowly(c, h, h);
+}
+
+void ShakeStep::startRow(LimitRow& limit, double h) {
+  startLimit(model_, state_.x, limit);
+  limit.before = valueAt(model_, state_.x, limit);
+  openSlowly(limit, h);
+}
+
+void ShakeStep::openSlowly(Contact& c, double h, double whole) const {
+  // In a part of a step a part of it, or what rounding leaves would become a speed.
+  const double least = std::max(0.0, -c.before) * (1 - h / step_);
+  const double stays = c.gap_start < 0 ? -c.gap_start - kRecoverySpeed * h : 0;
+  if (c.count == 4)
+    c.offset = c.found - overlapLeft(c, h);
+  else
+    c.offset = c.found - (whole - h) / step_ * c.normal.dot(c.surface_motion) -
+               std::max({0.0, least, stays});
+}
+
+void ShakeStep::openSlowly(LimitRow& limit, double h) const {
+  if (limit.compliance > 0) return;
+  const double least = std::max(0.0, -limit.before) * (1 - h / step_);
+  const double stays = limit.value < -kFarBeyond ? -limit.before - kRecoveryTurn * h : 0;
+  limit.opening = std::max({0.0, least, stays});
+}
+
+void ShakeStep::shorten(double h, double whole) {
+  for (Contact& c : scratch_.contacts) openSlowly(c, h, whole);
+  for (LimitRow& limit : scratch_.limits) openSlowly(limit, h);
 }
 
 double ShakeStep::gapAt(const Contact& c, const double* dx) const {
@@ -71,7 +99,9 @@ void ShakeStep::gather(double h, bool leapfrog) {
   scratch_.contact_row.assign(scratch_.contacts.size(), -1);
   for (std::size_t i = 0; i < scratch_.contacts.size(); ++i) {
     const Contact& c = scratch_.contacts[i];
-    if (!isForced(scratch_.forced_contacts, i) && gapAt(c, scratch_.dx.data()) > kActiveGap &&
+    const auto role = scratch_.contact_role[i];
+    if (role == ShakeScratch::kArriving) continue;
+    if (role == ShakeScratch::kIfNear && gapAt(c, scratch_.dx.data()) > kActiveGap &&
         !lastPress(keyOf(c)))
       continue;
     scratch_.contact_row[i] = schur.size();
@@ -81,10 +111,15 @@ void ShakeStep::gather(double h, bool leapfrog) {
   scratch_.limit_row.assign(scratch_.limits.size(), -1);
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
     LimitRow& limit = scratch_.limits[i];
-    if (!isForced(scratch_.forced_limits, i) && limit.compliance == 0 && limit.limit >= 0 &&
+    const auto role = scratch_.limit_role[i];
+    if (role == ShakeScratch::kArriving) continue;
+    if (role == ShakeScratch::kIfNear && limit.compliance == 0 && limit.limit >= 0 &&
         valueAt(model_, ws_.x1, limit) > kActiveAngle && !lastPress(keyOf(limit)))
       continue;
-    evaluateLimit(model_, ws_.x1, limit);
+    // One that touches at the start pushes along its direction there, as the sticks do.
+    const bool held = leapfrog && limit.limit >= 0 && limit.compliance == 0 &&
+                      std::abs(limit.before) < touching_angle_;
+    evaluateLimit(model_, held ? state_.x : ws_.x1, limit);
     if (limit.count == 0) continue;  // planes that allow it
     scratch_.softness[i] = leapfrog ? limit.middleSoftness(h) : limit.eulerSoftness(h);
     scratch_.limit_row[i] = schur.size();
@@ -93,22 +128,29 @@ void ShakeStep::gather(double h, bool leapfrog) {
   scratch_.own_rows = schur.size();
 }
 
+void ShakeStep::forceNear() {
+  for (std::vector<std::uint8_t>* roles : {&scratch_.contact_role, &scratch_.limit_role})
+    std::replace(roles->begin(), roles->end(), std::uint8_t{ShakeScratch::kIfNear},
+                 std::uint8_t{ShakeScratch::kForced});
+}
+
 bool ShakeStep::forceViolated() {
-  scratch_.forced_contacts.resize(scratch_.contacts.size(), 0);
-  scratch_.forced_limits.resize(scratch_.limits.size(), 0);
   bool any = false;
   for (std::size_t i = 0; i < scratch_.contacts.size(); ++i) {
-    if (scratch_.contact_row[i] >= 0) continue;
-    if (gapAt(scratch_.contacts[i], scratch_.dx.data()) >= -kContactTolerance) continue;
-    scratch_.forced_contacts[i] = 1;
+    if (scratch_.contact_row[i] >= 0 || scratch_.contact_role[i] == ShakeScratch::kArriving)
+      continue;
+    if (gapAt(scratch_.contacts[i], scratch_.dx.data()) >= -contact_tolerance_) continue;
+    scratch_.contact_role[i] = ShakeScratch::kForced;
     any = true;
   }
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
     // Planes act where the free motion leaves them, and nowhere else.
-    if (scratch_.limit_row[i] >= 0 || scratch_.limits[i].limit < 0) continue;
-    if (valueAt(model_, ws_.x1, scratch_.limits[i]) * kLever >= -kContactTolerance) continue;
-    scratch_.forced_limits[i] = 1;
+    if (scratch_.limit_row[i] >= 0 || scratch_.limits[i].limit < 0 ||
+        scratch_.limit_role[i] == ShakeScratch::kArriving)
+      continue;
+    if (valueAt(model_, ws_.x1, scratch_.limits[i]) * kLever >= -contact_tolerance_) continue;
+    scratch_.limit_role[i] = ShakeScratch::kForced;
     any = true;
   }
   return any;
@@ -120,18 +162,16 @@ bool ShakeStep::findMissed(double h) {
   scratch_.missed.clear();
   if (!ws_.obstacles.empty())
     appendContacts(model_, ws_.obstacles, state_.x, ws_.x1, index_, 0, scratch_.missed);
-  for (Contact& c : scratch_.missed)
-    if (c.gap_start < 0) c.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * step_);
   const std::size_t obstacles = scratch_.missed.size();
   if (model_.self_collision)
     ws_.pairs.appendSelf(model_, state_.x, ws_.x1, index_, PairSearch::overlaps(kMissedPair),
                          scratch_.missed);
   for (std::size_t i = 0; i < scratch_.missed.size(); ++i) {
     Contact& c = scratch_.missed[i];
-    if (i >= obstacles) c.offset -= overlapLeft(c, h);
+    startContact(c, i < obstacles ? step_ : h);
     if (gapAt(c, scratch_.dx.data()) >= (i < obstacles ? -kMissed : -kMissedPair)) continue;
     scratch_.contacts.push_back(c);
-    scratch_.forced_contacts.push_back(1);
+    scratch_.contact_role.push_back(ShakeScratch::kForced);
     any = true;
   }
   return any;
@@ -151,8 +191,8 @@ bool ShakeStep::findMissedLimits() {
     const auto end = scratch_.limits.begin() + static_cast<std::ptrdiff_t>(known);
     if (limit.limit < 0 || std::any_of(scratch_.limits.begin(), end, same)) continue;
     scratch_.limits.push_back(limit);
-    startLimit(model_, state_.x, scratch_.limits.back());
-    scratch_.forced_limits.push_back(1);
+    startRow(scratch_.limits.back(), step_);
+    scratch_.limit_role.push_back(ShakeScratch::kForced);
   }
   return scratch_.limits.size() > known;
 }
@@ -176,7 +216,7 @@ void ShakeStep::pressFound(double h, bool leapfrog) {
     schur.move(rows_, body_.start, system_.W, change, scratch_.dx.data());
     if (!satisfySticks() && !relaxAlongNew()) failed_ = true;
     const double now = failed_ ? 0 : worstViolation();
-    if (failed_ || now < kContactTolerance) break;
+    if (failed_ || now < contact_tolerance_) break;
     if (round > 1 && now > kUnsettled && now > kProgress * violation) break;
     violation = now;
   }
@@ -188,15 +228,13 @@ void ShakeStep::press(double h, bool leapfrog) {
     return;
   }
   Schur& schur = scratch_.schur;
-  scratch_.forced_contacts.clear();
-  scratch_.forced_limits.clear();
   scratch_.free_dx = scratch_.dx;
   scratch_.free_lambda = scratch_.lambda;
   for (int search = 0;; ++search) {
     pressFound(h, leapfrog);
     if (failed_) break;
     const bool forced = forceViolated();
-    const bool missed = leapfrog && findMissed(h);
+    const bool missed = leapfrog && !arrivesBefore() && findMissed(h);
     if (!forced && !missed) break;
     if (search + 1 == kMaxSearches) {
       failed_ = leapfrog;  // smaller steps meet fewer things at once
@@ -204,8 +242,7 @@ void ShakeStep::press(double h, bool leapfrog) {
       break;
     }
     if (search + 2 == kMaxSearches) {  // the last one solves for all that is near
-      scratch_.forced_contacts.assign(scratch_.contacts.size(), 1);
-      scratch_.forced_limits.assign(scratch_.limits.size(), 1);
+      forceNear();
     }
     scratch_.dx = scratch_.free_dx;
     scratch_.lambda = scratch_.free_lambda;

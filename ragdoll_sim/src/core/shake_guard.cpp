@@ -8,16 +8,14 @@ namespace {
 
 constexpr int kMaxPieces =
     64;  ///< of implicit steps; beyond, the rest of the step is one rigid motion
-constexpr int kMaxDriven = 4;       ///< the same while obstacles or pins move
-constexpr double kSqueezed = 1e-3;  ///< [m] overlap that no sound step leaves behind
+constexpr int kMaxDriven = 4;  ///< the same while obstacles or pins move
 
 }  // namespace
 
 void ShakeStep::guard(double h) {
   enum class Way { kExplicit, kImplicit, kRigid };
   if (ws_.unguarded) {
-    for (double left = h, taken = 0; left > 1e-9 * h; ++taken)
-      left -= explicitStep(left, static_cast<int>(taken));
+    for (double left = h; left > 1e-9 * h;) left -= explicitStep(left);
     return;
   }
   const double wanted = std::ceil(h * std::sqrt(stiffness()) / kStable);
@@ -34,7 +32,7 @@ void ShakeStep::guard(double h) {
     failed_ = false;
     double took = 0;
     if (way == Way::kExplicit) {
-      took = explicitStep(sub, taken);
+      took = explicitStep(sub);
       const double rise = failed_ ? 0 : energyRise();
       const bool can_halve = sub > 1.01 * h / kMaxSubsteps;
       const bool outgrown = sub * std::sqrt(stiffness()) > 2 * kStable && can_halve;
@@ -68,14 +66,13 @@ void ShakeStep::guard(double h) {
     ++taken;
   }
   report_.substeps = std::max(report_.substeps, taken);
-  report_.guarded += guarded || taken > 1;
+  report_.guarded += guarded || taken > 1 + located_;
   report_.limited += limited_;
   if (guarded || limited_) makeAffine();  // rigid velocities carry what is off it along
 }
 
-double ShakeStep::explicitStep(double h, int taken) {
-  const double took =
-      model_.solver.method == Method::kRk ? advanceSmooth(h, taken) : advance(h, taken);
+double ShakeStep::explicitStep(double h) {
+  const double took = model_.solver.method == Method::kRk ? advanceSmooth(h) : advance(h);
   if (!v().allFinite() || !x().allFinite()) failed_ = true;
   return took;
 }

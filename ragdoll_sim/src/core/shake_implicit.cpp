@@ -106,12 +106,11 @@ bool ShakeStep::solveImplicit(double h) {
 void ShakeStep::pressImplicit(double h) {
   if (scratch_.contacts.empty() && scratch_.limits.empty()) return;
   Schur& schur = scratch_.schur;
-  scratch_.forced_contacts.assign(scratch_.contacts.size(), 1);
-  scratch_.forced_limits.assign(scratch_.limits.size(), 1);
+  forceNear();
   gather(h, false);
   scratch_.total.setZero(schur.size());
   double violation = worstViolation();
-  bool done = violation < kContactTolerance;
+  bool done = violation < contact_tolerance_;
   for (int round = 0; round < kMaxRounds && !done; ++round) {
     gather(h, false);
     body_.end.setPose(rows_, ws_.x1.data() + 3 * ragdoll_.first);
@@ -128,7 +127,7 @@ void ShakeStep::pressImplicit(double h) {
       return;
     }
     const double now = worstViolation();
-    done = now < kContactTolerance;
+    done = now < contact_tolerance_;
     if (!done && round > 1 && now > kProgress * violation) break;
     violation = now;
   }

@@ -121,7 +121,9 @@ void ShakeIsland::guard(double h) {
   }
   report_.substeps = std::max(report_.substeps, taken);
   const int size = static_cast<int>(bodies_.size());
-  if (guarded || taken > 1) report_.guarded += size;
+  int located = 0;
+  for (const ShakeStep& step : steps_) located = std::max(located, step.located_);
+  if (guarded || taken > 1 + located) report_.guarded += size;
   if (limited) report_.limited += size;
   if (!guarded && !limited) return;
   for (ShakeStep& step : steps_) step.makeAffine();
@@ -164,20 +166,25 @@ double ShakeIsland::explicitStep(double h, int taken) {
   for (ShakeStep& step : steps_) step.body_.start.setPose(step.rows_, step.xData());
   freeMotion(h);
   findConstraints(h);
-  if (taken < ShakeStep::kMaxImpacts) {
-    const double until = firstImpact(h, taken);
-    if (until < h) {
-      if (until > 0) {
-        freeMotion(until);
-        press(until);
-        finish(until, true, true);
-      } else {
-        bounce();
-      }
-      return std::max(until, 1e-6 * h);
-    }
+  double until = taken < ShakeStep::kMaxImpacts ? firstDeepPair(h) : 2 * h;
+  if (until > h) {
+    for (ShakeStep& step : steps_) step.findArrivals(h);
+    press(h);
+    if (failed()) return h;
+    until = firstArrival(h);
   }
-  press(h);
+  if (until <= h) {
+    if (until > 0) {
+      for (ShakeStep& step : steps_) step.shorten(until, h);
+      for (Contact& c : s_.pairs) c.offset = c.found - ShakeStep::overlapLeft(c, until);
+      freeMotion(until);
+      press(until);
+      finish(until, true, true);
+    } else {
+      bounce();
+    }
+    return std::max(until, 1e-6 * h);
+  }
   finish(h, true, false);
   for (ShakeStep& step : steps_)
     if (!step.x().allFinite() || !step.v().allFinite()) failed_ = true;
@@ -217,6 +224,13 @@ void ShakeIsland::freeMotion(double h) {
   for (ShakeStep& step : steps_) step.freeMotion(h);
 }
 
+void ShakeIsland::startPair(Contact& c, double h) const {
+  c.found = c.offset;
+  c.before = -c.offset;
+  for (int k = 0; k < 4; ++k) c.before += c.weight[k] * c.normal.dot(state_.x.col(c.particle[k]));
+  c.offset -= ShakeStep::overlapLeft(c, h);
+}
+
 void ShakeIsland::findConstraints(double h) {
   for (ShakeStep& step : steps_) step.findConstraints(h);
   for (const int i : all_) {
@@ -228,7 +242,7 @@ void ShakeIsland::findConstraints(double h) {
   s_.pairs.clear();
   ws_.pairs.appendBetween(model_, state_, all_, state_.x, ws_.x1,
                           PairSearch::touches(ShakeStep::kContactMargin), s_.pairs);
-  for (Contact& c : s_.pairs) c.offset -= ShakeStep::overlapLeft(c, h);
+  for (Contact& c : s_.pairs) startPair(c, h);
 }
 
 double ShakeIsland::gapAt(const Contact& c) const {
@@ -244,23 +258,32 @@ double ShakeIsland::gapAt(const Contact& c) const {
   return gap;
 }
 
-double ShakeIsland::firstImpact(double h, int taken) {
-  double first = h, scale = 1;
-  for (const ShakeStep& step : steps_) {
-    first = std::min(first, step.firstImpact(h, taken < ShakeStep::kMaxBounces));
-    scale = std::min(scale, step.rows_.scale);
-  }
+double ShakeIsland::firstDeepPair(double h) const {
+  double first = 2 * h, scale = 1;
+  for (const ShakeStep& step : steps_) scale = std::min(scale, step.rows_.scale);
   for (const Contact& c : s_.pairs) {  // they do not bounce
     const double end = gapAt(c);
     if (c.gap_start < -ShakeStep::kContactTolerance || end >= -ShakeStep::kDeepImpact * scale)
       continue;
-    double v0 = 0, g0 = -c.offset;
-    for (int k = 0; k < 4; ++k) {
-      v0 += c.weight[k] * c.normal.dot(state_.v.col(c.particle[k]));
-      g0 += c.weight[k] * c.normal.dot(state_.x.col(c.particle[k]));
-    }
-    first = std::min(first, ShakeStep::timeOfTouch(std::max(0.0, g0), v0, end, h));
+    double v0 = 0;
+    for (int k = 0; k < 4; ++k) v0 += c.weight[k] * c.normal.dot(state_.v.col(c.particle[k]));
+    const double t = ShakeStep::timeOfZero(c.before, v0, end, h);
+    if (t >= 0 && t < h) first = std::min(first, t);
   }
+  return first;
+}
+
+double ShakeIsland::firstArrival(double h) {
+  double first = 2 * h;
+  ShakeStep* earliest = nullptr;
+  for (ShakeStep& step : steps_) {
+    const double until = step.firstArrival(h);
+    if (until >= first) continue;
+    first = until;
+    earliest = &step;
+  }
+  if (earliest)
+    for (ShakeStep& step : steps_) step.takeArrival(&step == earliest);
   return first;
 }
 
@@ -370,13 +393,15 @@ bool ShakeIsland::forceViolated() {
 }
 
 bool ShakeIsland::findMissed(double h) {
+  for (ShakeStep& step : steps_)
+    if (step.arrivesBefore()) return false;  // what is found will be cut short
   bool any = false;
   for (ShakeStep& step : steps_) any = step.findMissed(h) || any;  // sets ws_.x1
   s_.missed.clear();
   ws_.pairs.appendBetween(model_, state_, all_, state_.x, ws_.x1,
                           PairSearch::overlaps(ShakeStep::kMissedPair), s_.missed);
   for (Contact& c : s_.missed) {
-    c.offset -= ShakeStep::overlapLeft(c, h);
+    startPair(c, h);
     if (gapAt(c) >= -ShakeStep::kMissedPair) continue;
     s_.pairs.push_back(c);
     s_.forced.push_back(1);
@@ -443,8 +468,6 @@ void ShakeIsland::press(double h) {
   s_.forced.clear();
   for (ShakeStep& step : steps_) {
     ShakeScratch& scratch = step.scratch_;
-    scratch.forced_contacts.clear();
-    scratch.forced_limits.clear();
     scratch.free_dx = scratch.dx;
     scratch.free_lambda = scratch.lambda;
   }
@@ -465,8 +488,7 @@ void ShakeIsland::press(double h) {
       scratch.dx = scratch.free_dx;
       scratch.lambda = scratch.free_lambda;
       if (!last) continue;
-      scratch.forced_contacts.assign(scratch.contacts.size(), 1);
-      scratch.forced_limits.assign(scratch.limits.size(), 1);
+      step.forceNear();
     }
   }
   if (failed()) return;
@@ -480,8 +502,7 @@ void ShakeIsland::press(double h) {
 
 void ShakeIsland::pressImplicit(double h) {
   for (ShakeStep& step : steps_) {
-    step.scratch_.forced_contacts.assign(step.scratch_.contacts.size(), 1);
-    step.scratch_.forced_limits.assign(step.scratch_.limits.size(), 1);
+    step.forceNear();
   }
   s_.forced.assign(s_.pairs.size(), 1);
   const auto worst = [&] {
@@ -556,38 +577,52 @@ void ShakeIsland::pushVelocities(bool at_end, bool impact, double h) {
   for (std::size_t i = 0; i < s_.touching.size(); ++i) addRows(s_.touching[i], static_cast<int>(i));
   const int size = s_.joint.size();
   if (size == 0) return;
-  s_.b.resize(size);
-  s_.p.resize(size);
   const auto sticksOf = [&](ShakeStep& step) -> StickSolver& {
     return at_end ? step.body_.end : step.body_.start;
   };
-  for (std::size_t k = 0; k < steps_.size(); ++k) {
-    ShakeStep& step = steps_[k];
-    ShakeScratch& scratch = step.scratch_;
-    if (!scratch.schur.empty()) scratch.schur.assemble(step.rows_, sticksOf(step), step.system_.W);
-    step.fillRates(impact);
-    const int first = s_.joint.firstOf(static_cast<int>(k)), rows = step.ownRows();
-    s_.b.segment(first, rows) = scratch.b;
-    s_.p.segment(first, rows) = Eigen::Map<const Eigen::VectorXd>(scratch.warm.data(), rows);
-  }
-  for (std::size_t i = 0; i < s_.touching.size(); ++i) {
-    const Contact& c = s_.touching[i];
-    Vec3 rate = Vec3::Zero();
-    for (int k = 0; k < 4; ++k) rate += c.weight[k] * state_.v.col(c.particle[k]);
-    for (int d = 0; d < 3; ++d) {
-      const int row = own + 3 * static_cast<int>(i) + d;
-      s_.b[row] = s_.joint.row(row).direction.dot(rate);
-      s_.p[row] = s_.warm[3 * i + d];
+  for (ShakeStep& step : steps_)
+    if (!step.scratch_.schur.empty())
+      step.scratch_.schur.assemble(step.rows_, sticksOf(step), step.system_.W);
+  const auto push = [&](bool blow) {
+    s_.b.resize(size);
+    s_.p.setZero(size);
+    for (std::size_t k = 0; k < steps_.size(); ++k) {
+      ShakeStep& step = steps_[k];
+      if (blow)
+        step.fillBlow();
+      else
+        step.fillRates();
+      const int first = s_.joint.firstOf(static_cast<int>(k)), rows = step.ownRows();
+      s_.b.segment(first, rows) = step.scratch_.b;
+      if (!blow)
+        s_.p.segment(first, rows) =
+            Eigen::Map<const Eigen::VectorXd>(step.scratch_.warm.data(), rows);
     }
+    for (std::size_t i = 0; i < s_.touching.size(); ++i) {
+      const Contact& c = s_.touching[i];
+      Vec3 rate = Vec3::Zero();
+      for (int k = 0; k < 4; ++k) rate += c.weight[k] * state_.v.col(c.particle[k]);
+      for (int d = 0; d < 3; ++d) {
+        const int row = own + 3 * static_cast<int>(i) + d;
+        s_.b[row] = s_.joint.row(row).direction.dot(rate);
+        if (!blow) s_.p[row] = s_.warm[3 * i + d];
+      }
+    }
+    s_.joint.solve(s_.b, s_.p);
+    s_.joint.split(s_.p, s_.parts);
+    for (std::size_t k = 0; k < steps_.size(); ++k) {
+      ShakeStep& step = steps_[k];
+      Schur& schur = step.scratch_.schur;
+      if (!schur.empty())
+        schur.move(step.rows_, sticksOf(step), step.system_.W, s_.parts[k], step.vData());
+    }
+  };
+  if (!impact || h > 0) {
+    for (ShakeStep& step : steps_)
+      if (impact) step.holdArriving();
+    push(false);
   }
-  s_.joint.solve(s_.b, s_.p);
-  s_.joint.split(s_.p, s_.parts);
-  for (std::size_t k = 0; k < steps_.size(); ++k) {
-    ShakeStep& step = steps_[k];
-    Schur& schur = step.scratch_.schur;
-    if (!schur.empty())
-      schur.move(step.rows_, sticksOf(step), step.system_.W, s_.parts[k], step.vData());
-  }
+  if (impact) push(true);
 }
 
 }  // namespace ragdoll

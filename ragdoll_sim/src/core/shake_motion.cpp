@@ -9,35 +9,39 @@ constexpr int kMaxNewton = 25;  ///< iterations; 2 to 4 are usual
 
 }  // namespace
 
-double ShakeStep::advance(double h, int taken) {
+double ShakeStep::advance(double h) {
   body_.start.setPose(rows_, xData());
   freeMotion(h);
   findConstraints(h);
-  if (taken < kMaxImpacts) {
-    const double until = firstImpact(h, taken < kMaxBounces);
-    if (until < h) {
-      if (until > 0) {
-        freeMotion(until);
-        press(until);
-        finish(until, true, true);
-      } else {
-        bounce();
-      }
-      return std::max(until, 1e-6 * h);
-    }
-  }
+  findArrivals(h);
   press(h);
-  finish(h);
-  return h;
+  const double until = failed_ ? 2 * h : firstArrival(h);
+  if (until > h) {
+    finish(h);
+    return h;
+  }
+  takeArrival(true);
+  if (until > 0) {
+    shorten(until, h);
+    freeMotion(until);
+    press(until);
+    finish(until, true, true);
+  } else {
+    bounce();
+  }
+  return std::max(until, 1e-6 * h);
 }
 
-double ShakeStep::advanceSmooth(double h, int taken) {
-  if (!smoothMotion(h)) return advance(h, taken);
+double ShakeStep::advanceSmooth(double h) {
+  if (!smoothMotion(h)) {
+    const double until = failed_ ? 2 * h : arriveSmoothly(h);
+    return until <= h ? until : advance(h);
+  }
   moveSmoothly();
   return h;
 }
 
-bool ShakeStep::smoothMotion(double h) {
+void ShakeStep::smoothIncrement(double h) {
   double* m = multipliers();
   rungeKutta(rows_, body_.end, xData(), vData(), scratch_.acceleration, h, scratch_.stages,
              scratch_.dx, scratch_.v1, m);
@@ -45,9 +49,13 @@ bool ShakeStep::smoothMotion(double h) {
   body_.start.setPose(rows_, xData());
   scratch_.lambda.setZero(rows_.width);
   if (!satisfySticks()) failed_ = true;
+}
+
+bool ShakeStep::smoothMotion(double h) {
+  smoothIncrement(h);
   findConstraints(h);
   for (const Contact& c : scratch_.contacts)
-    if (gapAt(c, scratch_.dx.data()) <= kTouching || c.gap_start <= kTouching) return false;
+    if (gapAt(c, scratch_.dx.data()) <= touching_ || c.gap_start <= touching_) return false;
   for (const LimitRow& l : scratch_.limits)
     if (l.value <= 0 || l.start != 0) return false;
   return true;

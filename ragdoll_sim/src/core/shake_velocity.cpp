@@ -6,8 +6,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kBounceSteps = 4;       ///< bounce only above an approach speed of 4 g h
-constexpr double kTouchingAngle = 1e-4;  ///< [rad]
+constexpr double kBounceSteps = 4;  ///< bounce only above an approach speed of 4 g h
 
 }  // namespace
 
@@ -39,7 +38,9 @@ void ShakeStep::restrictToTouching(double h) {
   };
   for (std::size_t i = 0; i < scratch_.contacts.size(); ++i) {
     const Contact& c = scratch_.contacts[i];
-    if (gapAt(c, scratch_.dx.data()) >= kTouching) continue;
+    if (gapAt(c, scratch_.dx.data()) >= touching_ &&
+        scratch_.contact_role[i] != ShakeScratch::kArrived)
+      continue;
     scratch_.touching.push_back(c);
     for (int k = 0; k < (c.friction > 0 ? 3 : 1); ++k)
       scratch_.warm.push_back(pressed(scratch_.contact_row, i, k));
@@ -48,7 +49,9 @@ void ShakeStep::restrictToTouching(double h) {
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
     const LimitRow& limit = scratch_.limits[i];
     if (limit.compliance > 0) continue;
-    if (valueAt(model_, ws_.x1, limit) + limit.opening >= kTouchingAngle) continue;
+    if (valueAt(model_, ws_.x1, limit) + limit.opening >= touching_angle_ &&
+        scratch_.limit_role[i] != ShakeScratch::kArrived)
+      continue;
     scratch_.touching_limits.push_back(limit);
     evaluateLimit(model_, ws_.x1, scratch_.touching_limits.back());
     if (scratch_.touching_limits.back().count == 0)
@@ -78,10 +81,21 @@ void ShakeStep::pushVelocities(StickSolver& sticks, bool impact, double h) {
   gatherTouching(h);
   Schur& schur = scratch_.schur;
   schur.assemble(rows_, sticks, system_.W);
-  fillRates(impact);
-  scratch_.p = Eigen::Map<const Eigen::VectorXd>(scratch_.warm.data(), schur.size());
-  schur.solve(scratch_.b, scratch_.p);
-  schur.move(rows_, sticks, system_.W, scratch_.p, vData());
+  const auto push = [&] {
+    schur.solve(scratch_.b, scratch_.p);
+    schur.move(rows_, sticks, system_.W, scratch_.p, vData());
+  };
+  if (!impact || h > 0) {
+    // What pressed all the while does so until the blow; it is not for the blow to take that back.
+    if (impact) holdArriving();
+    fillRates();
+    scratch_.p = Eigen::Map<const Eigen::VectorXd>(scratch_.warm.data(), schur.size());
+    push();
+  }
+  if (!impact) return;
+  fillBlow();
+  scratch_.p.setZero(schur.size());
+  push();
 }
 
 void ShakeStep::gatherTouching(double h) {
@@ -100,52 +114,47 @@ void ShakeStep::gatherTouching(double h) {
   scratch_.own_rows = schur.size();
 }
 
-void ShakeStep::fillRates(bool impact) {
+void ShakeStep::fillRates() {
   const Schur& schur = scratch_.schur;
   scratch_.b.resize(ownRows());
   for (int i = 0; i < ownRows(); ++i) {
     const Schur::Row& row = schur.row(i);
     scratch_.b[i] = schur.along(i, vData());
-    if (row.kind == Schur::Row::Kind::kLimit) continue;
-    const Contact& c = scratch_.touching[row.source];
-    scratch_.b[i] -= row.direction.dot(c.surface_motion) / step_;
-    if (impact && row.kind == Schur::Row::Kind::kNormal && -scratch_.b[i] > bounceSpeed(c))
-      scratch_.b[i] *= 1 + c.restitution;
+    if (row.kind != Schur::Row::Kind::kLimit)
+      scratch_.b[i] -= row.direction.dot(scratch_.touching[row.source].surface_motion) / step_;
   }
+}
+
+void ShakeStep::holdArriving() {
+  for (int i = 0; i < ownRows(); ++i)
+    if (arrivesNow(scratch_.schur.row(i))) {
+      scratch_.schur.hold(i);
+      scratch_.warm[i] = 0;
+    }
+}
+
+void ShakeStep::fillBlow() {
+  Schur& schur = scratch_.schur;
+  fillRates();
+  for (int i = 0; i < ownRows(); ++i) {
+    const Schur::Row& row = schur.row(i);
+    schur.hold(i, row.compliance > 0);
+    if (row.kind != Schur::Row::Kind::kNormal || located_ > kMaxBounces) continue;
+    const Contact& c = scratch_.touching[row.source];
+    if (-scratch_.b[i] > bounceSpeed(c)) scratch_.b[i] *= 1 + c.restitution;
+  }
+}
+
+bool ShakeStep::arrivesNow(const Schur::Row& row) const {
+  if (row.kind == Schur::Row::Kind::kLimit) {
+    const LimitRow& limit = scratch_.touching_limits[row.source];
+    return limit.compliance == 0 && limit.before >= touching_angle_;
+  }
+  return scratch_.touching[row.source].before >= touching_;
 }
 
 double ShakeStep::bounceSpeed(const Contact& c) const {
   return kBounceSteps * step_ * std::abs(c.normal.dot(model_.gravity));
-}
-
-bool ShakeStep::isImpact(const Contact& c, double h, bool may_bounce) const {
-  if (c.gap_start < -kContactTolerance) return false;
-  if (gapAt(c, scratch_.dx.data()) < -kDeepImpact * rows_.scale) return true;
-  if (!may_bounce || !(c.restitution > 0)) return false;
-  const double speed =
-      -c.normal.dot(motionOf(c, scratch_.dx.data()) / h - c.surface_motion / step_);
-  return speed > bounceSpeed(c) && gapAt(c, scratch_.dx.data()) < 0;
-}
-
-double ShakeStep::timeOfTouch(double g0, double v0, double end, double h) {
-  const double q = (end - g0 - v0 * h) / (h * h);  // gap = g0 + v0 t + q t^2
-  const double root = std::sqrt(std::max(0.0, v0 * v0 - 4 * q * g0));
-  const double t = g0 > 0 ? 2 * g0 / (-v0 + root) : 0;
-  return t >= 0 ? t : h;
-}
-
-double ShakeStep::firstImpact(double h, bool may_bounce) const {
-  double first = h;
-  for (const Contact& c : scratch_.contacts) {
-    if (!isImpact(c, h, may_bounce)) continue;
-    const double end = gapAt(c, scratch_.dx.data());
-    const double v0 = c.normal.dot(motionOf(c, state_.v.data() + 3 * ragdoll_.first)) -
-                      c.normal.dot(c.surface_motion) / step_;
-    const double g0 = std::max(
-        0.0, end - c.normal.dot(motionOf(c, scratch_.dx.data()) - h / step_ * c.surface_motion));
-    first = std::min(first, timeOfTouch(g0, v0, end, h));
-  }
-  return first;
 }
 
 void ShakeStep::bounce() {

@@ -24,6 +24,9 @@ struct Contact {
   std::array<bool, 2> moves{true, true};  ///< ragdoll, other: false while it sleeps
   int obstacle = -1;                      ///< of the model; -1: another body
   double gap_start = 0;                   ///< [m] at the step's start
+  // Direct methods.
+  double before = 0;  ///< [m] gap to the plane at the substep's start
+  double found = 0;   ///< [m] offset, before what of an overlap may stay
 };
 
 /// Two bodies that press on each other.

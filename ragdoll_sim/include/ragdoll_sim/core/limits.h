@@ -27,6 +27,7 @@ struct LimitRow {
   double compliance = 0;                     ///< [rad/(N m)]; 0: hard
   double damping = 0;                        ///< [N m s/rad], soft limits only
   double start = 0;                          ///< [rad] soft limits: C at the step's start, <= 0
+  double before = 0;                         ///< [rad] direct methods: C at the substep's start
 
   /// The torque of a soft limit, a spring and a damper that only push, as a row of the position
   /// stage: C + offset + compliance p >= 0, p >= 0, one of the two zero (docs/equations.md#soft).

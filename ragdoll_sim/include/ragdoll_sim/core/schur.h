@@ -32,6 +32,7 @@ class Schur {
     double compliance = 0;          ///< added to A's diagonal
     double least = 0;               ///< limit rows: of the impulse
     double friction = 0;            ///< normal rows: of the two tangent rows that follow
+    bool held = false;              ///< its impulse stays as it is
   };
 
   /// first: the body's first column of the state.
@@ -45,6 +46,7 @@ class Schur {
   bool empty() const { return rows_.empty(); }
   int size() const { return static_cast<int>(rows_.size()); }
   const Row& row(int i) const { return rows_[i]; }
+  void hold(int i, bool held = true) { rows_[i].held = held; }
   auto matrix() const { return A_.leftCols(size()); }
 
   /// A at the pose of `sticks`.

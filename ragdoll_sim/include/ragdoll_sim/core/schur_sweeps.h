@@ -37,17 +37,17 @@ bool projectedGaussSeidel(Rows& rows, Eigen::VectorXd& p) {
       rows.push(i, step);
     };
     for (int i = 0; i < m; ++i) {
-      const double own = rows.matrix(i, i);
-      if (!(own > kHeld * rows.free(i))) continue;
       const Schur::Row& row = rows.row(i);
+      if (row.held) continue;
+      const double own = rows.matrix(i, i);
       if (row.kind != Kind::kTangent) {
-        set(i, own, std::max(row.least, p[i] - rows.rate(i) / own));
+        if (own > kHeld * rows.free(i)) set(i, own, std::max(row.least, p[i] - rows.rate(i) / own));
         continue;
       }
       const int j = i + 1;  // tangents come in pairs
-      const double limit = row.friction * p[i - 1];
-      if (limit > 0 || p[i] != 0 || p[j] != 0) {
-        const double other = rows.matrix(j, j);
+      const double limit = row.friction * p[i - 1], other = rows.matrix(j, j);
+      const bool moves = own > kHeld * rows.free(i) && other > kHeld * rows.free(j);
+      if (moves && (limit > 0 || p[i] != 0 || p[j] != 0)) {
         const double a = std::max(own, other) + std::abs(rows.matrix(i, j));
         double ti = p[i] - rows.rate(i) / a, tj = p[j] - rows.rate(j) / a;
         const double length = std::sqrt(ti * ti + tj * tj);

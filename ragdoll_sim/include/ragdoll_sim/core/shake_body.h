@@ -31,8 +31,10 @@ struct ShakeScratch {
   std::vector<LimitRow> limits, touching_limits, missed_limits;
   std::vector<int> contact_row, limit_row;  ///< first row of each in the Schur complement, or -1
   int own_rows = 0;                         ///< of them; contacts with other bodies come after
-  std::vector<std::uint8_t> forced_contacts, forced_limits;  ///< must be among the rows
-  Points free_dx;                                            ///< before contacts and limits
+  enum Role : std::uint8_t { kIfNear, kForced, kArriving, kArrived };
+  /// Of each: among the rows if near, in any case, not before its time is known, at that time.
+  std::vector<std::uint8_t> contact_role, limit_role;
+  Points free_dx;  ///< before contacts and limits
   Eigen::VectorXd free_lambda;
   std::vector<LimitRow::Softness> softness;  ///< of the limits
   std::vector<double> warm;                  ///< impulses at which the velocity stage starts

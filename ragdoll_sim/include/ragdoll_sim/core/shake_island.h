@@ -39,7 +39,8 @@ class ShakeIsland {
 
   // Positions.
   void findConstraints(double h);
-  double firstImpact(double h, int taken);
+  double firstDeepPair(double h) const;
+  double firstArrival(double h);
   void freeMotion(double h);
   void press(double h);
   bool pressFound(double h);
@@ -60,6 +61,7 @@ class ShakeIsland {
 
   int slotOf(int ragdoll) const;  ///< among the bodies; -1: does not move
   double gapAt(const Contact& c) const;
+  void startPair(Contact& c, double h) const;
   /// Adds a contact's rows to both bodies' complements and to the joint rows; returns the first.
   int addRows(const Contact& c, int source);
   double along(int row, double* x) const;

@@ -1,10 +1,11 @@
 // One body during one step of a direct method (shake.h). Private to the core. Its stages, a file
-// each: shake_motion.cpp (free motion), shake_contact.cpp (positions), shake_velocity.cpp
-// (velocities, bounces), shake_guard.cpp (step guard), shake_implicit.cpp (its last resorts),
-// shake_adapt.cpp (adaptive rk), shake_energy.cpp (energy limiter), shake_join.cpp (sticks far from
-// their lengths).
+// each: shake_motion.cpp (free motion), shake_contact.cpp (positions), shake_arrival.cpp (limits
+// and contacts that are reached), shake_velocity.cpp (velocities, bounces), shake_guard.cpp (step
+// guard), shake_implicit.cpp (its last resorts), shake_adapt.cpp (adaptive rk), shake_energy.cpp
+// (energy limiter), shake_join.cpp (sticks far from their lengths).
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "ragdoll_sim/core/contact.h"
@@ -36,11 +37,13 @@ class ShakeStep {
   friend class ShakeIsland;
 
   static constexpr double kTolerance = 1e-10;        ///< relative error of a stick's squared length
-  static constexpr double kContactTolerance = 1e-6;  ///< [m]
-  static constexpr double kTouching = 1e-5;          ///< [m]
+  static constexpr double kContactTolerance = 1e-6;  ///< [m] at 120 Hz or less
+  static constexpr double kTouching = 1e-5;          ///< [m] likewise
+  static constexpr double kTouchingAngle = 1e-4;     ///< [rad] likewise
   static constexpr double kUnsettled = 5e-4;         ///< [m] a contact solution this bad is refused
+  static constexpr double kSqueezed = 1e-3;          ///< [m] overlap that no sound step leaves
   static constexpr int kMaxBounces = 4;              ///< in one step; later ones do not bounce
-  static constexpr int kMaxImpacts = 32;             ///< in one step that are located in time
+  static constexpr int kMaxImpacts = 32;             ///< of deep contacts, likewise
   static constexpr double kDeepImpact = 0.2;  ///< [m] contact that would reach so deep is an impact
   static constexpr double kContactMargin = 0.02;  ///< [m]
   static constexpr double kActiveGap =
@@ -66,6 +69,8 @@ class ShakeStep {
   void begin(const Inputs& inputs, double h);
   /// Tells the workspace what pressed.
   void end();
+  /// Tolerances of contacts and limits: they shrink as the method's error does, with h^2.
+  void setStep(double h);
   void makeAffine();
   bool obstaclesMove(const Inputs& inputs) const;
   /// Pinned particles move evenly to their targets and carry what is rigid with them.
@@ -79,7 +84,7 @@ class ShakeStep {
   /// than kMaxSubsteps goes to implicit steps, halved where they fail; what fails even at the
   /// smallest moves as a rigid body until it touches something, which cannot fail.
   void guard(double h);
-  double explicitStep(double h, int taken);
+  double explicitStep(double h);
   /// Omega2 [1/s^2], a bound: largest row sum of |G| |2 m|, m the multipliers of the last motion.
   double stiffness();
   void save();
@@ -136,15 +141,20 @@ class ShakeStep {
 
   // Motion (shake_motion.cpp).
 
-  /// Moves the body by `h` or to its first impact, whichever comes first; returns the time it took.
-  /// taken: substeps before this one.
-  double advance(double h, int taken);
-  /// As advance, by Dormand-Prince 5 where nothing touches.
-  double advanceSmooth(double h, int taken);
+  /// Moves the body by `h` or to what it reaches first, whichever comes first; returns the time it
+  /// took.
+  double advance(double h);
+  /// As advance, by Dormand-Prince 5 while nothing touches.
+  double advanceSmooth(double h);
   /// dx and velocities (scratch_.v1) over h by Dormand-Prince 5; whether nothing touches.
   bool smoothMotion(double h);
   /// Makes that motion.
   void moveSmoothly();
+  /// As smoothMotion, no matter what it meets.
+  void smoothIncrement(double h);
+  /// After a smoothMotion over h that met something: moves to where that is reached and gives the
+  /// blow. Returns the time that took; more than h: something touched before, which is not for it.
+  double arriveSmoothly(double h);
   /// dx and the sticks' multipliers over h, without contacts.
   void freeMotion(double h);
   /// Newton along the old directions until every stick has its length.
@@ -153,6 +163,15 @@ class ShakeStep {
   // Contacts and limits, positions (shake_contact.cpp).
 
   void findConstraints(double h);
+  /// What contacts and limits have to know of the substep's start.
+  void startContact(Contact& c, double h) const;
+  void startRow(LimitRow& limit, double h);
+  /// An overlap found at the start opens at a bounded speed, so that nothing is shot out; in a
+  /// motion over h of a substep `whole`.
+  void openSlowly(Contact& c, double h, double whole) const;
+  void openSlowly(LimitRow& limit, double h) const;
+  /// The same for all, when the substep is cut short.
+  void shorten(double h, double whole);
   double gapAt(const Contact& c, const double* dx) const;
   Vec3 motionOf(const Contact& c, const double* dx) const;
   /// Rows of the contacts and limits that are solved for: violated or nearly so at the present dx,
@@ -160,6 +179,8 @@ class ShakeStep {
   void gather(double h, bool leapfrog);
   /// Forces those that the solution for the others violates; whether there are any.
   bool forceViolated();
+  /// Forces all that are not arriving.
+  void forceNear();
   /// Contacts that the body was pushed into by those it was free to meet; whether there are any.
   bool findMissed(double h);
   /// Likewise limits, at ws_.x1.
@@ -181,6 +202,27 @@ class ShakeStep {
   void fillGaps(double h);
   double worstViolation();
 
+  // What is reached in time (shake_arrival.cpp).
+
+  /// Marks limits and contacts that the body comes to from afar, faster than gravity would bring
+  /// it there: they do not press until they are reached.
+  void findArrivals(double h);
+  /// Time at which the first of them is reached by the motion dx over h; more than h: none is.
+  double firstArrival(double h);
+  /// Marks that one as arrived, if it is what the substep ends with, and the others as usual.
+  void takeArrival(bool mine);
+  /// Time at which start + rate t + q t^2 = 0, with q from the value `end` at h.
+  static double timeOfZero(double start, double rate, double end, double h);
+  /// Time of it again, by a motion dx over `h` that should have ended there.
+  double arrivalAgain(double h) const;
+  /// Whether the motion dx goes through what is arriving: it will be cut short.
+  bool arrivesBefore();
+  bool isArriving(const Contact& c, double h) const;
+  bool isArriving(const LimitRow& limit, double h) const;
+  /// [m/s], [rad/s] at which the gap opens at the substep's start.
+  double rateOf(const Contact& c) const;
+  double rateOf(const LimitRow& limit) const;
+
   // Velocities and bounces (shake_velocity.cpp).
 
   /// Velocity stage at the end of the motion dx over h.
@@ -193,19 +235,19 @@ class ShakeStep {
   /// Springs of soft limits act on velocities; those with a damper join the touching limits.
   void releaseSprings(double h);
   /// No touching contact approaches, none slips more than friction allows; on impact the fast ones
-  /// bounce.
+  /// bounce, after what pressed over h has done its part.
   void pushVelocities(StickSolver& sticks, bool impact, double h = 0);
   /// Rows of what touches, and the rates b at which they open.
   void gatherTouching(double h);
-  void fillRates(bool impact);
+  void fillRates();
+  /// Holds the rows of what is just reached, at no impulse.
+  void holdArriving();
+  /// Newton's impact law: b, and all rows free but those of springs and dampers.
+  void fillBlow();
+  /// Whether what the row stands for did not touch at the substep's start.
+  bool arrivesNow(const Schur::Row& row) const;
   /// [m/s] approach above which a contact bounces: slower is rest.
   double bounceSpeed(const Contact& c) const;
-  /// Whether the contact has to be located in time: it bounces, or would go deep.
-  bool isImpact(const Contact& c, double h, bool may_bounce) const;
-  /// [s] when a gap that falls as a parabola from g0 at v0 [m/s] to `end` after h is closed, or h.
-  static double timeOfTouch(double g0, double v0, double end, double h);
-  /// Time of the earliest impact within h, or h.
-  double firstImpact(double h, bool may_bounce) const;
   /// Newton's impact law at the present pose for the contacts that touch.
   void bounce();
 
@@ -220,7 +262,12 @@ class ShakeStep {
   const StickRows& rows_;
   ShakeBody& body_;
   const int n_;
-  double step_ = 0;                ///< [s] the whole step
+  double step_ = 0;                               ///< [s] the whole step
+  double contact_tolerance_ = kContactTolerance;  ///< [m] violation that is left
+  double touching_ = kTouching;                   ///< [m] a gap smaller than that is closed
+  double touching_angle_ = kTouchingAngle;        ///< [rad] likewise
+  int located_ = 0;                               ///< arrivals in this step
+  std::uint8_t* arrival_ = nullptr;               ///< role of what firstArrival found
   double overlap_ = 0;             ///< [m] with obstacles, at the start of the present substep
   double pin_speed_ = 0;           ///< [m/s] of pins that move
   double tolerance_ = kTolerance;  ///< the same where positions are so far out that it is rounding
