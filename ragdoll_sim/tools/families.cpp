@@ -23,7 +23,7 @@ const std::vector<MethodEntry>& methods() {
   return table;
 }
 
-constexpr int kUsualSweeps = 10;  ///< of the thesis
+constexpr int kUsualSweeps = 10;      ///< of the thesis
 constexpr double kAdaptiveRate = 30;  ///< [Hz] of the whole steps; substeps follow the tolerance
 constexpr const char* kTolerances[] = {"0.1", "0.01", "0.001", "1e-05", "1e-07"};  ///< [m]
 constexpr const char* kIntegrators[] = {"verlet", "euler", "symplectic_euler", "midpoint",
@@ -77,6 +77,12 @@ SolverSpec at(const Family& family, double rate) {
   return solver;
 }
 
+SolverSpec damped(SolverSpec solver, const SolverSpec& scene) {
+  solver.damping = scene.damping;
+  solver.joint_damping = scene.joint_damping;
+  return solver;
+}
+
 std::string toSection(const SolverSpec& solver) {
   char step[64];
   std::snprintf(step, sizeof step, "%.17g   # %.5g Hz", solver.step, 1 / solver.step);
@@ -92,6 +98,10 @@ std::string toSection(const SolverSpec& solver) {
   }
   if (solver.damping > 0) {
     std::snprintf(step, sizeof step, "  damping: %.17g\n", solver.damping);
+    text += step;
+  }
+  if (solver.joint_damping > 0) {
+    std::snprintf(step, sizeof step, "  joint_damping: %.17g\n", solver.joint_damping);
     text += step;
   }
   return text;

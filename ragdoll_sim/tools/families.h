@@ -22,6 +22,9 @@ std::vector<Family> families(bool integrators);
 /// The family's solver at `rate` [Hz].
 SolverSpec at(const Family& family, double rate);
 
+/// With the scene's damping, which belongs to what is simulated, not to how.
+SolverSpec damped(SolverSpec solver, const SolverSpec& scene);
+
 /// "shake", as a scene says it.
 const char* methodName(Method method);
 const char* integratorName(Integrator integrator);

@@ -100,7 +100,7 @@ Measurement measureAccuracy(const Model& model, const Configuration& configurati
 
 void measureCosts(const Model& model, double horizon, std::vector<Measurement>& all,
                   const std::function<void(double)>& report) {
-  Runner thesis(model, preset("thesis"), horizon);
+  Runner thesis(model, damped(preset("thesis"), model.solver), horizon);
   std::size_t done = 0;
   for (Measurement& m : all) {
     report(static_cast<double>(done++) / static_cast<double>(all.size()));

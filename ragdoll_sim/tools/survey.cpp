@@ -11,14 +11,12 @@ namespace {
 constexpr double kReferenceShare = 0.2;  ///< of the progress bar
 constexpr double kAccuracyShare = 0.3;
 
-/// Steps that differ by factors of two and end where the window does. Damping is the scene's: it
-/// belongs to what is simulated, not to how.
-std::vector<Configuration> grid(const Family& family, double window, double damping) {
+/// Steps that differ by factors of two and end where the window does.
+std::vector<Configuration> grid(const Family& family, double window, const SolverSpec& scene) {
   std::vector<Configuration> result;
   for (double rate = family.coarsest; rate <= family.finest * 1.001; rate *= 2) {
     if (stepsIn(window, 1 / rate) == 0) continue;
-    result.push_back({family.name, false, at(family, rate)});
-    result.back().solver.damping = damping;
+    result.push_back({family.name, false, damped(at(family, rate), scene)});
   }
   return result;
 }
@@ -50,7 +48,7 @@ Survey survey(const Model& model, const SurveyOptions& options, Progress& progre
   const std::vector<Family> all = families(options.integrators);
   double done = 0;
   for (const Family& family : all) {
-    for (const Configuration& c : grid(family, options.window, model.solver.damping)) {
+    for (const Configuration& c : grid(family, options.window, model.solver)) {
       progress.show(kReferenceShare + kAccuracyShare * done / static_cast<double>(all.size()),
                     family.name);
       const double begin = cpuTime();
@@ -62,8 +60,7 @@ Survey survey(const Model& model, const SurveyOptions& options, Progress& progre
   }
   if (options.presets)
     for (const std::string& name : presetNames()) {
-      Configuration c = {name, true, preset(name)};
-      c.solver.damping = model.solver.damping;
+      const Configuration c = {name, true, damped(preset(name), model.solver)};
       if (stepsIn(options.window, c.solver.step) > 0)
         result.rows.push_back(measureAccuracy(model, c, result.reference, options.horizon));
     }

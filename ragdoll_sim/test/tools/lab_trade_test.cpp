@@ -79,6 +79,22 @@ TEST_F(LabTrade, CsvShowsTheOrderOfEachMethod) {
   EXPECT_NEAR(shake[0] / shake[1], 4, 0.2);
 }
 
+TEST_F(LabTrade, JointDampingBelongsToTheSceneForEveryMethod) {
+  // Two swinging links: without their damping each method would end elsewhere than the reference.
+  const std::string chain =
+      file("chain.yaml",
+           "ragdolls: [{name: r, model: {particles: {a: {position: [0, 0, 0], mass: 1}, "
+           "b: {position: [1, 0, 0], mass: 1}, c: {position: [1, 0, 1], mass: 1}}, "
+           "sticks: [[a, b], [b, c]]}}]\npins: [r/a]\nsolver: {joint_damping: 2}\n");
+  ASSERT_EQ(lab("trade " + chain + " --dearest 0.005 --out " + folder.string()).status, 0);
+  double finest = 1;
+  for (const auto& row : csv())
+    if (row[0] == "rk" || row[0] == "shake") finest = std::min(finest, std::stod(row[8]));
+  EXPECT_LT(finest, 1e-3);
+  EXPECT_THAT(lab("tune " + chain + " --error 1cm --dearest 0.005").output,
+              HasSubstr("joint_damping: 2"));
+}
+
 TEST_F(LabTrade, WithoutGnuplotAllButThePicturesIsThere) {
   const Outcome outcome =
       lab("trade " + pendulum() + " --dearest 0.002 --out " + folder.string(), "PATH=/nowhere");
