@@ -1,7 +1,7 @@
-"""Counts the test cases of a test run: results.py BUILD_DIR [--filtered].
+"""Counts the test cases of a test run: results.py BUILD_DIR... [--filtered].
 
 Every case in the XML results counts. A test program that crashed, hung, was not found, or left no
-result counts as one failure.
+result counts as one failure, and so does each report of a sanitizer.
 """
 import glob
 import os
@@ -73,15 +73,26 @@ def missing_nodes(build, results):
                 yield where, 'failed', 'test node "%s" left no result' % name
 
 
-def main():
-    build = sys.argv[1]
-    folder = os.path.join(build, 'test_results')
-    results = read_results(folder)
+def sanitizer_reports(build):
+    """What the sanitizers found, one file for each process."""
+    for path in sorted(glob.glob(os.path.join(build, 'reports', '*'))):
+        text = open(path, errors='replace').read()
+        yield os.path.relpath(path, os.path.dirname(build)), 'failed', text[:4000]
+
+
+def results_of(build, filtered):
+    results = read_results(os.path.join(build, 'test_results'))
     results += list(failed_programs(build, results))
-    if '--filtered' not in sys.argv:
+    if not filtered:
         results += list(missing_nodes(build, results))
-    if not results:
-        results.append(('no test has run', 'failed', ''))
+    results += list(sanitizer_reports(build))
+    return results or [('%s: no test has run' % os.path.basename(build), 'failed', '')]
+
+
+def main():
+    filtered = '--filtered' in sys.argv
+    builds = [argument for argument in sys.argv[1:] if argument != '--filtered']
+    results = [result for build in builds for result in results_of(build, filtered)]
 
     print()
     for name, what, message in results:

@@ -2,6 +2,7 @@
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build="$root/build"
+build_options=(-DCMAKE_BUILD_TYPE=Release)
 export PATH="/usr/bin:$PATH"  # another python3 in front of the system's breaks catkin
 
 say() { echo "$(basename "$0"): $*" >&2; }
@@ -78,21 +79,21 @@ install_missing() {
 # build itself takes a second to find that out, as catkin checks every message anew.
 is_newest() {
   [ -f "$1" ] && [ -z "$(find "$root" /var/lib/dpkg/status \
-    \( -path "$root/build" -o -path "$root/.git" \) -prune -o -newer "$1" -print -quit 2>&1)" ]
+    \( -path "$root/build*" -o -path "$root/.git" \) -prune -o -newer "$1" -print -quit 2>&1)" ]
 }
 
 # Configures the tree as one catkin project and builds the given targets.
 build_targets() {
   local cache="$build/CMakeCache.txt" built="$build/devel/.built-$*"
   if [ -f "$cache" ] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache"; then
-    say "build/ belongs to another folder, building anew"
+    say "$(basename "$build")/ belongs to another folder, building anew"
     rm -rf "$build"
   fi
   is_newest "$built" && return
   if [ ! -f "$build/build.ninja" ] && [ ! -f "$build/Makefile" ]; then
     mkdir -p "$build"
-    say "configuring (log: build/configure.log)"
-    cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+    say "configuring (log: $(basename "$build")/configure.log)"
+    cmake -S "$root" -B "$build" -G Ninja "${build_options[@]}" \
       -DPYTHON_EXECUTABLE=/usr/bin/python3 >"$build/configure.log" 2>&1 ||
       { tail -n 30 "$build/configure.log" >&2; return 1; }
   fi
@@ -101,6 +102,22 @@ build_targets() {
   cmake --build "$build" --parallel "$(nproc)" --target "$@" 2>&1 |
     sed -u '/genmsg_check_deps\|^ninja: no work\|Re-checking globbed/d'
   [ "${PIPESTATUS[0]}" = 0 ] && mv "$build/now" "$built"
+}
+
+# From here on: a build folder of its own with asserts and the given sanitizers (as -fsanitize has
+# them), which write what they find to files in it. Of `undefined` those are left out that the
+# address sanitizer stands in for and that make Eigen slow to compile. Without the plugins for rviz,
+# which is built without sanitizers and so cannot load them.
+use_sanitizers() {
+  build="$root/build_$1"
+  build_options=(-DCMAKE_BUILD_TYPE=Sanitize -DCMAKE_DISABLE_FIND_PACKAGE_rviz=ON
+    -DCMAKE_CXX_FLAGS="-O1 -g1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS -fsanitize=$2 \
+      -fno-sanitize=null,alignment,object-size,pointer-overflow,vptr")
+  local options="log_path=$build/reports/$1"
+  export RAGDOLL_SANITIZED=$1 RAGDOLL_TIME_LIMIT=2000
+  export ASAN_OPTIONS="$options:detect_stack_use_after_return=1"
+  export UBSAN_OPTIONS="$options:halt_on_error=1:print_stacktrace=1"
+  export TSAN_OPTIONS="$options:second_deadlock_stack=1:suppressions=$root/.ci/thread_sanitizer.txt"
 }
 
 # ROS on loopback only, unless the user has said where ROS lives. A ROS_MASTER_URI on localhost is

@@ -5,6 +5,7 @@
 #include <ros/ros.h>
 
 #include <chrono>
+#include <cstdlib>
 #include <functional>
 #include <mutex>
 #include <string>
@@ -13,11 +14,12 @@
 
 namespace ragdoll_test {
 
-constexpr double kLimit = 30;  ///< [s] a test that waits longer than this has failed
+/// [s] A test that waits longer than this has failed.
+inline double limit() { return std::getenv("RAGDOLL_SANITIZED") ? 300 : 30; }
 
 /// False if the condition did not come true in time.
 inline bool waitFor(const std::function<bool()>& condition) {
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kLimit);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(limit());
   while (std::chrono::steady_clock::now() < end) {
     if (condition()) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));

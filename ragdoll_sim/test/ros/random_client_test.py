@@ -162,7 +162,8 @@ class RandomClientTest(unittest.TestCase):
                             for c in (p.x, p.y, p.z)))
         grown = self.resident() - start
         print('%d calls, %d refused, grown by %d kB' % (CALLS, refused, grown // 1000))
-        self.assertLess(grown, GROWTH)
+        if 'RAGDOLL_SANITIZED' not in os.environ:  # sanitizers keep memory, and find leaks themselves
+            self.assertLess(grown, GROWTH)
 
     def test_topics_take_anything(self):
         """What is wrong is ignored: the state is that after the clearing, as if nothing was said."""
