@@ -113,6 +113,7 @@ void ShakeStep::pressImplicit(double h) {
   bool done = violation < contact_tolerance_;
   for (int round = 0; round < kMaxRounds && !done; ++round) {
     gather(h, false);
+    if (scratch_.total.size() != schur.size()) scratch_.total.setZero(schur.size());  // other rows
     body_.end.setPose(rows_, ws_.x1.data() + 3 * ragdoll_.first);
     schur.assemble(rows_, body_.end, system_.W);
     fillGaps(h);
@@ -189,7 +190,10 @@ double ShakeStep::rigidStep(double h) {
       deepest = std::max(deepest, std::min(0.0, c.gap_start) - gapAt(c, scratch_.dx.data()));
     if (deepest < kTouchDepth) break;
   }
-  if (!scratch_.dx.allFinite()) scratch_.dx.setZero();
+  if (!scratch_.dx.allFinite()) {
+    scratch_.dx.setZero();
+    findConstraints(h);  // those that are there may be another body's
+  }
   scratch_.total.resize(0);
   scratch_.presses.clear();
   std::fill(multipliers(), multipliers() + 2 * rows_.s, 0.0);
