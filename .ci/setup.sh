@@ -12,7 +12,7 @@ die() { say "$@"; exit 1; }
 needed_packages() {
   local package
   echo build-essential cmake ninja-build python3 libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev \
-    libboost-program-options-dev libgtest-dev libgmock-dev gnuplot-nox qtbase5-dev
+    libboost-program-options-dev libgtest-dev libgmock-dev gnuplot-nox qtbase5-dev xvfb
   if is_noetic; then
     for package in catkin diagnostic-msgs diagnostic-updater dynamic-reconfigure geometry-msgs \
         interactive-markers message-generation message-runtime rosbag rosbag-storage rosbash \

@@ -1,7 +1,6 @@
 #include "panel.h"
 
 #include <dynamic_reconfigure/Reconfigure.h>
-#include <pluginlib/class_list_macros.hpp>
 #include <ragdoll_msgs/LoadScene.h>
 #include <ragdoll_msgs/Step.h>
 #include <ros/package.h>
@@ -25,13 +24,15 @@
 #include <QSignalBlocker>
 #include <QSpinBox>
 #include <QTimer>
+#include <pluginlib/class_list_macros.hpp>
 
 namespace ragdoll_rviz {
 namespace {
 
-constexpr int kLookPeriod = 250;   ///< [ms] between two looks whether the node is there
-constexpr int kSilence = 3500;     ///< [ms] without metrics, which come once a second
-constexpr double kStrength = 600;  ///< [N] of a poke at first
+constexpr int kLookPeriod = 250;         ///< [ms] between two looks whether the node is there
+constexpr int kSilence = 3500;           ///< [ms] without metrics, which come once a second
+constexpr const char* kText = "(text)";  ///< for a scene that was loaded from none
+constexpr double kStrength = 600;        ///< [N] of a poke at first
 
 QString messageOf(const std_srvs::TriggerResponse& r) { return QString::fromStdString(r.message); }
 QString messageOf(const std_srvs::SetBoolResponse& r) { return QString::fromStdString(r.message); }
@@ -118,12 +119,12 @@ void RagdollPanel::makeControls(QFormLayout* form) {
   scene_ = new QComboBox;
   scene_->setObjectName("scene");
   const QString share = QString::fromStdString(ros::package::getPath("ragdoll_sim"));
-  const QDir scenes(share + "/scenes");
+  scenes_ = share + "/scenes";
   if (!share.isEmpty())
-    for (const QFileInfo& file : scenes.entryInfoList({"*.yaml"}, QDir::Files, QDir::Name))
+    for (const QFileInfo& file : QDir(scenes_).entryInfoList({"*.yaml"}, QDir::Files, QDir::Name))
       scene_->addItem(file.completeBaseName());
   scene_->setCurrentIndex(-1);
-  scene_->setToolTip("load one of ragdoll_sim's scenes");
+  scene_->setToolTip("the scene that runs; choose another of ragdoll_sim's");
   form->addRow("Scene", scene_);
 
   factor_ = new QDoubleSpinBox;
@@ -221,6 +222,10 @@ void RagdollPanel::setNode(const QString& node) {
   description_ = nh_.subscribe<ConfigDescription>(
       prefix + "parameter_descriptions", 10,
       [this](const ConfigDescription::ConstPtr& m) { hearDescription(*m); });
+  model_ = nh_.subscribe<ragdoll_msgs::Model>(
+      prefix + "model", 1, [this](const ragdoll_msgs::Model::ConstPtr& m) { hearModel(*m); });
+  running_scene_.clear();
+  showScene();
   showState();
   Q_EMIT configChanged();
 }
@@ -250,6 +255,27 @@ void RagdollPanel::hearSettings(const dynamic_reconfigure::Config& m) {
     if (preset_->findText(name) < 0) preset_->addItem(name);
     preset_->setCurrentText(name);
   }
+}
+
+void RagdollPanel::hearModel(const ragdoll_msgs::Model& m) {
+  running_scene_ = m.scene.empty() ? kText : QString::fromStdString(m.scene);
+  showScene();
+}
+
+/// A scene that is not ragdoll_sim's gets an entry of its own, with where it comes from as data.
+void RagdollPanel::showScene() {
+  const QString& scene = running_scene_;
+  while (scene_->count() > 0 && scene_->itemData(scene_->count() - 1).isValid())
+    scene_->removeItem(scene_->count() - 1);
+  const QFileInfo file(scene);
+  const bool ours = scene == file.baseName() || file.dir() == QDir(scenes_) ||
+                    scene.startsWith("package://ragdoll_sim/scenes/");
+  int index = scene.isEmpty() ? -1 : scene_->findText(file.completeBaseName());
+  if (!scene.isEmpty() && (!ours || index < 0)) {
+    scene_->addItem(file.fileName(), scene);
+    index = scene_->count() - 1;
+  }
+  scene_->setCurrentIndex(index);
 }
 
 void RagdollPanel::hearDescription(const dynamic_reconfigure::ConfigDescription& m) {
@@ -306,8 +332,9 @@ void RagdollPanel::pause() {
   caller_.call<std_srvs::SetBool>(
       node_.toStdString() + "/pause", request, this,
       [this, wanted = !paused_](const QString& problem, const std_srvs::SetBoolResponse& response) {
-        if (problem.isEmpty() && response.success) paused_ = wanted;
-        say(problem.isEmpty() ? messageOf(response) : problem);
+        const bool done = problem.isEmpty() && response.success;  // the state says it
+        if (done) paused_ = wanted;
+        say(done ? "" : problem.isEmpty() ? messageOf(response) : problem);
         showState();
       });
 }
@@ -321,9 +348,19 @@ void RagdollPanel::step() {
 void RagdollPanel::reset() { ask<std_srvs::Trigger>("reset", {}); }
 
 void RagdollPanel::loadScene() {
+  const QVariant own = scene_->currentData();  // of a scene that is not ragdoll_sim's
+  if (own.isValid() && own.toString() == kText) {
+    return say("this scene was loaded as text; Reset begins it again");
+  }
   ragdoll_msgs::LoadSceneRequest request;
-  request.path = scene_->currentText().toStdString();
-  ask<ragdoll_msgs::LoadScene>("load_scene", request);
+  request.path = (own.isValid() ? own.toString() : scene_->currentText()).toStdString();
+  say("...");
+  caller_.call<ragdoll_msgs::LoadScene>(
+      node_.toStdString() + "/load_scene", request, this,
+      [this](const QString& problem, const ragdoll_msgs::LoadSceneResponse& response) {
+        say(problem.isEmpty() ? messageOf(response) : problem);
+        if (!problem.isEmpty() || !response.success) showScene();  // the old one goes on
+      });
 }
 
 void RagdollPanel::set(const dynamic_reconfigure::Config& change) {

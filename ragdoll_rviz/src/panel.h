@@ -5,6 +5,7 @@
 #include <dynamic_reconfigure/Config.h>
 #include <dynamic_reconfigure/ConfigDescription.h>
 #include <ragdoll_msgs/Metrics.h>
+#include <ragdoll_msgs/Model.h>
 #include <ros/node_handle.h>
 #include <ros/subscriber.h>
 #include <rviz/panel.h>
@@ -57,8 +58,10 @@ class RagdollPanel : public rviz::Panel {
   // What is heard of the node.
   void hearMetrics(const ragdoll_msgs::Metrics& message);
   void hearSettings(const dynamic_reconfigure::Config& message);
+  void hearModel(const ragdoll_msgs::Model& message);
   void hearDescription(const dynamic_reconfigure::ConfigDescription& message);
   void showState();
+  void showScene();
 
   // What is asked of it.
   void pause();
@@ -75,11 +78,13 @@ class RagdollPanel : public rviz::Panel {
   void showStrength();
 
   QString node_;
+  QString scenes_;         ///< folder of ragdoll_sim's scenes
+  QString running_scene_;  ///< what the node has loaded it from; empty: not known
   State state_ = State::kNoNode;
   bool paused_ = false;
   QElapsedTimer heard_;  ///< since the last metrics
   ros::NodeHandle nh_;
-  ros::Subscriber metrics_, settings_, description_;
+  ros::Subscriber metrics_, settings_, description_, model_;
   rviz::Property* strength_property_ = nullptr;
   rviz::Property* node_property_ = nullptr;
 

@@ -3,7 +3,6 @@
 #include <OgreCamera.h>
 #include <OgreRay.h>
 #include <OgreViewport.h>
-#include <pluginlib/class_list_macros.hpp>
 #include <ragdoll_msgs/Poke.h>
 #include <rviz/display_context.h>
 #include <rviz/frame_manager.h>
@@ -12,6 +11,8 @@
 #include <rviz/view_controller.h>
 #include <rviz/view_manager.h>
 #include <rviz/viewport_mouse_event.h>
+
+#include <pluginlib/class_list_macros.hpp>
 
 namespace ragdoll_rviz {
 namespace {

@@ -2,9 +2,11 @@
 #include "panel.h"
 
 #include <gtest/gtest.h>
+#include <ragdoll_msgs/LoadScene.h>
 #include <ragdoll_msgs/Model.h>
 #include <ragdoll_msgs/State.h>
 #include <ros/callback_queue.h>
+#include <ros/package.h>
 #include <ros/ros.h>
 #include <rviz/config.h>
 #include <rviz/panel.h>
@@ -95,6 +97,7 @@ TEST_F(Panel, pausesAndRuns) {
   EXPECT_EQ(find<QPushButton>("pause")->text(), "Run");
   click("pause");
   EXPECT_TRUE(says("state", "running"));
+  EXPECT_EQ(find<QLabel>("message")->text(), "");  // the state says it
   EXPECT_TRUE(waitFor([&] { return last_->step > 20; }));
   EXPECT_FALSE(find<QPushButton>("step")->isEnabled());
   EXPECT_EQ(find<QPushButton>("pause")->text(), "Pause");
@@ -114,6 +117,50 @@ TEST_F(Panel, choosesAScene) {
     ASSERT_TRUE(waitFor([&] { return scene_ != before; }));
     EXPECT_EQ(scene_->scene_yaml.find("pins") != std::string::npos, name == std::string("hang"));
   }
+}
+
+TEST_F(Panel, showsTheSceneThatRuns) {
+  const auto* scene = find<QComboBox>("scene");
+  const auto load = [&](const std::string& path, const std::string& yaml) {
+    ragdoll_msgs::LoadScene call;
+    call.request.path = path;
+    call.request.yaml = yaml;
+    return ros::service::call("/ragdoll/load_scene", call) && call.response.success;
+  };
+  const auto shows = [&](const QString& name) {
+    EXPECT_TRUE(waitFor([&] { return scene->currentText() == name; }))
+        << scene->currentText().toStdString() << ", not " << name.toStdString();
+  };
+  const std::string folder = ros::package::getPath("ragdoll_sim") + "/scenes/";
+  ASSERT_TRUE(load("stairs", ""));
+  shows("stairs");
+  ASSERT_TRUE(load(folder + "hang.yaml", ""));
+  shows("hang");
+  ASSERT_TRUE(load("package://ragdoll_sim/scenes/two.yaml", ""));
+  shows("two");
+  const int own = scene->count();
+  ASSERT_TRUE(load("package://ragdoll_sim/test/ros/weightless.yaml", ""));
+  shows("weightless.yaml");  // not the one of that name that comes with the package
+  ASSERT_TRUE(load("", scene_->scene_yaml));
+  shows("(text)");
+  EXPECT_EQ(scene->count(), own + 1);
+  RagdollPanel later;
+  EXPECT_TRUE(
+      waitFor([&] { return later.findChild<QComboBox*>("scene")->currentText() == "(text)"; }));
+  ASSERT_TRUE(load(folder + "fall.yaml", ""));
+  shows("fall");
+  EXPECT_EQ(scene->count(), own);
+}
+
+TEST_F(Panel, aSceneThatCannotBeLoadedIsNotShown) {
+  auto* scene = find<QComboBox>("scene");
+  ASSERT_TRUE(waitFor([&] { return !scene->currentText().isEmpty(); }));
+  const QString running = scene->currentText();
+  scene->insertItem(0, "no_such_scene");
+  scene->setCurrentIndex(0);
+  Q_EMIT scene->activated(0);
+  EXPECT_TRUE(says("message", "no_such_scene"));
+  EXPECT_EQ(scene->currentText(), running);
 }
 
 TEST_F(Panel, choosesAPresetAndShowsItsError) {

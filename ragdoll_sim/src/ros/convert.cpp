@@ -187,8 +187,8 @@ Pose fromPose(const geometry_msgs::Pose& m, const char* name) {
 
 void checkSeconds(double seconds, const char* name, bool positive) {
   if (std::isfinite(seconds) && (positive ? seconds > 0 : seconds >= 0)) return;
-  throw Error(name, "is " + numberText(seconds) + "; it must be " + (positive ? ">" : ">=") +
-                        " 0 [s]");
+  throw Error(name,
+              "is " + numberText(seconds) + "; it must be " + (positive ? ">" : ">=") + " 0 [s]");
 }
 
 }  // namespace

@@ -26,8 +26,8 @@ class Reader {
   void read(const std::string& key, const std::string& type, T& value) {
     known_.push_back(key);
     if (!nh_.hasParam(key) || nh_.getParam(key, value)) return;
-    throw Error("parameter " + nh_.resolveName(key), "must be " + type + ", by default " +
-                                                        shown(value) + ", is " + given(key));
+    throw Error("parameter " + nh_.resolveName(key),
+                "must be " + type + ", by default " + shown(value) + ", is " + given(key));
   }
 
   void check(bool ok, const std::string& key, const std::string& right) const {

@@ -107,6 +107,7 @@ void Publisher::publishModel(const ros::Time& now) {
   told_run_ = world_.mark.run;
   ragdoll_msgs::Model message =
       toModelMsg(*world_.scene, *world_.model, toHeader(parameters_.world_frame, now));
+  message.scene = world_.source;
   message.run = world_.mark.run;
   if (world_.beginning) message.snapshot = *world_.beginning;
   model_.publish(message);

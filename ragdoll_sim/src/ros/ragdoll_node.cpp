@@ -24,7 +24,7 @@ constexpr int kCallbackThreads = 4;  ///< a long ~step leaves some for the other
 
 ragdoll::World loadWorld(const std::string& parameter, const std::string& scene) {
   try {
-    ragdoll::World world(ragdoll::loadScene(ragdoll::resolvePackage(scene)));
+    ragdoll::World world(ragdoll::loadScene(ragdoll::resolvePackage(scene)), scene);
     ragdoll::tellChecks(*world.model());
     return world;
   } catch (const ragdoll::Error& e) {

@@ -16,7 +16,8 @@ World loadWorld(const ragdoll_msgs::LoadScene::Request& request) {
     throw Error("", std::string(request.path.empty() ? "neither" : "both") +
                         " of path and yaml given; it must be exactly one");
   return World(request.path.empty() ? parseScene(request.yaml, "yaml")
-                                    : loadScene(resolvePackage(request.path)));
+                                    : loadScene(resolvePackage(request.path)),
+               request.path);
 }
 
 }  // namespace

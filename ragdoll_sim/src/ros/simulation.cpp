@@ -75,6 +75,7 @@ std::uint64_t Simulation::step(std::uint64_t steps) {
 
 void Simulation::snapshot(Snapshot& out) {
   call([&](World& world) {
+    out.source = world.source();
     out.scene = world.scene();
     out.model = world.model();
     out.state = world.state();

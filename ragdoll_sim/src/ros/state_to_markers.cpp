@@ -170,11 +170,11 @@ void StateToMarkers::placeObstacles() {
     const auto told = told_glides_.find(frame);
     if (told != told_glides_.end()) {
       const FollowedFrame& followed = told->second;
-      const auto steps = static_cast<double>(world_.state.step) - static_cast<double>(followed.step);
+      const auto steps =
+          static_cast<double>(world_.state.step) - static_cast<double>(followed.step);
       const bool same_run = followed.run == world_.mark.run;
-      follow_.hear(frame, followed.glide.at(same_run
-                                                ? std::max(0.0, steps) * world_.model->solver.step
-                                                : 0));
+      follow_.hear(frame, followed.glide.at(
+                              same_run ? std::max(0.0, steps) * world_.model->solver.step : 0));
     } else if (const std::optional<StampedPose> found = frames_->find(frame)) {
       follow_.hear(frame, found->pose);
     }

@@ -61,8 +61,9 @@ bool contains(const std::vector<Poke>& pokes, const Poke& poke) {
   });
 }
 
-World::World(Scene scene)
-    : scene_(std::make_shared<Scene>(std::move(scene))),
+World::World(Scene scene, std::string source)
+    : source_(std::move(source)),
+      scene_(std::make_shared<Scene>(std::move(scene))),
       model_(std::make_shared<Model>(buildModel(*scene_))),
       state_(startState(*model_)),
       tracker_(*model_),

@@ -2,11 +2,15 @@
 // each does in detail is for the tests in python.
 #include "client.h"
 
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <dynamic_reconfigure/Config.h>
+#include <dynamic_reconfigure/ConfigDescription.h>
 #include <dynamic_reconfigure/Reconfigure.h>
 #include <geometry_msgs/WrenchStamped.h>
 #include <gtest/gtest.h>
 #include <ragdoll_msgs/Attach.h>
 #include <ragdoll_msgs/Detach.h>
+#include <ragdoll_msgs/FollowedFrame.h>
 #include <ragdoll_msgs/GetState.h>
 #include <ragdoll_msgs/LoadScene.h>
 #include <ragdoll_msgs/Metrics.h>
@@ -20,6 +24,10 @@
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 #include <tf2_ros/transform_broadcaster.h>
+#include <visualization_msgs/InteractiveMarkerFeedback.h>
+#include <visualization_msgs/InteractiveMarkerInit.h>
+#include <visualization_msgs/InteractiveMarkerUpdate.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
 #include <cmath>
@@ -55,6 +63,10 @@ class Client : public ::testing::Test {
     call.request.yaml = yaml;
     EXPECT_TRUE(ros::service::call("/ragdoll/load_scene", call));
     return call.response;
+  }
+  static bool reset() {
+    std_srvs::Trigger call;
+    return ros::service::call("/ragdoll/reset", call) && call.response.success;
   }
   static State step(std::uint32_t steps) {
     ragdoll_msgs::Step call;
@@ -173,6 +185,126 @@ TEST_F(Client, holdsAHandAtAFrameOfItsOwn) {
   detach.request.body_name = "right_hand";
   ASSERT_TRUE(ros::service::call("/ragdoll/detach", detach));
   EXPECT_TRUE(detach.response.success) << detach.response.status_message;
+}
+
+TEST_F(Client, replaysAPokeToTheSameBits) {
+  Inbox<ragdoll_msgs::PokeEvent> events("/ragdoll/pokes");
+  ASSERT_TRUE(events.connected());
+  ros::Publisher replay =
+      ros::NodeHandle().advertise<ragdoll_msgs::PokeEvent>("/ragdoll/poke_replay", 10);
+  ASSERT_TRUE(waitFor([&] { return replay.getNumSubscribers() > 0; }));
+  step(10);
+  ragdoll_msgs::Poke call;
+  call.request.body_name = "left_forearm";
+  call.request.force.z = 80;
+  call.request.duration = ros::Duration(0.2);
+  ASSERT_TRUE(ros::service::call("/ragdoll/poke", call) && call.response.success);
+  ASSERT_TRUE(waitFor([&] { return events.size() == 1; }));
+  EXPECT_EQ(events.last()->step, 10u);
+  const std::string then = bits(step(60));
+  ASSERT_TRUE(reset());
+  replay.publish(*events.last());
+  ASSERT_TRUE(waitFor([&] { return events.size() == 2; }));
+  EXPECT_EQ(bits(step(70)), then);
+}
+
+TEST_F(Client, dragsAHandle) {
+  using Feedback = visualization_msgs::InteractiveMarkerFeedback;
+  Inbox<visualization_msgs::InteractiveMarkerUpdate> updates("/ragdoll/handles/update");
+  Inbox<visualization_msgs::InteractiveMarkerInit> init("/ragdoll/handles/update_full");
+  const auto handle = [&](const std::string& name) {
+    if (!init.last()) return false;
+    const auto& markers = init.last()->markers;
+    return std::any_of(markers.begin(), markers.end(),
+                       [&](const auto& m) { return m.name == name; });
+  };
+  ASSERT_TRUE(waitFor([&] { return handle("anna/right_hand"); }));
+  ros::Publisher mouse = ros::NodeHandle().advertise<Feedback>("/ragdoll/handles/feedback", 10);
+  ASSERT_TRUE(waitFor([&] { return mouse.getNumSubscribers() > 0; }));
+  Feedback drag;
+  drag.client_id = "client";
+  drag.marker_name = "anna/right_hand";
+  drag.event_type = Feedback::POSE_UPDATE;
+  drag.header.frame_id = "world";
+  drag.pose.position = positionOf("right_hand");
+  drag.pose.position.x += 0.2;
+  // Said again and again: what is not heard of for a second is let go.
+  EXPECT_TRUE(waitFor([&] {
+    mouse.publish(drag);
+    step(10);
+    return std::abs(positionOf("right_hand").x - drag.pose.position.x) < 0.01;
+  }));
+  drag.event_type = Feedback::MOUSE_UP;
+  mouse.publish(drag);
+}
+
+TEST_F(Client, hearsHowFramesMoveWhatFollowsThem) {
+  const auto loaded = load(
+      "ragdolls: [{name: anna, model: human}]\n"
+      "obstacles: [{type: box, frame: paddle, position: [0, 0, 0], size: [1, 1, 1]}]\n");
+  ASSERT_TRUE(loaded.success) << loaded.status_message;
+  Inbox<ragdoll_msgs::FollowedFrame> followed("/ragdoll/followed");
+  ASSERT_TRUE(followed.connected());
+  geometry_msgs::TransformStamped paddle;
+  paddle.header.frame_id = "world";
+  paddle.child_frame_id = "paddle";
+  paddle.transform.rotation.w = 1;
+  paddle.transform.translation.x = 7;
+  tf2_ros::TransformBroadcaster tf;
+  ASSERT_TRUE(waitFor([&] {
+    paddle.header.stamp = ros::Time::now();
+    tf.sendTransform(paddle);
+    step(1);
+    return followed.size() > 0;
+  }));
+  const ragdoll_msgs::FollowedFrame first = *followed.all()[0];
+  EXPECT_EQ(first.frame, "paddle");
+  EXPECT_EQ(first.number, 1u);
+  EXPECT_EQ(first.goal.position.x, 7);
+  EXPECT_TRUE(first.jump);
+  EXPECT_LT(first.step, get().state.step);
+  EXPECT_EQ(get().state.followed, 1u);  // the same pose again is no news
+}
+
+TEST_F(Client, measuresAreThoseOfFreeFall) {
+  ASSERT_TRUE(load("ragdolls: [{name: anna, model: human_lumped, position: [0, 0, 5]}]\n").success);
+  ASSERT_TRUE(waitFor([this] {
+    return model_->last()->scene_yaml.find("gravity: [0, 0, -9") != std::string::npos;
+  }));
+  double mass = 0;
+  for (const double m : model_->last()->ragdolls[0].masses) mass += m;
+  Inbox<ragdoll_msgs::Metrics> metrics("/ragdoll/metrics");
+  ASSERT_TRUE(waitFor([&] { return metrics.last() && metrics.last()->kinetic_energy == 0; }));
+  const double before = metrics.last()->potential_energy;
+  const double speed = 9.81 * step(60).time;
+  const double energy = mass * speed * speed / 2;
+  ASSERT_TRUE(waitFor([&] { return metrics.last()->kinetic_energy > 0; }));
+  EXPECT_NEAR(metrics.last()->kinetic_energy, energy, 1e-3 * energy);
+  EXPECT_NEAR(before - metrics.last()->potential_energy, energy, 0.02 * energy);
+  EXPECT_TRUE(metrics.last()->paused);
+  EXPECT_EQ(metrics.last()->ragdolls, 1u);
+}
+
+TEST_F(Client, hearsWhatIsForWatching) {
+  Inbox<visualization_msgs::MarkerArray> markers("/ragdoll/markers");
+  Inbox<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
+  Inbox<dynamic_reconfigure::Config> settings("/ragdoll/parameter_updates");
+  Inbox<dynamic_reconfigure::ConfigDescription> knobs("/ragdoll/parameter_descriptions");
+  const geometry_msgs::Point head = positionOf("head");
+  EXPECT_TRUE(waitFor([&] {
+    for (const auto& message : markers.all())
+      for (const auto& marker : message->markers)
+        for (const auto& p : marker.points)
+          if (marker.ns == "sticks" && p.x == head.x && p.y == head.y && p.z == head.z) return true;
+    return false;
+  }));
+  EXPECT_TRUE(waitFor(
+      [&] { return diagnostics.last() && diagnostics.last()->status[0].message == "paused"; }));
+  ASSERT_TRUE(waitFor([&] { return settings.last() && knobs.last(); }));
+  std::size_t names = 0;
+  for (const auto& group : knobs.last()->groups) names += group.parameters.size();
+  const auto& c = *settings.last();
+  EXPECT_EQ(c.bools.size() + c.ints.size() + c.strs.size() + c.doubles.size(), names);
 }
 
 TEST_F(Client, changesGravityAndHearsMeasures) {

@@ -67,7 +67,7 @@ class PlaybackTest(unittest.TestCase):
     def play(self, path):
         program = roslib.packages.find_node('rosbag', 'play')[0]
         player = subprocess.Popen(
-            [program, '--quiet', '--keep-alive', '--delay=1', path]
+            [program, '--quiet', '--keep-alive', '--wait-for-subscribers', path]
             + ['%s:=%s' % (topic, topic.replace('ragdoll', 'played')) for topic in TOPICS],
             stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
         self.addCleanup(player.kill)

@@ -18,7 +18,7 @@ namespace ragdoll::lab {
 
 /// The topics of one node, found by their types; whatever the node was called.
 struct NodeTopics {
-  std::string name;  ///< namespace of its topics: "/ragdoll"
+  std::string name;                           ///< namespace of its topics: "/ragdoll"
   std::string model, state, pokes, followed;  ///< the last two: "" where there is none
 };
 

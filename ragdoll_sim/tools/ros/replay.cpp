@@ -64,9 +64,9 @@ std::string firstDifference(const World& world, const ragdoll_msgs::State& recor
 struct Run {
   std::uint32_t number = 0;
   std::unique_ptr<World> world;
-  std::string hindrance;    ///< why it cannot be replayed
-  std::string difference;   ///< the first that was found
-  std::uint64_t first = 0;  ///< step of its first state
+  std::string hindrance;       ///< why it cannot be replayed
+  std::string difference;      ///< the first that was found
+  std::uint64_t first = 0;     ///< step of its first state
   std::uint32_t followed = 0;  ///< so many of ~followed are there, without a gap
   bool gap = false;            ///< there are more, after a gap
   std::size_t states = 0, compared = 0, events = 0;
@@ -85,7 +85,9 @@ class Replay {
         models_(recording.models(node)),
         pokes_(recording.pokes(node)),
         followed_(recording.followed(node)) {
-    recording.forEachState(node, [this](const ragdoll_msgs::State& s) { last_ = {s.run, s.told, s.followed}; });
+    recording.forEachState(node, [this](const ragdoll_msgs::State& s) {
+      last_ = {s.run, s.told, s.followed};
+    });
   }
 
   void compare(const ragdoll_msgs::State& recorded) {
@@ -178,11 +180,12 @@ class Replay {
   }
 
   std::string missingFollowed(const ragdoll_msgs::State& state) const {
-    const std::string what = "obstacles or pins follow " +
-                             joined(run_->world->followedFrames()) + " of another node, and ";
+    const std::string what = "obstacles or pins follow " + joined(run_->world->followedFrames()) +
+                             " of another node, and ";
     if (node_.followed.empty()) return what + "~followed was not recorded";
-    return what + "of the " + std::to_string(state.followed) + " messages of ~followed up to step " +
-           std::to_string(state.step) + " number " + std::to_string(run_->followed + 1) +
+    return what + "of the " + std::to_string(state.followed) +
+           " messages of ~followed up to step " + std::to_string(state.step) + " number " +
+           std::to_string(run_->followed + 1) +
            " is missing: record ~followed from before the run begins";
   }
 
@@ -238,12 +241,13 @@ int replay(const std::string& path) {
 
 int replayCommand(const Words& words) {
   std::string bag;
-  CommandLine line{"replay BAG",
-                   "Simulates the runs of a bag with ~model, ~pokes, ~followed and ~state again and "
-                   "compares every\nstate, bit for bit. Status 1: one differs; 2: a run cannot be replayed.",
-                   {},
-                   "BAG",
-                   "the bag file"};
+  CommandLine line{
+      "replay BAG",
+      "Simulates the runs of a bag with ~model, ~pokes, ~followed and ~state again and "
+      "compares every\nstate, bit for bit. Status 1: one differs; 2: a run cannot be replayed.",
+      {},
+      "BAG",
+      "the bag file"};
   return parse(line, words, bag) ? replay(bag) : kOk;
 }
 

@@ -3,8 +3,9 @@
 //
 // A frame glides from where it was to what was heard last within kGlides times the interval between
 // news of it: what it carries has the frame's own velocity, however seldom that is published, and
-// lags by that time. When nothing more is heard it stays there. What is heard first is a jump for an
-// obstacle; a particle is drawn from where it is to its frame within kDraw. Knows nothing of ROS.
+// lags by that time. When nothing more is heard it stays there. What is heard first is a jump for
+// an obstacle; a particle is drawn from where it is to its frame within kDraw. Knows nothing of
+// ROS.
 #pragma once
 
 #include <string>
@@ -39,7 +40,7 @@ class Follow {
   static constexpr double kGlides = 2;
   static constexpr double kShortestGlide = 0.04;   ///< [s]
   static constexpr double kLongestInterval = 0.5;  ///< [s] between news; longer is a rest
-  static constexpr double kDraw = 0.25;   ///< [s] a particle takes to reach the frame that holds it
+  static constexpr double kDraw = 0.25;  ///< [s] a particle takes to reach the frame that holds it
 
   static constexpr double kAway = -1e4;  ///< [m] on z
 

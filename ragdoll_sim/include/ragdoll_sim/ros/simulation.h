@@ -34,13 +34,14 @@ struct Progress {
 
 /// One moment of the world, copied for other threads.
 struct Snapshot {
+  std::string source;  ///< of the scene, as World has it
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const Model> model;
   State state;
   std::optional<FrameTracker> tracker;
   StepReport report;
-  std::vector<Poke> acted;    ///< since the last snapshot
-  std::vector<Event> events;  ///< since the last snapshot
+  std::vector<Poke> acted;              ///< since the last snapshot
+  std::vector<Event> events;            ///< since the last snapshot
   std::vector<FollowedFrame> followed;  ///< since the last snapshot
   std::vector<Pull> pulls;
   std::uint64_t revision = 0;

@@ -1,6 +1,6 @@
 // Draws recorded runs: ~markers and /tf from ~model, ~state, ~pokes and ~followed, as the node
-// that simulated them published them. Bears that node's name, so that what a bag plays arrives here and what is
-// drawn goes where rviz expects it.
+// that simulated them published them. Bears that node's name, so that what a bag plays arrives here
+// and what is drawn goes where rviz expects it.
 #pragma once
 
 #include <ragdoll_msgs/FollowedFrame.h>
@@ -60,7 +60,7 @@ class StateToMarkers {
   Follow follow_;
   std::vector<Told> told_;
   std::map<std::string, FollowedFrame> told_glides_;  ///< the last of each frame
-  bool heard_ = false;  ///< a state of the present model
+  bool heard_ = false;                                ///< a state of the present model
   ros::Time last_stamp_;
   ros::WallTime recorded_tf_;  ///< when /tf last brought the ragdolls' frames from elsewhere
 };

@@ -42,8 +42,8 @@ struct FollowedFrame {
 
 /// Where in its runs a world is.
 struct RunMark {
-  std::uint32_t run = 0;   ///< World::run()
-  std::uint64_t told = 0;  ///< step: events have told all that acted before it
+  std::uint32_t run = 0;       ///< World::run()
+  std::uint64_t told = 0;      ///< step: events have told all that acted before it
   std::uint32_t followed = 0;  ///< how many FollowedFrames have been told of the run
 };
 
@@ -56,8 +56,11 @@ struct Pull {
 
 class World {
  public:
-  /// At the scene's start. Throws Error.
-  explicit World(Scene scene);
+  /// At the scene's start. `source`: name or path that the scene was loaded from, empty: none.
+  /// Throws Error.
+  explicit World(Scene scene, std::string source = "");
+
+  const std::string& source() const { return source_; }
 
   const std::shared_ptr<const Scene>& scene() const { return scene_; }
   const std::shared_ptr<const Model>& model() const { return model_; }
@@ -152,6 +155,7 @@ class World {
   void endStream(Stream& stream);
   Poke rounded(Poke poke, std::uint64_t& first) const;
 
+  std::string source_;
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Model> model_;
   State state_;
@@ -170,7 +174,7 @@ class World {
   std::vector<Stream> streams_;
   std::vector<Clearing> clearings_;  ///< to come
   std::vector<Pull> pulls_;
-  bool pokes_changed_ = false;       ///< since inputs_.pokes was gathered
+  bool pokes_changed_ = false;  ///< since inputs_.pokes was gathered
   std::vector<Poke> acted_;
   bool acted_taken_ = true;  ///< since the last step
   std::vector<Event> events_;
