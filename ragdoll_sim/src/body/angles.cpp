@@ -1,8 +1,10 @@
 #include "ragdoll_sim/body/angles.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "ragdoll_sim/core/direction.h"
+#include "ragdoll_sim/core/limits.h"
 
 namespace ragdoll {
 namespace {
@@ -64,38 +66,74 @@ JointAngles::JointAngles(const Model& model, const FrameTracker& tracker) {
     const Ragdoll& ragdoll = model.ragdolls[r];
     const Skeleton& skeleton = model.skeletonOf(ragdoll);
     const FrameTree& tree = tracker.tree(static_cast<int>(r));
-    const std::string prefix = r == 0 ? "" : ragdoll.name + "/";
-    for (const Joint& joint : skeleton.joints) {
-      const int parent = tree.partOf(skeleton.segments[joint.parent]);
-      const int child = tree.partOf(skeleton.segments[joint.child]);
-      if (parent < 0 || child < 0) continue;
-      const bool hinge = joint.type == JointSpec::Type::kHinge;
-      const int first = tracker.firstPart(static_cast<int>(r));
-      entries_.push_back({hinge, first + parent, first + child,
-                          hinge ? hingeGeometry(skeleton, joint) : HingeGeometry(), std::nullopt,
-                          ragdoll.first});
-      const int j = static_cast<int>(&joint - skeleton.joints.data());
-      if (hinge && !skeleton.segments[joint.parent].group && !skeleton.segments[joint.child].group)
-        entries_.back().bend = JointFrames(skeleton).bend(j);
-      const std::string letters = hinge ? std::string(1, axisLetter(joint.axis)) : "xyz";
-      for (const char letter : letters) names_.push_back(prefix + joint.name + "_" + letter);
+    const int first = tracker.firstPart(static_cast<int>(r));
+    for (std::size_t j = 0; j < skeleton.joints.size(); ++j) {
+      const Joint& joint = skeleton.joints[j];
+      Entry entry;
+      entry.parent = tree.partOf(skeleton.segments[joint.parent]);
+      entry.child = tree.partOf(skeleton.segments[joint.child]);
+      if (entry.parent < 0 || entry.child < 0) continue;
+      entry.parent += first;
+      entry.child += first;
+      entry.particle = ragdoll.first;
+      add(skeleton, static_cast<int>(j), r == 0 ? "" : ragdoll.name + "/", std::move(entry));
     }
   }
+}
+
+void JointAngles::add(const Skeleton& skeleton, int j, const std::string& prefix, Entry entry) {
+  const Joint& joint = skeleton.joints[j];
+  const std::string name = prefix + joint.name + "_";
+  const bool on_bone = !skeleton.segments[joint.parent].group;
+  if (joint.type == JointSpec::Type::kHinge) {
+    if (on_bone && !skeleton.segments[joint.child].group)
+      entry.bend = JointFrames(skeleton).bend(j);
+    else
+      entry.hinge = hingeGeometry(skeleton, joint);
+    names_.push_back(name + axisLetter(joint.axis));
+    entries_.push_back(std::move(entry));
+    return;
+  }
+  const auto of_joint = [&](const auto& limit) { return limit.joint == j; };
+  if (joint.type == JointSpec::Type::kCone) {
+    const auto& all = skeleton.limits;
+    const auto it = std::find_if(all.begin(), all.end(), of_joint);
+    if (it != all.end()) entry.cone = *it;
+  } else {
+    const auto& all = skeleton.plane_limits;
+    const auto it = std::find_if(all.begin(), all.end(), of_joint);
+    if (it != all.end()) entry.planes = *it;
+  }
+  const auto regions =
+      std::count_if(joint.planes.begin(), joint.planes.end(), [](const auto& p) { return !!p; });
+  entry.euler = !(entry.planes && on_bone && regions == 1);
+  if (entry.euler)
+    for (const char* letter : {"x", "y", "z"}) names_.push_back(name + letter);
+  if (entry.cone) names_.push_back(name + "swing");
+  static const char* const kPlanes[] = {"xy", "yz", "xz"};
+  for (int k = 0; k < 3; ++k)
+    if (entry.planes && entry.planes->regions[k].used) names_.push_back(name + kPlanes[k]);
+  entries_.push_back(std::move(entry));
 }
 
 void JointAngles::compute(const Posture& posture, std::vector<double>& angles) const {
   angles.clear();
   for (const Entry& entry : entries_) {
+    const double* x = posture.x.data() + 3 * entry.particle;
     const Quat turn = posture.parts[entry.parent].conjugate() * posture.parts[entry.child];
-    if (entry.bend) {
-      angles.push_back(bendAngle(*entry.bend, posture.x.data() + 3 * entry.particle));
-    } else if (entry.hinge) {
+    if (entry.bend) angles.push_back(bendAngle(*entry.bend, x));
+    if (entry.hinge)
       angles.push_back(
-          hingeAngle(entry.geometry.axis, entry.geometry.straight, turn * entry.geometry.child));
-    } else {
+          hingeAngle(entry.hinge->axis, entry.hinge->straight, turn * entry.hinge->child));
+    if (entry.euler) {
       const Vec3 xyz = jointEuler(turn);
       angles.insert(angles.end(), xyz.data(), xyz.data() + 3);
     }
+    if (entry.cone) angles.push_back(entry.cone->angle - limitValue(*entry.cone, x));
+    if (!entry.planes) continue;
+    const Vec3 d = childInParent(*entry.planes, x);
+    for (const PlaneLimit::Region& region : entry.planes->regions)
+      if (region.used) angles.push_back(regionAngle(region, d));
   }
 }
 

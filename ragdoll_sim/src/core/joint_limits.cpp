@@ -32,7 +32,7 @@ class LimitBuilder {
       if (type == JointSpec::Type::kPlanes) addPlanes(j);
     }
     for (const Limit& limit : s_.limits)
-      checks_.checkRestPose(limit.joint, -limitValue(limit, s_.rest.data()));
+      if (!limit.region) checks_.checkRestPose(limit.joint, -limitValue(limit, s_.rest.data()));
     for (const PlaneLimit& limit : s_.plane_limits)
       checks_.checkRestPose(limit.joint, planeViolation(limit, s_.rest.data()));
   }
@@ -176,6 +176,14 @@ class LimitBuilder {
       if (!frames_.fixedIn(joint.parent, Vec3::Unit(k), limit.axes[k]))
         checks_.fail(j, ".parent", "nothing shows how its parent is turned");
     s_.plane_limits.push_back(limit);
+    for (const PlaneLimit::Region& region : limit.regions) {
+      if (!region.used) continue;
+      Direction middle, side;
+      frames_.fixedIn(joint.parent, region.middle, middle);
+      frames_.fixedIn(joint.parent, region.side, side);
+      add(j, Limit::Kind::kTurn, middle, limit.child, side, region.half);
+      s_.limits.back().region = true;
+    }
   }
 
   const SkeletonSpec& spec_;

@@ -40,8 +40,6 @@ double inverseInertia(const LimitRow& row, const System& system, int first) {
 
 void LimitProjection::prepare(const Model& model, const State& state, const Points& x1, double h) {
   findLimits(model, x1, state, kMargin, found_);
-  const auto of_planes = [](const LimitRow& row) { return row.limit < 0; };
-  found_.erase(std::remove_if(found_.begin(), found_.end(), of_planes), found_.end());
   listPlanes(model, state, found_);  // all: whether they allow it shows in the sweeps
   rows_.clear();
   for (const LimitRow& limit : found_) {

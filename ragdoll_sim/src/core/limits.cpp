@@ -90,14 +90,15 @@ double limitValue(const Limit& limit, const double* x) {
 
 namespace {
 
-/// Of hinges and cones.
-void findAngles(const Model& model, const Points& x, int ragdoll, double margin,
+/// Of hinges and cones, and of regions if wanted.
+void findAngles(const Model& model, const Points& x, int ragdoll, double margin, bool regions,
                 std::vector<LimitRow>& rows) {
   const double sine = std::sin(margin), cosine = std::cos(margin);
   const std::vector<Limit>& limits = model.skeletonOf(model.ragdolls[ragdoll]).limits;
   const double* body = bodyOf(model, x, ragdoll);
   for (std::size_t k = 0; k < limits.size(); ++k) {
     const Limit& limit = limits[k];
+    if (limit.region && !regions) continue;
     const Vec3 r = valueOf(limit.reference, body), w = valueOf(limit.child, body);
     double value;
     if (limit.kind == Limit::Kind::kWithin) {
@@ -146,27 +147,17 @@ void listPlanes(const Model& model, const State& state, std::vector<LimitRow>& r
   }
 }
 
-void appendLimits(const Model& model, const Points& x, const State& state, int ragdoll,
-                  double margin, std::vector<LimitRow>& rows) {
-  const Skeleton& skeleton = model.skeletonOf(model.ragdolls[ragdoll]);
-  if (!skeleton.limits.empty()) findAngles(model, x, ragdoll, margin, rows);
-  if (skeleton.plane_limits.empty()) return;
-  Eigen::Index column = 0;
-  for (int i = 0; i < ragdoll; ++i)
-    column += static_cast<Eigen::Index>(model.skeletonOf(model.ragdolls[i]).plane_limits.size());
-  const std::size_t before = rows.size();
-  planesOf(skeleton.plane_limits, ragdoll, state, column, rows);
-  for (std::size_t i = before; i < rows.size(); ++i) evaluateLimit(model, x, rows[i]);
-  rows.erase(std::remove_if(rows.begin() + before, rows.end(),
-                            [](const LimitRow& r) { return r.count == 0; }),
-             rows.end());
+void appendLimits(const Model& model, const Points& x, int ragdoll, double margin,
+                  std::vector<LimitRow>& rows) {
+  if (!model.skeletonOf(model.ragdolls[ragdoll]).limits.empty())
+    findAngles(model, x, ragdoll, margin, true, rows);
 }
 
 void findLimits(const Model& model, const Points& x, const State& state, double margin,
                 std::vector<LimitRow>& rows) {
   rows.clear();
   for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
-    if (!state.asleep[i]) appendLimits(model, x, state, static_cast<int>(i), margin, rows);
+    if (!state.asleep[i]) findAngles(model, x, static_cast<int>(i), margin, false, rows);
 }
 
 void evaluateLimit(const Model& model, const Points& x, LimitRow& row) {
@@ -237,7 +228,8 @@ double limitViolation(const Model& model, const Points& x, int ragdoll) {
   const Skeleton& skeleton = model.skeletonOf(model.ragdolls[ragdoll]);
   const double* body = bodyOf(model, x, ragdoll);
   double worst = 0;
-  for (const Limit& limit : skeleton.limits) worst = std::max(worst, -limitValue(limit, body));
+  for (const Limit& limit : skeleton.limits)
+    if (!limit.region) worst = std::max(worst, -limitValue(limit, body));
   for (const PlaneLimit& limit : skeleton.plane_limits)
     worst = std::max(worst, planeViolation(limit, body));
   return worst;

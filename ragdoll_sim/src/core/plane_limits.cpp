@@ -35,9 +35,14 @@ PlaneLimit::Region planeRegion(const LimitPlane& plane, const AngleRange& range)
   region.used = true;
   region.middle = std::cos(middle) * plane.zero + std::sin(middle) * plane.quarter;
   region.side = std::cos(middle) * plane.quarter - std::sin(middle) * plane.zero;
+  region.centre = middle;
   region.half = (range.end - range.begin) / 2;
   region.cos_half = std::cos(region.half);
   return region;
+}
+
+double regionAngle(const PlaneLimit::Region& region, const Vec3& d) {
+  return region.centre + std::atan2(d.dot(region.side), d.dot(region.middle));
 }
 
 bool isAllowed(const PlaneLimit& limit, const Vec3& d) {

@@ -32,7 +32,7 @@ void ShakeStep::findConstraints(double h) {
     startContact(c, h);
   }
   if (length2_ == rows_.length2.data()) {  // angles mean nothing before the body is joined
-    appendLimits(model_, ws_.x1, state_, index_, kLimitMargin, scratch_.limits);
+    appendLimits(model_, ws_.x1, index_, kLimitMargin, scratch_.limits);
     for (LimitRow& limit : scratch_.limits) startRow(limit, h);
   }
   scratch_.contact_role.assign(scratch_.contacts.size(), ShakeScratch::kIfNear);
@@ -184,7 +184,7 @@ double ShakeStep::overlapLeft(const Contact& pair, double h) {
 
 bool ShakeStep::findMissedLimits() {
   scratch_.missed_limits.clear();
-  appendLimits(model_, ws_.x1, state_, index_, -kMissed / kLever, scratch_.missed_limits);
+  appendLimits(model_, ws_.x1, index_, -kMissed / kLever, scratch_.missed_limits);
   const std::size_t known = scratch_.limits.size();
   for (const LimitRow& limit : scratch_.missed_limits) {
     const auto same = [&](const LimitRow& l) { return l.limit == limit.limit; };

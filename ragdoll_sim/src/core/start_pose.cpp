@@ -87,7 +87,7 @@ bool isApart(const Skeleton& s, const Points& x) {
 std::string outside(const Skeleton& s, const Points& x) {
   std::vector<double> by(s.joints.size(), 0.0);
   for (const Limit& limit : s.limits)
-    if (limit.compliance == 0)
+    if (limit.compliance == 0 && !limit.region)
       by[limit.joint] = std::max(by[limit.joint], -limitValue(limit, x.data()));
   for (const PlaneLimit& limit : s.plane_limits)
     if (limit.compliance == 0)

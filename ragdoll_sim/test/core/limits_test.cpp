@@ -299,37 +299,74 @@ TEST(Hinge, OfTwoGroupsFollowsTheirTurn) {
   }
 }
 
-TEST(Planes, ReturnWithoutNetForceOrTorqueAndByTheirGradient) {
+SkeletonSpec narrowPlanes() {
   SkeletonSpec s = limbs();
   JointSpec elbow = planes("elbow", "upper_arm", "forearm");
   elbow.planes[1] = AngleRange{0, rad(10)};
   JointSpec shoulder = planes("shoulder", "trunk", "upper_arm");
   shoulder.planes[1] = AngleRange{rad(85), rad(95)};
   s.joints = {shoulder, elbow};
-  const Model model = buildModel(sceneOf(s));
-  int rows_seen = 0;
-  for (unsigned seed = 0; seed < 50; ++seed) {
-    const Points x = shaken(model, 0.08, seed);
-    for (const LimitRow& row : rowsOf(model, x)) {
-      Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-      for (int k = 0; k < row.count; ++k) {
-        force += row.gradient[k];
-        torque += Vec3(x.col(row.particle[k])).cross(row.gradient[k]);
-        for (int axis = 0; axis < 3; ++axis) {
-          Points plus = x, minus = x;
-          plus(axis, row.particle[k]) += 1e-6;
-          minus(axis, row.particle[k]) -= 1e-6;
-          const double slope = (valueAt(model, plus, row) - valueAt(model, minus, row)) / 2e-6;
-          EXPECT_NEAR(row.gradient[k][axis], slope, 1e-6);
-        }
-      }
-      EXPECT_LT(row.value, 0);
-      EXPECT_LT(force.norm(), 1e-12);
-      EXPECT_LT(torque.norm(), 1e-12);
-      ++rows_seen;
+  return s;
+}
+
+/// Exact, and without net force or torque.
+void expectGradient(const Model& model, const Points& x, const LimitRow& row) {
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+  for (int k = 0; k < row.count; ++k) {
+    force += row.gradient[k];
+    torque += Vec3(x.col(row.particle[k])).cross(row.gradient[k]);
+    for (int axis = 0; axis < 3; ++axis) {
+      Points plus = x, minus = x;
+      plus(axis, row.particle[k]) += 1e-6;
+      minus(axis, row.particle[k]) -= 1e-6;
+      const double slope = (valueAt(model, plus, row) - valueAt(model, minus, row)) / 2e-6;
+      EXPECT_NEAR(row.gradient[k][axis], slope, 1e-6);
     }
   }
-  EXPECT_GT(rows_seen, 20);
+  EXPECT_LT(force.norm(), 1e-12);
+  EXPECT_LT(torque.norm(), 1e-12);
+}
+
+TEST(Planes, ReturnWithoutNetForceOrTorqueAndByTheirGradient) {
+  const Model model = buildModel(sceneOf(narrowPlanes()));
+  const State state = startState(model);
+  int outside = 0;
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    const Points x = shaken(model, 0.08, seed);
+    std::vector<LimitRow> rows;
+    listPlanes(model, state, rows);
+    ASSERT_EQ(rows.size(), 2u);
+    for (LimitRow& row : rows) {
+      evaluateLimit(model, x, row);
+      if (row.count == 0) continue;
+      EXPECT_LT(row.value, 0);
+      expectGradient(model, x, row);
+      ++outside;
+    }
+  }
+  EXPECT_GT(outside, 20);
+}
+
+TEST(Planes, OfTheDirectMethodsAreOneRowForEachRegion) {
+  SkeletonSpec s = narrowPlanes();
+  s.joints[0].planes[0] = AngleRange{rad(-5), rad(5)};
+  const Model model = buildModel(sceneOf(s));
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    const Points x = shaken(model, 0.08, seed);
+    std::vector<LimitRow> rows;
+    appendLimits(model, x, 0, kAll, rows);
+    ASSERT_EQ(rows.size(), 3u);
+    double worst = 0;
+    for (LimitRow& row : rows) {
+      worst = std::max(worst, -row.value);
+      evaluateLimit(model, x, row);
+      expectGradient(model, x, row);
+    }
+    EXPECT_NEAR(limitViolation(model, x, 0), worst, 0.05);  // the shaken trunk is no rigid frame
+    rows.clear();
+    appendLimits(model, x, 0, 0, rows);  // of those that are violated
+    EXPECT_EQ(rows.empty(), worst == 0);
+  }
 }
 
 // --- what is refused

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <random>
 #include <string>
 
@@ -13,8 +14,8 @@
 namespace ragdoll::test {
 namespace {
 
-/// Steps a scene, poking a random particle every second; returns the largest step of a frame [rad].
-double largestStep(const std::string& yaml, double seconds, double force) {
+/// Steps a scene, poking a random particle every second.
+FrameRecord follow(const std::string& yaml, double seconds, double force) {
   const Scene scene = parseScene(yaml);
   const Model model = buildModel(scene);
   State state = startState(model);
@@ -25,7 +26,7 @@ double largestStep(const std::string& yaml, double seconds, double force) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const Skeleton& skeleton = model.skeletons[0];
-  double largest = 0;
+  FrameRecord record;
   const int steps = static_cast<int>(seconds / model.solver.step);
   const int second = static_cast<int>(1 / model.solver.step);
   for (int i = 0; i < steps && !testing::Test::HasFailure(); ++i) {
@@ -40,35 +41,44 @@ double largestStep(const std::string& yaml, double seconds, double force) {
     }
     step(model, inputs, workspace, state);
     tracker.update(state);
-    for (int r = 0; r < tracker.ragdolls(); ++r)
-      largest = std::max(largest, expectContinuous(tracker, r));
+    for (int r = 0; r < tracker.ragdolls(); ++r) expectContinuous(tracker, r, record);
   }
-  return largest;
+  return record;
 }
 
-std::string tumbling(const std::string& model) {
-  return "gravity: [0, 0, 0]\n"
-         "ragdolls: [{model: " +
-         model +
-         ", angular_velocity: [1.5, 2.0, 0.6]}]\n"
-         "solver: {preset: thesis, damping: 0.2}\n";
-}
+struct Tumbling {
+  const char* model;
+  const char* preset;
+  friend std::ostream& operator<<(std::ostream& out, const Tumbling& t) {
+    return out << t.model << ", " << t.preset;
+  }
+};
 
-TEST(SimulatedFrames, TenMinutesOfTumbling) {
-  EXPECT_LT(largestStep(tumbling("human"), 600, 150), 2.0);
-}
+class TenMinutes : public testing::TestWithParam<Tumbling> {};
 
-TEST(SimulatedFrames, TenMinutesOfTumblingWithTheThesisLimits) {
-  EXPECT_LT(largestStep(tumbling("human_thesis"), 600, 150), 2.0);
+INSTANTIATE_TEST_SUITE_P(OfTumbling, TenMinutes,
+                         testing::Values(Tumbling{"human", "thesis"}, Tumbling{"human", "balanced"},
+                                         Tumbling{"human_lumped", "balanced"},
+                                         Tumbling{"human_thesis", "thesis"}));
+
+TEST_P(TenMinutes, NoFrameTurnsByMoreThanTheMotionExplains) {
+  const FrameRecord record =
+      follow("gravity: [0, 0, 0]\nragdolls: [{model: " + std::string(GetParam().model) +
+                 ", angular_velocity: [1.5, 2.0, 0.6]}]\nsolver: {preset: " + GetParam().preset +
+                 ", damping: 0.2}\n",
+             600, 150);
+  EXPECT_LT(record.step, 2.0);
+  RecordProperty("share", std::to_string(record.share));
 }
 
 TEST(SimulatedFrames, FallOntoTheFloor) {
   for (const std::string preset : {"thesis", "balanced"})
-    EXPECT_LT(largestStep("ragdolls: [{model: human, position: [0, 0, 2], rpy_deg: [40, 70, 0]}]\n"
-                          "obstacles: [{type: plane}]\n"
-                          "solver: {preset: " +
-                              preset + "}\n",
-                          10, 100),
+    EXPECT_LT(follow("ragdolls: [{model: human, position: [0, 0, 2], rpy_deg: [40, 70, 0]}]\n"
+                     "obstacles: [{type: plane}]\n"
+                     "solver: {preset: " +
+                         preset + "}\n",
+                     10, 100)
+                  .step,
               2.0)
         << preset;
 }

@@ -62,7 +62,8 @@ class TelemetryTest(unittest.TestCase):
         joints = Inbox('/ragdoll/joint_states', JointState)
         first = joints.first(lambda m: True, 'joint states')
         self.assertEqual(len(first.name), len(first.position))
-        for name in ('left_knee_y', 'right_elbow_y', 'neck_x', 'left_shoulder_z'):
+        for name in ('left_knee_y', 'right_elbow_y', 'neck_x', 'left_shoulder_z',
+                     'left_shoulder_swing'):
             self.assertIn(name, first.name)
         # At the start the body stands straight, a millimetre of its limits apart.
         knee = first.name.index('left_knee_y')

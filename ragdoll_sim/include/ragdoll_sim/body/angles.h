@@ -1,12 +1,20 @@
-// Joint angles, as the limits define them (core/limit.h). All in the PARENT's own
-// frame, never in the world's; radians.
+// Joint angles. All in the PARENT's own frame, never in the world's; radians.
 //
-// hinge: one angle, the right-hand turn of the child about `axis` from the straight continuation of
+// As the limits measure them (core/limit.h, core/plane_limits.h), so that a joint at its limit
+// shows the limit's own number: hinge: one angle, the right-hand turn of the child about `axis`
+// from the straight continuation of
 //   the parent bone; > 0 for a bent elbow or knee. Named <joint>_<x|y|z> by the axis's largest
 //   part. On a bone it is read from the angle between the bones, as the limit's is: how far the
 //   plane of bending has turned about the parent bone does not count.
-// cone, planes: three angles of the turn R of the child part in the parent part since the rest
-// pose,
+// cone: <joint>_swing, the angle between the cone's axis and the child; at most half_angle. A cone
+//   does not limit twist, and measures none.
+// planes: <joint>_xy, _yz, _xz, the child's angle in each plane that has a region, within half a
+// turn
+//   of the region's middle.
+//
+// Beside these, for joints that turn about three axes (cones, and planes but for one plane on a
+// bone, as the thesis's elbow and knee), the turn R of the child part in the parent part since the
+// rest pose,
 //   R = Ry(y) Rx(x) Rz(z): for a limb that hangs down flexion about y, then abduction about x, then
 //   twist about the limb itself, the order of the joint coordinate system [GroodSuntay1983] which
 //   locks only at x = +-90 deg. Named <joint>_x, _y, _z. y and z in (-pi, pi], x in [-pi/2, pi/2].
@@ -47,13 +55,18 @@ class JointAngles {
   void compute(const Posture& posture, std::vector<double>& angles) const;
 
  private:
+  /// What one joint gives; in this order.
   struct Entry {
-    bool hinge;
-    int parent, child;  ///< parts of the posture
-    HingeGeometry geometry;
-    std::optional<JointFrames::Bend> bend;  ///< of a hinge from bone to bone
+    int parent, child;                      ///< parts of the posture
     int particle;                           ///< the body's first
+    std::optional<JointFrames::Bend> bend;  ///< a hinge from bone to bone
+    std::optional<HingeGeometry> hinge;     ///< any other hinge
+    bool euler = false;                     ///< three axes
+    std::optional<Limit> cone;              ///< its limit
+    std::optional<PlaneLimit> planes;
   };
+  void add(const Skeleton& skeleton, int joint, const std::string& prefix, Entry entry);
+
   std::vector<Entry> entries_;
   std::vector<std::string> names_;
 };

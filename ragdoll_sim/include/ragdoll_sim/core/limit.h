@@ -25,7 +25,8 @@
 //                  body can know; less keeps the axis nearer to where the file puts it.
 // kTurn: C = (angle - |phi|) r, where r and phi are the polar coordinates of the child in the plane
 //   of `reference` (the middle of the range) and `normal`. For hinges on a rigid parent and for
-//   ranges beyond +-90 deg. Fades out, smooth, where the child points along the axis.
+//   ranges beyond +-90 deg, and for the regions of `planes` joints (plane_limits.h). Fades out,
+//   smooth, where the child points along the axis.
 #pragma once
 
 #include <array>
@@ -56,8 +57,9 @@ struct Limit {
   Kind kind = Kind::kWithin;
   int joint = 0;
   Direction reference, child;
-  Direction normal;  ///< kTurn only
-  double angle = 0;  ///< [rad] in (0, pi)
+  Direction normal;     ///< kTurn only
+  bool region = false;  ///< of a `planes` joint: for the direct methods
+  double angle = 0;     ///< [rad] in (0, pi)
   double sin_angle = 0, cos_angle = 1;
   double compliance = 0;  ///< [rad/(N m)] 1 / stiffness; 0: hard
   double damping = 0;     ///< [N m s/rad]

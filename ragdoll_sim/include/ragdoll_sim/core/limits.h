@@ -1,6 +1,7 @@
 // The joint limits of a state as one-sided rows C(X) >= 0 with exact gradients: what every solver
-// projects on. Geometry: limit.h, and plane_limits.h: a `planes` joint has a row only where its
-// child has left the regions, C = minus the angle back to its last allowed direction.
+// projects on. Geometry: limit.h, and plane_limits.h: a `planes` joint has for the relaxation one
+// row, where its child has left the regions, C = minus the angle back to its last allowed
+// direction; for the direct methods a row for each region.
 #pragma once
 
 #include <array>
@@ -43,14 +44,14 @@ struct LimitRow {
   double springTorque() const;
 };
 
-/// Rows of all awake ragdolls with a value < margin [rad] at the positions x (3 x N), values only:
-/// evaluateLimit has the gradient.
+/// Rows of hinges and cones of all awake ragdolls with a value < margin [rad] at the positions x (3
+/// x N), values only: evaluateLimit has the gradient.
 void findLimits(const Model& model, const Points& x, const State& state, double margin,
                 std::vector<LimitRow>& rows);
 
-/// Appends the rows of one ragdoll: of hinges and cones as above, of planes where they forbid x.
-void appendLimits(const Model& model, const Points& x, const State& state, int ragdoll,
-                  double margin, std::vector<LimitRow>& rows);
+/// Appends the rows of one ragdoll as above, and those of the regions of `planes`.
+void appendLimits(const Model& model, const Points& x, int ragdoll, double margin,
+                  std::vector<LimitRow>& rows);
 
 /// Appends a row for every planes joint of the awake ragdolls, to be evaluated.
 void listPlanes(const Model& model, const State& state, std::vector<LimitRow>& rows);

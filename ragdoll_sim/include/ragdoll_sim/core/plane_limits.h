@@ -21,7 +21,10 @@
 // the body. A bone square to a plane has no angle in it, which is allowed. The way back is shared
 // by mass between child and parent (as C = -angle(last allowed, child), a row like the others'),
 // where the thesis moves the child alone: a return that nothing balances is a rocket, and drove a
-// body lying on stairs to 20 kJ.
+// body lying on stairs to 20 kJ. So the relaxation. The direct methods stop the child at the border
+// of each region (Limit::Kind::kTurn, smooth where the plane shows little of the bone): the way
+// back to a direction some degrees inside has a pole where it ends, and a body left its regions by
+// 10 degrees while they searched for it.
 #pragma once
 
 #include <array>
@@ -50,6 +53,7 @@ struct PlaneLimit {
   struct Region {
     bool used = false;
     Vec3 middle, side;  ///< unit, in the parent's rest axes: the region's middle, 90 degrees on
+    double centre = 0;  ///< [rad] of the middle
     double half = 0;    ///< [rad] from the middle to begin and end
     double cos_half = 1;
   };
@@ -62,6 +66,9 @@ struct PlaneLimit {
 };
 
 PlaneLimit::Region planeRegion(const LimitPlane& plane, const AngleRange& range);
+
+/// [rad] of a direction in the parent's rest axes, within half a turn of the region's middle.
+double regionAngle(const PlaneLimit::Region& region, const Vec3& direction);
 
 /// A unit direction in the parent's rest axes, tested.
 bool isAllowed(const PlaneLimit& limit, const Vec3& direction);
