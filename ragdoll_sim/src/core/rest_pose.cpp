@@ -11,17 +11,21 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kAgree = 1e-6;     ///< [-] a stick this near to its length has it
-constexpr double kRounding = 1e-9;  ///< [-] and this near needs no fit
-constexpr double kTold = 1e-6;      ///< [m] moves that the user hears of
-constexpr int kAttempts = 6;        ///< from other poses: a fit may end in a dead one
-constexpr int kIterations = 500;
-constexpr std::size_t kNamed = 8;  ///< sticks and particles that a message names
+constexpr double kAgree = 1e-6;           ///< [-] a stick this near to its length has it
+constexpr double kRounding = 1e-9;        ///< [-] and this near needs no fit
+constexpr double kTold = 1e-6;            ///< [m] moves that the user hears of
+constexpr int kAttempts = 6;              ///< from other poses: a fit may end in a dead one
+constexpr std::size_t kMaxFitted = 1000;  ///< sticks; their matrix is dense
+constexpr double kWork = 2e10;            ///< multiplications of all attempts, about 10 s
+constexpr std::size_t kNamed = 8;         ///< sticks and particles that a message names
 
 /// Least squares over the sticks' lengths; particles with weight 0 stay.
 class Fit {
  public:
-  Fit(const Skeleton& s, Eigen::VectorXd weight) : s_(s), weight_(std::move(weight)) {}
+  Fit(const Skeleton& s, Eigen::VectorXd weight) : s_(s), weight_(std::move(weight)) {
+    const double count = static_cast<double>(s.sticks.size());
+    iterations_ = static_cast<int>(std::clamp(kWork / (count * count * count + 1), 20.0, 3000.0));
+  }
 
   /// |d| / L - 1 of each stick at x.
   Eigen::VectorXd errors(const Points& x) const {
@@ -34,10 +38,10 @@ class Fit {
   }
 
   /// Moves x to a least of the sum of squares; true if every stick has its length there.
-  bool run(Points& x) const {
+  bool run(Points& x) {
     Eigen::VectorXd r = errors(x);
     double damping = 1e-3;
-    for (int i = 0; i < kIterations && r.cwiseAbs().maxCoeff() > 0.1 * kRounding; ++i) {
+    for (; iterations_ > 0 && r.cwiseAbs().maxCoeff() > 0.1 * kRounding; --iterations_) {
       const Points next = x + move(x, r, damping);
       const Eigen::VectorXd after = errors(next);
       if (after.squaredNorm() < r.squaredNorm()) {
@@ -88,6 +92,7 @@ class Fit {
 
   const Skeleton& s_;
   Eigen::VectorXd weight_;
+  int iterations_;  ///< left, of all runs
 };
 
 /// 0 for particles of groups with mass, whose places the file gives; else 1.
@@ -154,8 +159,13 @@ Points genericPose(const Points& rest, double size, int variant) {
 
 void fitRestPose(const SkeletonSpec& spec, Skeleton& s) {
   const Eigen::VectorXd weight = freedom(spec, s);
-  const Fit fit(s, weight);
-  if (s.sticks.empty() || !(fit.errors(s.rest).cwiseAbs().maxCoeff() > kRounding)) return;
+  Fit fit(s, weight);
+  const double worst = s.sticks.empty() ? 0 : fit.errors(s.rest).cwiseAbs().maxCoeff();
+  if (!(worst > (s.sticks.size() > kMaxFitted ? kAgree : kRounding))) return;
+  if (s.sticks.size() > kMaxFitted)
+    throw Error(spec.where, "positions can be fitted to the lengths of " +
+                                std::to_string(kMaxFitted) + " sticks at most, and there are " +
+                                std::to_string(s.sticks.size()) + "; leave the lengths out");
   const Points before = s.rest;
   Points nearest = before;
   double size = extent(before);

@@ -120,5 +120,25 @@ TEST(RestPose, SolidOfGivenLengths) {
   EXPECT_EQ(s.groups[0].rank, 3);
 }
 
+TEST(RestPose, OfHundredsOfSticksTakesNoLongerThanItMay) {
+  // A long ring whose last stick is too short for its positions: fits; and one too long: does not.
+  for (const auto& [count, last] :
+       {std::pair(300, 0.5), std::pair(300, 500.0), std::pair(1200, 0.5)}) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < count; ++i)
+      points.push_back(0.16 * count *
+                       Vec3(std::cos(2 * M_PI * i / count), 0, std::sin(2 * M_PI * i / count)));
+    std::vector<double> lengths(count, 1.0);
+    lengths.back() = last;
+    const std::string what = refusal(ring(points, lengths));
+    if (count > 1000)
+      EXPECT_THAT(what, HasSubstr("1000 sticks at most"));
+    else if (last > 1)
+      EXPECT_THAT(what, HasSubstr("of 500 m would be"));
+    else
+      EXPECT_EQ(what, "accepted");
+  }
+}
+
 }  // namespace
 }  // namespace ragdoll
