@@ -304,6 +304,7 @@ void ShakeStep::recall(double h) {
 
 void ShakeStep::remember(double h) {
   scratch_.presses.clear();
+  bool pressed = false;  // the contact whose friction follows
   for (int i = 0; i < ownRows(); ++i) {
     const Schur::Row& row = scratch_.schur.row(i);
     const double force = scratch_.total[i] / (h * h);
@@ -312,10 +313,11 @@ void ShakeStep::remember(double h) {
       scratch_.presses.push_back(keyOf(row));
       scratch_.presses.back().impulse = Vec3(force, 0, 0);
     } else if (row.kind == Schur::Row::Kind::kNormal) {
-      if (force == 0) continue;
+      pressed = force != 0;
+      if (!pressed) continue;
       scratch_.presses.push_back(keyOf(row));
       scratch_.presses.back().impulse = force * row.direction;
-    } else if (force != 0) {
+    } else if (pressed && force != 0) {
       scratch_.presses.back().impulse += force * row.direction;
     }
   }
