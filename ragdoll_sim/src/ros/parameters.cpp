@@ -76,8 +76,6 @@ Parameters readParameters(const ros::NodeHandle& nh) {
   in.read("wrench_timeout", "a number", p.wrench_timeout);
   in.read("coat", "text", p.coat);
   in.read("show_limits", "true or false", p.show_limits);
-  double diagnostic_period = 1;  // which diagnostic_updater reads by itself
-  in.read("diagnostic_period", "a number", diagnostic_period);
 
   in.check(!p.scene.empty(), "scene", "it must name a scene: stairs, a path or package://...");
   if (!p.world_frame.empty() && p.world_frame[0] == '/') p.world_frame.erase(0, 1);
@@ -88,8 +86,6 @@ Parameters readParameters(const ros::NodeHandle& nh) {
            "realtime_factor", "it must be > 0, or -1 to run free");
   in.check(p.wrench_timeout > 0 && p.wrench_timeout <= 60, "wrench_timeout",
            "it must be in (0, 60] s");
-  in.check(diagnostic_period > 0 && diagnostic_period <= 3600, "diagnostic_period",
-           "it must be in (0, 3600] s");
   if (!p.coat.empty()) {
     try {
       coatKind(p.coat);

@@ -3,6 +3,7 @@
 #include <ros/master.h>
 
 #include <cmath>
+#include <type_traits>
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/number_text.h"
@@ -31,17 +32,28 @@ SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double real
   return c;
 }
 
-/// The knobs of `config` on top of `solver`, which may have others.
-SolverSpec fromConfig(const SolverConfig& config, SolverSpec solver) {
-  solver.preset = config.preset;
-  solver.method = static_cast<Method>(config.method);
-  solver.integrator = static_cast<Integrator>(config.integrator);
-  solver.step = config.step;
-  solver.sweeps = config.sweeps;
-  solver.tolerance = config.tolerance;
-  solver.damping = config.damping;
-  solver.sleep = config.sleep;
-  return solver;
+/// The knobs of `config` that are not as `shown`, on top of `scene`.
+void apply(const SolverConfig& config, const SolverConfig& shown, Scene& scene) {
+  const auto set = [](const auto& to, const auto& from, auto& value) {
+    if (to != from) value = static_cast<std::decay_t<decltype(value)>>(to);
+  };
+  SolverSpec& solver = scene.solver;
+  if (config.preset != shown.preset) {  // a preset sets all knobs that are shown
+    const double joint_damping = solver.joint_damping;
+    solver = preset(config.preset);
+    solver.joint_damping = joint_damping;
+  } else {
+    set(config.method, shown.method, solver.method);
+    set(config.integrator, shown.integrator, solver.integrator);
+    set(config.step, shown.step, solver.step);
+    set(config.sweeps, shown.sweeps, solver.sweeps);
+    set(config.tolerance, shown.tolerance, solver.tolerance);
+    set(config.damping, shown.damping, solver.damping);
+    set(config.sleep, shown.sleep, solver.sleep);
+  }
+  set(config.gravity_x, shown.gravity_x, scene.gravity.x());
+  set(config.gravity_y, shown.gravity_y, scene.gravity.y());
+  set(config.gravity_z, shown.gravity_z, scene.gravity.z());
 }
 
 }  // namespace
@@ -58,8 +70,8 @@ Reconfigure::Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher&
 }
 
 void Reconfigure::refresh() {
-  const auto model = simulation_.call([](World& world) { return world.model(); });
   boost::recursive_mutex::scoped_lock lock(mutex_);
+  const auto model = simulation_.call([](World& world) { return world.model(); });
   present_ =
       toConfig(model->solver, model->gravity, simulation_.realtimeFactor(), present_.show_limits);
   // Without a master the server would wait for one.
@@ -68,26 +80,25 @@ void Reconfigure::refresh() {
 
 void Reconfigure::changed(SolverConfig& config) {
   try {
+    // What was not asked for comes as it was shown, within its range; the scene may have another by
+    // now, or one out of range.
+    SolverConfig shown = present_;
+    shown.__clamp__();
     const bool paced = config.realtime_factor > 0 && std::isfinite(config.realtime_factor);
     if (!paced && config.realtime_factor != -1)
       throw Error("realtime_factor", "is " + numberText(config.realtime_factor) +
                                          "; it must be > 0, or -1 to run free");
     const auto scene = simulation_.call([](World& world) { return world.scene(); });
     Scene next = *scene;
-    if (config.preset != present_.preset) {  // a preset sets all knobs that are shown
-      next.solver = preset(config.preset);
-      next.solver.joint_damping = scene->solver.joint_damping;
-    } else {
-      next.solver = fromConfig(config, scene->solver);
-    }
-    next.gravity = Vec3(config.gravity_x, config.gravity_y, config.gravity_z);
+    apply(config, shown, next);
     next.text = toYaml(next);
     if (next.text != scene->text) {
       auto model = std::make_shared<Model>(buildModel(next));
       auto shared = std::make_shared<Scene>(std::move(next));
-      simulation_.jump([&](World& world) { world.configure(shared, model); });
+      simulation_.jump([&](World& world) { world.configure(scene, shared, model); });
     }
-    simulation_.setRealtimeFactor(config.realtime_factor);
+    if (config.realtime_factor != shown.realtime_factor)
+      simulation_.setRealtimeFactor(config.realtime_factor);
     publisher_.showLimits(config.show_limits);
     const auto model = simulation_.call([](World& world) { return world.model(); });
     config =

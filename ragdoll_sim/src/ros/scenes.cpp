@@ -68,11 +68,11 @@ bool Scenes::get(ragdoll_msgs::GetState::Request&, ragdoll_msgs::GetState::Respo
 bool Scenes::set(ragdoll_msgs::SetState::Request& request,
                  ragdoll_msgs::SetState::Response& response) {
   const auto act = [&] {
-    const std::uint64_t step = simulation_.call([&](World& world) {
+    std::uint64_t step = 0;
+    simulation_.jump([&](World& world) {
       world.restore(request.snapshot);
-      return world.state().step;
+      step = world.state().step;
     });
-    simulation_.jump([](World&) {});
     changed_();
     publisher_.publishNow();
     return "at step " + std::to_string(step);

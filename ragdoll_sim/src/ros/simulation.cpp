@@ -197,6 +197,8 @@ void Simulation::advance() {
       step_jobs_.pop_front();
     }
     if (paused_) return;
+    if (step_jobs_.empty()) rebase();  // it was unpaused meanwhile: the pace begins here
+    return;
   }
   due_ += wallStep();
   external_due_ += world_.stepLength() / realtime_factor_;

@@ -13,7 +13,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr std::size_t kMaxPokes = 100000;  ///< acting and to come
 constexpr double kMaxAhead = 1e15;  ///< steps: more than any clock tells, and exact as a double
 constexpr double kFollowPeriod = 0.004;  ///< [s] of simulated time; frames follow at least so often
 
@@ -27,12 +26,6 @@ bool samePins(const std::vector<Pin>& a, const std::vector<Pin>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Pin& p, const Pin& q) {
     return p.particle == q.particle && p.frame == q.frame && p.target == q.target;
   });
-}
-
-void checkRoom(std::size_t pokes) {
-  if (pokes >= kMaxPokes)
-    throw Error("", "there are " + std::to_string(pokes) +
-                        " pokes that act or are to come, which is the most; ~clear_pokes ends them");
 }
 
 std::string particleName(const Model& model, int particle) {
@@ -175,7 +168,10 @@ void World::beginRun(bool at_start) {
   for (const Clearing& clearing : clearings_) events_.push_back({clearing.step, {}, run_});
 }
 
-void World::configure(std::shared_ptr<const Scene> scene, std::shared_ptr<const Model> model) {
+void World::configure(const std::shared_ptr<const Scene>& before,
+                      std::shared_ptr<const Scene> scene, std::shared_ptr<const Model> model) {
+  if (scene_ != before)
+    throw Error("", "another scene or state was loaded meanwhile; set it again");
   endRun();
   const std::vector<Pin> pins = model_->pins;
   const bool other_step = model->solver.step != stepLength();
@@ -275,6 +271,12 @@ void World::checkToCome(std::uint64_t step) const {
   if (static_cast<double>(step - state_.step) > kMaxAhead)
     throw Error("", "the step " + std::to_string(step) + " is too far ahead of step " +
                         std::to_string(state_.step));
+}
+
+void World::checkRoom(std::size_t pokes) const {
+  if (pokes >= max_pokes_)
+    throw Error("", "there are " + std::to_string(pokes) +
+                        " pokes that act or are to come, which is the most; ~clear_pokes ends them");
 }
 
 void World::replay(const FollowedFrame& followed) {

@@ -19,7 +19,6 @@ CASES = [
     ('show_limits', 'perhaps', ['perhaps', 'true or false']),
     ('world_frame', '/', ['frame']),
     ('wrench_timeout', '0', ['(0, 60]']),
-    ('diagnostic_period', '0', ['(0, 3600]']),
     ('coat', 'fur', ['fur', 'capsules']),
     ('scene', 'nowhere', ['nowhere', 'stairs']),
     ('scene', '/nowhere/at_all.yaml', ['/nowhere/at_all.yaml']),

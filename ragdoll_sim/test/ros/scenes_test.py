@@ -2,11 +2,14 @@
 """~load_scene, ~get_state and ~set_state."""
 
 import sys
+import threading
 import unittest
 
 import rospy
 import rostest
-from client import Client, Inbox, bits, wait_for
+import yaml
+from client import LIMIT, Client, Inbox, bits, wait_for
+from dynamic_reconfigure.client import Client as Settings
 from ragdoll_msgs.msg import Model
 from ragdoll_msgs.srv import LoadScene, SetState
 from rosgraph_msgs.msg import Log
@@ -118,6 +121,37 @@ class ScenesTest(unittest.TestCase):
         self.load(path='fall')
         self.assertTrue(self.call_set(kept.snapshot).success)
         self.assertEqual(bits(self.client.step(200)), expected)
+
+    def test_settings_during_a_load_are_of_one_of_the_two_scenes(self):
+        settings = Settings('/ragdoll', timeout=LIMIT)
+        self.client.call_pause(False)
+        seen, stop = len(self.models.all()), threading.Event()
+        sent = []
+
+        def turn_gravity():
+            while not stop.is_set():
+                sent.append(len(sent) % 7 - 3.5)
+                settings.update_configuration({'gravity_x': sent[-1]})
+        thread = threading.Thread(target=turn_gravity)
+        thread.start()
+        try:
+            for i in range(100):
+                self.load(**({'yaml': YAML} if i % 2 else {'path': 'fall'}))
+            after = len(sent)
+            wait_for(lambda: len(sent) > after + 1, 'the last setting')
+        finally:
+            stop.set()
+            thread.join()
+        down = {('anna', 'ben'): 0.0, ('ragdoll',): -9.81}
+        for model in self.models.all()[seen:]:
+            names = tuple(r.name for r in model.ragdolls)
+            scene = yaml.safe_load(model.scene_yaml)
+            self.assertEqual(len(scene['ragdolls']), len(names))
+            self.assertEqual(scene['gravity'][2], down[names])  # nobody has asked for another
+        state = self.client.call_get().state
+        self.assertEqual([r.name for r in state.ragdolls], ['anna', 'ben'])
+        shown = settings.get_configuration(timeout=LIMIT)
+        self.assertEqual((shown['gravity_x'], shown['gravity_z']), (sent[-1], 0.0))
 
     def test_what_is_no_snapshot_of_this_scene_is_refused(self):
         kept = self.client.call_get().snapshot

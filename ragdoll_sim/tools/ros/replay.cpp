@@ -4,6 +4,7 @@
 #include <iomanip>
 #include <iostream>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <memory>
 #include <sstream>
@@ -165,6 +166,7 @@ class Replay {
   void build(const ragdoll_msgs::Model& model) {
     run_->world = std::make_unique<World>(parseScene(model.scene_yaml, node_.model));
     World& world = *run_->world;
+    world.setMaxPokes(std::numeric_limits<std::size_t>::max());  // all of the run's are to come
     if (model.run == run_->number && !model.snapshot.empty()) world.restore(model.snapshot);
     for (const ragdoll_msgs::PokeEvent& message : pokes_[run_->number]) {
       const Event event = fromPokeEvent(*world.model(), message);

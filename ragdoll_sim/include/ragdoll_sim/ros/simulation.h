@@ -100,13 +100,13 @@ class Simulation {
   /// not paused, or if a jump (reset, another scene) came in between.
   std::uint64_t step(std::uint64_t steps);
 
-  /// call() for commands that replace the state: ends what step() is waiting for.
+  /// call() for commands that replace the state: ends what step() is waiting for, unless it throws.
   template <class Command>
-  auto jump(Command command) -> decltype(command(std::declval<World&>())) {
-    return call([&](World& world) {
+  void jump(Command command) {
+    call([&](World& world) {
+      command(world);
       endStepJobs();
       rebase();
-      return command(world);
     });
   }
 

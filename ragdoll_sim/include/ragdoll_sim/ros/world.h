@@ -82,9 +82,10 @@ class World {
   void reset();                  ///< back to the scene's start: its pokes, its pins
   void replaceBy(World& other);  ///< becomes the other, which becomes this one
 
-  /// Other settings for the same bodies; `scene` and `model` differ from the present ones in solver
-  /// and gravity only.
-  void configure(std::shared_ptr<const Scene> scene, std::shared_ptr<const Model> model);
+  /// Other settings for the same bodies: `scene` and `model` differ from `before` and its model in
+  /// solver and gravity only. Throws Error if the present scene is not `before`.
+  void configure(const std::shared_ptr<const Scene>& before, std::shared_ptr<const Scene> scene,
+                 std::shared_ptr<const Model> model);
 
   Bytes save() const;
   void restore(const Bytes& bytes);  ///< throws Error, then nothing has changed
@@ -93,6 +94,9 @@ class World {
   /// Returns the step at which it begins. Throws Error if there are too many.
   std::uint64_t addPoke(Poke poke);
   std::size_t clearPokes();  ///< those that act and those to come; returns how many
+  /// So many pokes may act or be to come (and clearings be to come) that more are refused; until
+  /// another scene replaces this one.
+  void setMaxPokes(std::size_t most) { max_pokes_ = most; }
   /// A poke, or a clearing of all pokes, at its recorded step. Throws Error if that is past.
   void replay(const Event& event);
   void replay(const FollowedFrame& followed);  ///< the same; those of a step in their order
@@ -148,6 +152,7 @@ class World {
   void setPokes(const std::vector<Poke>& pokes);
   void followFrames();
   void checkToCome(std::uint64_t step) const;
+  void checkRoom(std::size_t pokes) const;
   void gatherPokes();
   void addPulls();
   void sortPokes();
@@ -170,6 +175,7 @@ class World {
 
   std::vector<Pin> start_pins_;
   std::vector<Accepted> pokes_;  ///< acting and to come, streams apart
+  std::size_t max_pokes_ = 100000;
   std::uint64_t next_order_ = 1;
   std::vector<Stream> streams_;
   std::vector<Clearing> clearings_;  ///< to come
