@@ -150,26 +150,24 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double ma
   return axisAt(1);
 }
 
-/// Contacts of a capsule between its ends: where it is nearest, or both ends of where it lies flat.
-void stickContacts(const SweptObstacle& m, const Capsule& k, int a, int b, int ragdoll,
-                   double margin, std::vector<Contact>& contacts) {
-  double start = 0;
-  const std::optional<Axis> axis = touching(m, k, margin, start);
-  if (!axis) return;
-  const double t = nearest(*axis);
+/// Contacts of a capsule between its ends, at the instant of `axis`: where it is nearest, or both
+/// ends of where it lies flat.
+void stickContacts(const SweptObstacle& m, const Axis& axis, double start, int a, int b,
+                   int ragdoll, std::vector<Contact>& contacts) {
+  const double t = nearest(axis);
   const bool box = m.obstacle->type == ObstacleSpec::Type::kBox;  // the only one to lie flat on
-  const double lo = box ? extent(*axis, t, 0, kFlat) : t;
-  const double hi = box ? extent(*axis, t, 1, kFlat) : t;
+  const double lo = box ? extent(axis, t, 0, kFlat) : t;
+  const double hi = box ? extent(axis, t, 1, kFlat) : t;
   const bool flat = hi - lo > kEnd;
-  Contact c = tangentAt(m, axis->at(t), axis->radius(t));
+  Contact c = tangentAt(m, axis.at(t), axis.radius(t));
   c.gap_start = start;
   c.particle = {a, b, 0, 0};
   c.count = 2;
   c.ragdoll = ragdoll;
-  const double tangent = c.offset - axis->radius(t);
+  const double tangent = c.offset - axis.radius(t);
   for (const double share : {flat ? lo : t, hi}) {
     if (share > kEnd && share < 1 - kEnd) {
-      c.offset = tangent + axis->radius(share);
+      c.offset = tangent + axis.radius(share);
       c.weight = {1 - share, share, 0, 0};
       contacts.push_back(c);
     }
@@ -209,7 +207,9 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
         capsule.a0.cwiseMin(capsule.b0).cwiseMin(capsule.a1).cwiseMin(capsule.b1).array() - pad,
         capsule.a0.cwiseMax(capsule.b0).cwiseMax(capsule.a1).cwiseMax(capsule.b1).array() + pad};
     if (!overlap(bounds, m.bounds, margin)) continue;
-    stickContacts(m, capsule, a, b, index, margin, contacts);
+    double start = 0;
+    const std::optional<Axis> axis = touching(m, capsule, margin, start);
+    if (axis) stickContacts(m, *axis, start, a, b, index, contacts);
   }
 }
 
@@ -235,6 +235,36 @@ void appendContacts(const Model& model, const std::vector<SweptObstacle>& obstac
   for (const SweptObstacle& m : obstacles)
     if (m.obstacle->type == ObstacleSpec::Type::kPlane || overlap(bounds, m.bounds, margin))
       ragdollAgainst(model, x0, x1, ragdoll, m, margin, contacts);
+}
+
+void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& obstacles,
+                         const Points& x0, const Points& x1, int ragdoll, double depth,
+                         std::vector<Contact>& contacts) {
+  const Ragdoll& r = model.ragdolls[ragdoll];
+  const Skeleton& s = model.skeletonOf(r);
+  const double radius = model.radius.segment(r.first, s.named).maxCoeff();
+  const Bounds bounds = sweptBounds(x1, x1, r.first, s.named, radius);
+  for (const SweptObstacle& m : obstacles) {
+    if (m.obstacle->type == ObstacleSpec::Type::kPlane || !overlap(bounds, m.bounds)) continue;
+    for (const Stick& k : s.sticks) {
+      if (k.a >= s.named || k.b >= s.named) continue;
+      const int a = r.first + k.a, b = r.first + k.b;
+      const double ra = model.radius[a], rb = model.radius[b], pad = std::max(ra, rb);
+      const Vec3 p = x1.col(a), q = x1.col(b);
+      if (!overlap({p.cwiseMin(q).array() - pad, p.cwiseMax(q).array() + pad}, m.bounds)) continue;
+      const Axis axis{*m.obstacle, m.toEnd(p), m.toEnd(q), ra, rb};
+      const double t = nearest(axis), gap = axis.gap(t);
+      if (gap >= -depth || gap <= -axis.radius(t)) continue;
+      const double start =
+          stickGap(*m.obstacle, m.toStart(x0.col(a)), m.toStart(x0.col(b)), ra, rb);
+      stickContacts(m, axis, start, a, b, ragdoll, contacts);
+    }
+  }
+}
+
+double stickGap(const Obstacle& obstacle, const Vec3& a, const Vec3& b, double ra, double rb) {
+  const Axis axis{obstacle, a, b, ra, rb};
+  return axis.gap(nearest(axis));
 }
 
 void findContacts(const Model& model, const State& state, const Points& predicted,

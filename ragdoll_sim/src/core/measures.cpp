@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "ragdoll_sim/core/detect.h"
 #include "ragdoll_sim/core/distance.h"
 #include "ragdoll_sim/core/limits.h"
 
@@ -71,6 +72,24 @@ double maxPenetration(const Model& model, const State& state) {
       for (int i = r.first; i < r.first + model.skeletonOf(r).named; ++i) {
         const Vec3 p = R.transpose() * (state.x.col(i) - pose.position);
         worst = std::max(worst, model.radius[i] - signedDistanceValue(model.obstacles[k], p));
+      }
+  }
+  return worst;
+}
+
+double maxStickPenetration(const Model& model, const State& state) {
+  double worst = 0;
+  for (std::size_t k = 0; k < model.obstacles.size(); ++k) {
+    if (model.obstacles[k].type == ObstacleSpec::Type::kPlane) continue;
+    const Pose& pose = state.obstacles[k];
+    const Eigen::Matrix3d R = pose.orientation.toRotationMatrix();
+    for (const Ragdoll& r : model.ragdolls)
+      for (const Stick& s : model.skeletonOf(r).sticks) {
+        const int a = r.first + s.a, b = r.first + s.b;
+        const Vec3 p = R.transpose() * (state.x.col(a) - pose.position);
+        const Vec3 q = R.transpose() * (state.x.col(b) - pose.position);
+        worst =
+            std::max(worst, -stickGap(model.obstacles[k], p, q, model.radius[a], model.radius[b]));
       }
   }
   return worst;

@@ -160,8 +160,11 @@ bool ShakeStep::findMissed(double h) {
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
   bool any = findMissedLimits();
   scratch_.missed.clear();
-  if (!ws_.obstacles.empty())
+  if (!ws_.obstacles.empty()) {
     appendContacts(model_, ws_.obstacles, state_.x, ws_.x1, index_, 0, scratch_.missed);
+    appendStickOverlaps(model_, ws_.obstacles, state_.x, ws_.x1, index_, kMissedStick,
+                        scratch_.missed);
+  }
   const std::size_t obstacles = scratch_.missed.size();
   if (model_.self_collision)
     ws_.pairs.appendSelf(model_, state_.x, ws_.x1, index_, PairSearch::overlaps(kMissedPair),

@@ -22,11 +22,13 @@ TEST_P(Falls, HoldTheBodyTogetherAndEndAtRest) {
   RecordProperty("limit_deg", std::to_string(record.limit_deg));
   RecordProperty("stretch", std::to_string(record.stretch));
   RecordProperty("penetration_mm", std::to_string(record.penetration_mm));
+  RecordProperty("stick_mm", std::to_string(record.stick_mm));
   RecordProperty("energy_rise_J", std::to_string(record.rise));
   RecordProperty("resting", record.resting);
   EXPECT_LT(record.limit_deg, 2);
   EXPECT_LT(record.stretch, 1e-3);
   EXPECT_LT(record.penetration_mm, 1);
+  EXPECT_LT(record.stick_mm, 2);
   EXPECT_LT(record.rise, 1e-2);
   EXPECT_GT(record.resting, 95 * kFalls / 100);
 }
@@ -43,12 +45,14 @@ TEST_P(Falls, WithLimbsThatTouchKeepTheSame) {
   RecordProperty("limit_deg", std::to_string(record.limit_deg));
   RecordProperty("penetration_mm", std::to_string(record.penetration_mm));
   RecordProperty("overlap_mm", std::to_string(record.overlap_mm));
+  RecordProperty("stick_mm", std::to_string(record.stick_mm));
   RecordProperty("energy_rise_J", std::to_string(record.rise));
   RecordProperty("step_rise_J", std::to_string(record.step_rise));
   RecordProperty("resting", record.resting);
   EXPECT_LT(record.limit_deg, 2);
   EXPECT_LT(record.stretch, 1e-3);
   EXPECT_LT(record.penetration_mm, 1);
+  EXPECT_LT(record.stick_mm, 2);
   EXPECT_LT(record.overlap_mm, kOverlap);
   EXPECT_LT(record.rise, 1e-2);
   EXPECT_LT(record.step_rise, kStepRise);

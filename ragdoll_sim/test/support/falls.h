@@ -61,6 +61,7 @@ struct FallRecord {
   double limit_deg = 0;       ///< by which a joint limit is violated
   double stretch = 0;         ///< of a stick's length
   double penetration_mm = 0;  ///< of a particle's sphere in an obstacle
+  double stick_mm = 0;        ///< of a stick between its ends in an obstacle
   double rise = 0;            ///< [J] of the energy above its start
   double step_rise = 0;       ///< [J] of the energy in one step
   double overlap_mm = 0;      ///< of bodies with themselves and each other, where they may touch
@@ -89,6 +90,8 @@ inline void addFall(const Scene& scene, double seconds, FallRecord& record) {
     record.stretch = std::max(record.stretch, maxStickError(world.model, world.state));
     record.penetration_mm =
         std::max(record.penetration_mm, 1e3 * maxPenetration(world.model, world.state));
+    record.stick_mm =
+        std::max(record.stick_mm, 1e3 * maxStickPenetration(world.model, world.state));
     const double now = energy();
     record.rise = std::max(record.rise, now - start);
     record.step_rise = std::max(record.step_rise, now - before);

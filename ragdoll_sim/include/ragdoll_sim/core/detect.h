@@ -38,6 +38,17 @@ void appendContacts(const Model& model, const std::vector<SweptObstacle>& obstac
                     const Points& x0, const Points& x1, int ragdoll, double margin,
                     std::vector<Contact>& contacts);
 
+/// Appends those of the sticks that are deeper than `depth` [m] in an obstacle at x1, whatever they
+/// touched on the way: a stick may turn over an edge after it has touched. Those whose axis is
+/// inside are left out: their way out is not known.
+void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& obstacles,
+                         const Points& x0, const Points& x1, int ragdoll, double depth,
+                         std::vector<Contact>& contacts);
+
+/// [m] from the surface of a stick, a capsule with these ends and radii in the obstacle's frame, to
+/// the obstacle where they are nearest; negative: overlap.
+double stickGap(const Obstacle& obstacle, const Vec3& a, const Vec3& b, double ra, double rb);
+
 /// Contacts of all awake ragdolls between state.x and `predicted`, as appendContacts.
 void findContacts(const Model& model, const State& state, const Points& predicted,
                   const std::vector<Pose>& obstacle_end, double margin,

@@ -17,6 +17,9 @@ Vec3 angularMomentum(const Model& model, const State& state);  ///< [kg m^2/s] a
 double maxStickError(const Model& model, const State& state);  ///< relative: max |len / rest - 1|
 double maxPenetration(const Model& model,
                       const State& state);  ///< [m] of particle spheres in obstacles, >= 0
+/// [m] of sticks, as capsules between their ends' spheres, in obstacles, >= 0; at planes an end is
+/// the deepest place, so these count as particles.
+double maxStickPenetration(const Model& model, const State& state);
 double maxLimitViolation(const Model& model, const State& state);  ///< [rad], >= 0
 std::uint64_t hash(const State& state);  ///< FNV-1a 64 over the bytes of positions, then velocities
 

@@ -49,8 +49,9 @@ class ShakeStep {
   static constexpr double kActiveGap =
       1e-3;                                ///< [m] contacts nearer than this are solved for at once
   static constexpr double kMissed = 1e-4;  ///< [m] deeper than that is found and solved again
-  static constexpr double kRecoverySpeed = 2;  ///< [m/s] at which overlap found at the start opens
-  static constexpr int kMaxRounds = 6;         ///< of contacts and sticks in turn
+  static constexpr double kMissedStick = 5e-4;  ///< [m] the same of sticks that turned over an edge
+  static constexpr double kRecoverySpeed = 2;   ///< [m/s] at which overlap found at the start opens
+  static constexpr int kMaxRounds = 6;          ///< of contacts and sticks in turn
   static constexpr double kProgress = 0.8;  ///< of the last round's violation: more is no progress
   static constexpr int kMaxSearches = 3;    ///< for contacts that others push the body into
   static constexpr double kStable = 1.0;    ///< h sqrt(Omega2) of a substep; 2: edge of stability
