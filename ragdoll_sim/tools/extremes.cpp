@@ -6,6 +6,7 @@
 #include "arguments.h"
 #include "commands.h"
 #include "extreme_text.h"
+#include "guard_cost.h"
 #include "ragdoll_sim/core/error.h"
 
 namespace ragdoll::lab {
@@ -48,6 +49,7 @@ int extremes(const MatrixOptions& options, const std::string& path) {
 int extremesCommand(const Words& words) {
   MatrixOptions options;
   std::string path;
+  int rounds = 0;
   CommandLine line{"extremes [options]", kAbout, {}};
   auto add = line.options.add_options();
   add("quick", po::bool_switch(&options.quick), "A part of the tests");
@@ -56,10 +58,18 @@ int extremesCommand(const Words& words) {
   add("only", po::value(&options.only),
       "Only tests whose name contains this, such as \"step: 0.1\"");
   add("method", po::value(&options.method), "Only this one: jakobsen, shake or rk");
+  add("guard-cost", po::value(&rounds)->implicit_value(41),
+      "Instead: what the step guard costs on shipped scenes, with and without it in turn so many "
+      "times");
   add("write", po::value(&path),
       "Put the tables into this file, between its lines <!-- extremes --> and <!-- /extremes -->");
   if (!parse(line, words)) return kOk;
   if (options.random < 0) throw Error("--random", "is negative; a number of scenes is expected");
+  if (rounds < 0) throw Error("--guard-cost", "is negative; a number of rounds is expected");
+  if (rounds > 0) {
+    std::cout << toTable(guardCosts(rounds));
+    return kOk;
+  }
   return extremes(options, path);
 }
 

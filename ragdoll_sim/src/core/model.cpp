@@ -6,6 +6,7 @@
 #include <set>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/force_limit.h"
 #include "ragdoll_sim/core/inputs.h"
 #include "ragdoll_sim/core/limits.h"
 #include "ragdoll_sim/core/names.h"
@@ -194,6 +195,11 @@ Poke resolve(const PokeSpec& p, const Model& model) {
   poke.duration = p.duration;
   poke.force = p.force;
   poke.point = p.point;
+  try {
+    checkForce(model, poke);
+  } catch (const Error& e) {
+    throw Error(p.where, e.what());
+  }
   return poke;
 }
 

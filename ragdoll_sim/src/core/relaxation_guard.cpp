@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "ragdoll_sim/core/distance.h"
+#include "ragdoll_sim/core/energy_gain.h"
 #include "ragdoll_sim/core/shake.h"
 #include "ragdoll_sim/core/workspace.h"
 
@@ -11,8 +13,7 @@ namespace ragdoll {
 namespace {
 
 constexpr double kStretch = 0.25;  ///< of a stick's length; falls and swings of a human stay below
-constexpr double kDepth = 0.5;    ///< of the radius: deeper in an obstacle than sweeps leave behind
-constexpr double kDeeper = 1e-3;  ///< [m] than at the start, if that was inside already
+constexpr double kDepth = 0.5;  ///< of the radius: deeper in an obstacle than sweeps leave behind
 constexpr double kGain =
     0.25;  ///< of the energy there was: sweeps that work gain less than a third of it
 constexpr double kFreeSpeed = 1.0;  ///< [m/s] of the whole body: gains of less energy are let be
@@ -27,19 +28,20 @@ class RelaxationGuard {
   bool failed(int i) {
     const Ragdoll& r = model_.ragdolls[i];
     const int n = model_.skeletonOf(r).size();
-    const auto x = state_.x.middleCols(r.first, n);
-    if (!x.allFinite() || !state_.v.middleCols(r.first, n).allFinite()) return true;
-    return stretched(i) || inside(i) || gained(i);
+    const double sum =
+        state_.x.middleCols(r.first, n).sum() + state_.v.middleCols(r.first, n).sum();
+    return !std::isfinite(sum) || stretched(i) || inside(i) || gained(i);
   }
 
  private:
   bool stretched(int i) const {
+    constexpr double kMost = (1 + kStretch) * (1 + kStretch);
+    constexpr double kLeast = (1 - kStretch) * (1 - kStretch);
     const Ragdoll& r = model_.ragdolls[i];
     const System& s = model_.systemOf(r);
     const auto far = [&](int a, int b, double length) {
-      const double q =
-          (state_.x.col(r.first + b) - state_.x.col(r.first + a)).squaredNorm() / (length * length);
-      return q > (1 + kStretch) * (1 + kStretch) || q < (1 - kStretch) * (1 - kStretch);
+      const double now = (state_.x.col(r.first + b) - state_.x.col(r.first + a)).squaredNorm();
+      return now > kMost * length * length || now < kLeast * length * length;
     };
     if (s.lumped)
       return std::any_of(s.relaxed.begin(), s.relaxed.end(),
@@ -56,7 +58,7 @@ class RelaxationGuard {
       gap += c.weight[k] * c.normal.dot(state_.x.col(c.particle[k]));
       radius = std::min(radius, model_.radius[c.particle[k]]);
     }
-    return gap < std::min(-kDepth * radius, c.gap_start - kDeeper);
+    return gap < std::min(-kDepth * radius, c.gap_start);
   }
 
   /// Deep in an obstacle, or beyond one that the sweeps carried it through.
@@ -65,15 +67,48 @@ class RelaxationGuard {
       if (c.ragdoll == i && c.obstacle >= 0 && deep(c)) return true;
     if (model_.obstacles.empty()) return false;
     const Ragdoll& r = model_.ragdolls[i];
-    const int n = model_.skeletonOf(r).size();
-    const double carried =
-        (state_.x.middleCols(r.first, n) - ws_.x1.middleCols(r.first, n)).cwiseAbs().maxCoeff();
-    if (carried < kDepth * model_.radius.segment(r.first, n).minCoeff()) return false;
+    bool beyond = false;  // so far that it may have passed through something
+    const double thinnest = thinnestObstacle();
+    for (int j = r.first; j < r.first + model_.skeletonOf(r).named; ++j) {
+      const double radius = model_.radius[j];
+      const double carried2 = (state_.x.col(j) - ws_.x1.col(j)).squaredNorm();
+      if (carried2 < kDepth * kDepth * radius * radius) continue;
+      if (insideObstacle(j)) return true;
+      beyond = beyond || carried2 > (thinnest + radius) * (thinnest + radius);
+    }
+    if (!beyond) return false;
     sweepObstacles(model_, state_, inputs_.obstacles, ws_.obstacles);
     ws_.shake.missed.clear();
     appendContacts(model_, ws_.obstacles, ws_.x0, state_.x, i, 0, ws_.shake.missed);
     return std::any_of(ws_.shake.missed.begin(), ws_.shake.missed.end(),
                        [this](const Contact& c) { return deep(c); });
+  }
+
+  /// Whether the particle is deep in an obstacle, and deeper than it was.
+  bool insideObstacle(int particle) const {
+    const double radius = model_.radius[particle];
+    for (std::size_t k = 0; k < model_.obstacles.size(); ++k) {
+      const Pose& start = state_.obstacles[k];
+      const Pose& end = inputs_.obstacles.empty() ? start : inputs_.obstacles[k];
+      const auto gap = [&](const Pose& pose, const Vec3& x) {
+        const Vec3 local = pose.orientation.conjugate() * (x - pose.position);
+        return signedDistanceValue(model_.obstacles[k], local) - radius;
+      };
+      const double now = gap(end, state_.x.col(particle));
+      if (now < -kDepth * radius && now < gap(start, ws_.x0.col(particle))) return true;
+    }
+    return false;
+  }
+
+  /// [m] across the thinnest one.
+  double thinnestObstacle() const {
+    double thinnest = std::numeric_limits<double>::infinity();
+    for (const Obstacle& o : model_.obstacles)
+      if (o.type == ObstacleSpec::Type::kBox)
+        thinnest = std::min(thinnest, 2 * o.half.minCoeff());
+      else if (o.type != ObstacleSpec::Type::kPlane)
+        thinnest = std::min(thinnest, 2 * o.radius);
+    return thinnest;
   }
 
   /// More energy than the start's and the work: stretched sticks that the sweeps let go.
@@ -85,18 +120,14 @@ class RelaxationGuard {
     const Skeleton& k = model_.skeletonOf(r);
     const int n = k.size();
     const auto v0 = ws_.v0.middleCols(r.first, n), v1 = state_.v.middleCols(r.first, n);
-    const Points moved = state_.x.middleCols(r.first, n) - ws_.x0.middleCols(r.first, n);
-    const auto times_mass = [&k](const Points& p) -> Points {
-      if (k.lumped) return p * k.M.diagonal().asDiagonal();
-      return p * k.M;
-    };
-    double work = model_.gravity.dot(times_mass(moved).rowwise().sum());
-    if (ws_.forced) work += ws_.force.middleCols(r.first, n).cwiseProduct(moved).sum();
-    const double rise = 0.5 * times_mass(v1 - v0).cwiseProduct(v1 + v0).sum() - work;
+    ws_.shake.stay = state_.x.middleCols(r.first, n) - ws_.x0.middleCols(r.first, n);
+    const Points& moved = ws_.shake.stay;
+    double rise = energyGain(k.M, v0, v1, moved, model_.gravity, ws_.shake.gain);
+    if (ws_.forced) rise -= ws_.force.middleCols(r.first, n).cwiseProduct(moved).sum();
     const double scale = model_.systemOf(r).direct.rows->scale;
     if (rise < 0.5 * k.M.sum() * kFreeSpeed * kFreeSpeed * scale) return false;
-    const double before = 0.5 * times_mass(v0).cwiseProduct(v0).sum();
-    return rise > kGain * (before + std::abs(work));
+    const double before = 0.5 * (v0 * k.M).cwiseProduct(v0).sum();
+    return !(rise <= kGain * before);
   }
 
   const Model& model_;

@@ -61,12 +61,18 @@ void ShakeStep::openSlowly(Contact& c, double h, double whole) const {
   else
     c.offset = c.found - (whole - h) / step_ * c.normal.dot(c.surface_motion) -
                std::max({0.0, least, stays});
+  if (squeezed_ == Squeezed::kNo) return;
+  if (c.gap_start > (squeezed_ == Squeezed::kAll ? kTouching : -kSqueezed)) return;
+  c.surface_motion.setZero();
+  scratch_.stay.setZero(3, n_);
+  c.offset = std::min(c.offset, c.offset + gapAt(c, scratch_.stay.data()));
 }
 
 void ShakeStep::openSlowly(LimitRow& limit, double h) const {
   if (limit.compliance > 0) return;
   const double least = std::max(0.0, -limit.before) * (1 - h / step_);
-  const double stays = limit.value < -kFarBeyond ? -limit.before - kRecoveryTurn * h : 0;
+  const double turn = squeezed_ == Squeezed::kNo ? kRecoveryTurn * h : 0;
+  const double stays = limit.value < -kFarBeyond ? -limit.before - turn : 0;
   limit.opening = std::max({0.0, least, stays});
 }
 
@@ -213,7 +219,10 @@ void ShakeStep::pressFound(double h, bool leapfrog) {
     fillGaps(h);
     if (round > 0) p = scratch_.total;
     scratch_.b -= schur.matrix() * scratch_.total;
-    schur.solve(scratch_.b, p);
+    if (!schur.solve(scratch_.b, p) && hasNoWayOut()) {
+      failed_ = true;
+      break;
+    }
     const Eigen::VectorXd change = p - scratch_.total;
     scratch_.total = p;
     schur.move(rows_, body_.start, system_.W, change, scratch_.dx.data());

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ragdoll_sim/core/energy_gain.h"
 #include "ragdoll_sim/core/joint_damping.h"
 #include "ragdoll_sim/core/shake_step.h"
 
@@ -30,14 +31,15 @@ double ShakeStep::energyRise() {
 
 double ShakeStep::gainedEnergy(double drive) {
   const Eigen::MatrixXd& M = model_.skeletonOf(ragdoll_).M;
-  const Points moved = x() - scratch_.saved_x;
-  const double before = 0.5 * (scratch_.saved_v * M).cwiseProduct(scratch_.saved_v).sum();
-  double rise = kineticEnergy() - before - model_.gravity.dot((moved * M).rowwise().sum());
+  Points& moved = scratch_.stay;
+  moved = x() - scratch_.saved_x;
+  double rise = energyGain(M, scratch_.saved_v, v(), moved, model_.gravity, scratch_.gain);
   if (ws_.forced) rise -= ws_.force.middleCols(ragdoll_.first, n_).cwiseProduct(moved).sum();
   rise -= releasedEnergy();
   if (drive > 0) {
     // Seen from what drives it the body gains nothing; here it may be faster by twice its speed.
     const double mass = M.sum();
+    const double before = 0.5 * (scratch_.saved_v * M).cwiseProduct(scratch_.saved_v).sum();
     rise -= 2 * mass * drive * (std::sqrt(2 * before / mass) + drive);
   }
   return rise;

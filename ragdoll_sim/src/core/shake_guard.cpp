@@ -18,7 +18,7 @@ void ShakeStep::guard(double h) {
     for (double left = h; left > 1e-9 * h;) left -= explicitStep(left);
     return;
   }
-  const double wanted = std::ceil(h * std::sqrt(stiffness()) / kStable);
+  const double wanted = isSoft(h) ? 1 : std::ceil(h * std::sqrt(stiffness()) / kStable);
   const bool relaxes = model_.solver.method == Method::kJakobsen;  // backward Euler as it is
   Way way =
       !relaxes && wanted <= kMaxSubsteps ? Way::kExplicit : Way::kImplicit;  // also not a number
@@ -34,8 +34,8 @@ void ShakeStep::guard(double h) {
     if (way == Way::kExplicit) {
       took = explicitStep(sub);
       const double rise = failed_ ? 0 : energyRise();
-      const bool can_halve = sub > 1.01 * h / kMaxSubsteps;
-      const bool outgrown = sub * std::sqrt(stiffness()) > 2 * kStable && can_halve;
+      const bool can_halve = sub > 1.01 * h / (overlap_ > kSqueezed ? 1 : kMaxSubsteps);
+      const bool outgrown = can_halve && !isSoft(sub) && sub * std::sqrt(stiffness()) > 2 * kStable;
       failed_ = failed_ || outgrown ||
                 (can_halve && rise > kRedoRise && rise > kRedoRise * kineticEnergy());
       if (!failed_ && rise > 0) limitEnergy(rise);
@@ -45,6 +45,11 @@ void ShakeStep::guard(double h) {
     }
     if (failed_) {
       restore();
+      if (hasNoWayOut()) {
+        squeezed_ = Squeezed::kDeep;
+        sub = left;
+        continue;
+      }
       // Obstacles that squeeze a body leave no solution, and smaller steps do not find one.
       const double most = overlap_ > kSqueezed ? 1 : driven_ ? kMaxDriven : kMaxSubsteps;
       if (way == Way::kExplicit) {
@@ -56,7 +61,10 @@ void ShakeStep::guard(double h) {
       } else {
         sub *= 0.25;
         if (sub < 0.99 * h / (most == kMaxSubsteps ? kMaxPieces : most)) {
-          way = Way::kRigid;
+          if (squeezed_ == Squeezed::kAll || overlap_ < kTouching)
+            way = Way::kRigid;
+          else
+            squeezed_ = Squeezed::kAll;
           sub = left;
         }
       }
@@ -66,7 +74,8 @@ void ShakeStep::guard(double h) {
     ++taken;
   }
   report_.substeps = std::max(report_.substeps, taken);
-  report_.guarded += guarded || taken > 1 + located_;
+  report_.guarded += guarded || squeezed_ != Squeezed::kNo || taken > 1 + located_;
+  report_.unresolved += squeezed_ != Squeezed::kNo;
   report_.limited += limited_;
   if (guarded || limited_) makeAffine();  // rigid velocities carry what is off it along
 }
@@ -75,6 +84,13 @@ double ShakeStep::explicitStep(double h) {
   const double took = model_.solver.method == Method::kRk ? advanceSmooth(h) : advance(h);
   if (!v().allFinite() || !x().allFinite()) failed_ = true;
   return took;
+}
+
+bool ShakeStep::isSoft(double h) {
+  if (rows_.s == 0) return true;
+  const double most =
+      Eigen::Map<const Eigen::VectorXd>(multipliers(), rows_.s).cwiseAbs().maxCoeff();
+  return 2 * most * rows_.largest_row * h * h < kStable * kStable;
 }
 
 double ShakeStep::stiffness() {

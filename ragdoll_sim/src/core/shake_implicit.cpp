@@ -119,7 +119,10 @@ void ShakeStep::pressImplicit(double h) {
     fillGaps(h);
     scratch_.p = scratch_.total;
     scratch_.b -= schur.matrix() * scratch_.total;
-    schur.solve(scratch_.b, scratch_.p);
+    if (!schur.solve(scratch_.b, scratch_.p) && hasNoWayOut()) {
+      failed_ = true;
+      return;
+    }
     const Eigen::VectorXd change = scratch_.p - scratch_.total;
     scratch_.total = scratch_.p;
     schur.move(rows_, body_.end, system_.W, change, scratch_.dx.data());

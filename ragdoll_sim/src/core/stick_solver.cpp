@@ -32,6 +32,7 @@ StickRows::StickRows(const DirectSystem& d)
       inverse_length2(Eigen::VectorXd::Zero(width)) {
   length2.head(s) = d.length.cwiseAbs2();
   inverse_length2.head(s) = length2.head(s).cwiseInverse();
+  if (s > 0) largest_row = absolute_G.rowwise().sum().maxCoeff();
   if (s > 0) scale = std::min(1.0, d.length.mean() / kHumanStick);
 }
 

@@ -90,6 +90,12 @@ void Metrics::measure(const Snapshot& world, double seconds) {
       world.state.asleep.begin(), world.state.asleep.end(), [](auto a) { return a; }));
   message_.ragdolls = static_cast<std::uint32_t>(world.model->ragdolls.size());
   message_.solver = describe(world.model->solver);
+  message_.guarded = static_cast<std::uint32_t>(since_.guarded);
+  message_.implicit = static_cast<std::uint32_t>(since_.implicit);
+  message_.rigid = static_cast<std::uint32_t>(since_.rigid);
+  message_.joining = static_cast<std::uint32_t>(since_.joining);
+  message_.limited = static_cast<std::uint32_t>(since_.limited);
+  message_.unresolved = static_cast<std::uint32_t>(since_.unresolved);
   message_.error_class = errorClass(world.model->solver);
 }
 

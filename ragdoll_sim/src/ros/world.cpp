@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/force_limit.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/pull.h"
 #include "ragdoll_sim/core/sleep.h"
@@ -236,6 +237,7 @@ Poke World::rounded(Poke poke, std::uint64_t& first) const {
 
 std::uint64_t World::addPoke(Poke poke) {
   checkRoom(pokes_.size());
+  checkForce(*model_, poke);
   Event event;
   event.run = run_;
   event.poke = rounded(std::move(poke), event.step);
@@ -298,6 +300,7 @@ void World::replay(const Event& event) {
 }
 
 void World::stream(const std::string& source, std::vector<Poke> pokes, double seconds) {
+  for (const Poke& poke : pokes) checkForce(*model_, poke);
   auto s = std::find_if(streams_.begin(), streams_.end(),
                         [&](const Stream& other) { return other.source == source; });
   pokes_changed_ = true;

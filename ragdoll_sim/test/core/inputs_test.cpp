@@ -1,17 +1,23 @@
 #include "ragdoll_sim/core/inputs.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 #include <vector>
 
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/measures.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
 namespace {
 
 using namespace test;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
 
 int activeSteps(double start, double duration, double h) {
   Poke poke;
@@ -100,6 +106,28 @@ TEST(Poke, OnABoneHasNoMomentAboutTheBone) {
   // Moment about y only: -0.2; 1 m long, so +-0.2 N on top of one half each.
   EXPECT_LT((forces.col(0) - Vec3(0, 0, 0.3)).norm(), 1e-14);
   EXPECT_LT((forces.col(1) - Vec3(0, 0, 0.7)).norm(), 1e-14);
+}
+
+TEST(Poke, ThatNumbersCannotFollowIsRefusedWithTheLargestAllowed) {
+  Scene scene = sceneOf(oneStick(1, 3));
+  PokeSpec spec;
+  spec.body = "a";
+  spec.where = "pokes[0]";
+  spec.force = Vec3(0, 0, 1.1e10 * 4 / scene.solver.step);  // 4 kg at 1e10 m/s after a step
+  scene.pokes = {spec};
+  try {
+    buildModel(scene);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), AllOf(StartsWith("pokes[0]: force: "), HasSubstr("at most")));
+  }
+  scene.pokes[0].force *= 0.8;
+  World world(scene);
+  world.steps(1);
+  EXPECT_NEAR(momentum(world.model, world.state).z(), 3.52e10, 1e3);
+  scene.pokes[0].body = "ab";  // whose moment counts, too
+  scene.pokes[0].point = Vec3(0, 1000, 0);
+  EXPECT_THROW(buildModel(scene), Error);
 }
 
 TEST(FindBody, ListsWhatThereIs) {

@@ -39,6 +39,17 @@ class TelemetryTest(unittest.TestCase):
         self.assertLess(lying.max_penetration, 0.02)
         self.assertIn('step', lying.solver)
 
+    def test_metrics_tell_what_the_step_guard_did(self):
+        metrics = Inbox('/ragdoll/metrics', Metrics)
+        refused = self.client.poke('right_hand', (0, 0, 1e300))
+        self.assertFalse(refused.success)
+        self.assertIn('at most', refused.status_message)
+        quiet = metrics.first(lambda m: m.paused, 'a pause')
+        self.assertEqual((quiet.guarded, quiet.implicit, quiet.unresolved), (0, 0, 0))
+        self.assertTrue(self.client.poke('right_hand', (0, 0, 1e7)).success)
+        self.client.call_pause(False)
+        metrics.first(lambda m: m.guarded > 0 and m.implicit > 0, 'the step guard')
+
     def test_a_body_at_rest_is_shown_asleep_until_something_disturbs_it(self):
         def asleep(state):
             return state.ragdolls[0].asleep

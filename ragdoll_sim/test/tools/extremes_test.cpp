@@ -49,6 +49,24 @@ TEST(Extremes, FarFromTheOrigin) { expectKept({"1e6 m from the origin"}); }
 TEST(Extremes, AMinuteOfRestAndOfTumbling) { expectKept({"long"}); }
 TEST(Extremes, Wedges) { expectKept({"wedge of two planes"}); }
 TEST(Extremes, ClosingWalls) { expectKept({"closing walls"}); }
+TEST(Extremes, OverlapsAtTheStart) { expectKept({"overlapping at the start"}); }
+
+TEST(Extremes, ABodyWithNoWayOutKeepsItsJointsAlive) {
+  test::World world(humanScene("position: [0, -0.2, 0.13], rpy_deg: [0, -90, 90]",
+                               "obstacles: [{type: plane}, {type: box, position: [0, 0, 0], size: [0.1, 0.6, 0.3]}]\n"));
+  const int hand = world.model.skeletons[0].particle("left_hand");
+  const double overlap = maxPenetration(world.model, world.state);
+  int unresolved = 0, rigid = 0;
+  for (int i = 0; i < 60; ++i) {
+    const StepReport report = world.steps(1);
+    unresolved += report.unresolved;
+    rigid += report.rigid;
+  }
+  EXPECT_LT(world.x(hand).z(), 0.06);  // fell 0.08 m to the floor
+  EXPECT_GT(unresolved, 0);
+  EXPECT_EQ(rigid, 0);
+  EXPECT_LT(maxPenetration(world.model, world.state), overlap + 1e-4);
+}
 
 /// What relaxation must keep as well: all but exact lengths and rest, which 10 sweeps do not give.
 TEST(Extremes, RelaxationStaysFiniteGainsNothingAndPassesThroughNothing) {

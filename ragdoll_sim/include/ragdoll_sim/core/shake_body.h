@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "ragdoll_sim/core/energy_gain.h"
 #include "ragdoll_sim/core/runge_kutta.h"
 #include "ragdoll_sim/core/schur.h"
 #include "ragdoll_sim/core/stick_solver.h"
@@ -21,7 +22,8 @@ struct ShakeBody {
 
 /// Scratch shared by all bodies.
 struct ShakeScratch {
-  Points dx, acceleration, saved_x, saved_v;
+  Points dx, acceleration, saved_x, saved_v, stay;
+  EnergyGainScratch gain;
   std::vector<double> saved_multipliers;
   PaddedRows D1;
   Eigen::VectorXd lambda, residual, correction, b, p;

@@ -59,6 +59,9 @@ class ShakeStep {
   /// Of the kinetic energy (1 J at least): a substep that gains more is done again at half.
   static constexpr double kRedoRise = 1e-3;
 
+  /// Which overlaps have no way out and may stay as they are: those above kSqueezed, or all.
+  enum class Squeezed { kNo, kDeep, kAll };
+
   auto x() { return state_.x.middleCols(ragdoll_.first, n_); }
   auto v() { return state_.v.middleCols(ragdoll_.first, n_); }
   double* xData() { return state_.x.data() + 3 * ragdoll_.first; }
@@ -88,6 +91,8 @@ class ShakeStep {
   double explicitStep(double h);
   /// Omega2 [1/s^2], a bound: largest row sum of |G| |2 m|, m the multipliers of the last motion.
   double stiffness();
+  /// Whether a coarser bound, at a fraction of the cost, shows that h is stable.
+  bool isSoft(double h);
   void save();
   void restore();
 
@@ -168,7 +173,7 @@ class ShakeStep {
   void startContact(Contact& c, double h) const;
   void startRow(LimitRow& limit, double h);
   /// An overlap found at the start opens at a bounded speed, so that nothing is shot out; in a
-  /// motion over h of a substep `whole`.
+  /// motion over h of a substep `whole`. Those of a squeezed body need not.
   void openSlowly(Contact& c, double h, double whole) const;
   void openSlowly(LimitRow& limit, double h) const;
   /// The same for all, when the substep is cut short.
@@ -188,6 +193,8 @@ class ShakeStep {
   bool findMissedLimits();
   /// Rows of the Schur complement that are the body's own.
   int ownRows() const { return scratch_.own_rows; }
+  /// Whether a step that fails means that the overlap at its start cannot open.
+  bool hasNoWayOut() const { return squeezed_ == Squeezed::kNo && overlap_ > kSqueezed; }
   /// Solves for the constraints found.
   void pressFound(double h, bool leapfrog);
   /// Position stage: dx so that no contact and no limit is violated and every stick has its length.
@@ -275,8 +282,9 @@ class ShakeStep {
   const double* inverse_length2_;  ///< [1/m^2] likewise
   const double* length2_;          ///< [m^2] of the sticks in this step; rows_.width
   bool failed_ = false;            ///< the present substep
-  bool driven_ = false;            ///< something moves that gives energy: obstacles, pins
-  bool limited_ = false;           ///< energy was taken out
+  Squeezed squeezed_ = Squeezed::kNo;
+  bool driven_ = false;   ///< something moves that gives energy: obstacles, pins
+  bool limited_ = false;  ///< energy was taken out
 };
 
 }  // namespace ragdoll

@@ -23,6 +23,7 @@ struct StickRows {
   PaddedRows G;                     ///< s x width
   PaddedRows BW;                    ///< s x columns
   PaddedRows absolute_G;            ///< s x width
+  double largest_row = 0;           ///< [1/kg] largest row sum of absolute_G
   Eigen::VectorXd length2;          ///< [m^2] width, zero beyond the last stick
   Eigen::VectorXd inverse_length2;  ///< [1/m^2] likewise
   double scale = 1;  ///< mean length of sticks by that of a human, at most 1: of tolerances

@@ -1,0 +1,143 @@
+#include "guard_cost.h"
+
+#include <time.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "extreme_scenes.h"
+#include "extreme_verdict.h"
+#include "ragdoll_sim/core/workspace.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+
+namespace ragdoll::lab {
+namespace {
+
+constexpr int kPiece = 20;        ///< steps that are timed together
+constexpr double kSeconds = 1.5;  ///< simulated: until a body lies
+
+double threadSeconds() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// One world that is stepped in pieces.
+class Runner {
+ public:
+  Runner(const Model& model, bool guarded) : model_(model), inputs_(startInputs(model)) {
+    workspace_.impl().unguarded = !guarded;
+  }
+
+  void restart() {
+    state_ = startState(model_);
+    acted = 0;
+  }
+
+  /// [s] CPU per step.
+  double piece() {
+    const double begin = threadSeconds();
+    for (int i = 0; i < kPiece; ++i) {
+      const StepReport report = step(model_, inputs_, workspace_, state_);
+      acted += report.guarded + report.limited > 0;
+    }
+    return (threadSeconds() - begin) / kPiece;
+  }
+
+  int acted = 0;
+
+ private:
+  const Model& model_;
+  Inputs inputs_;
+  Workspace workspace_;
+  State state_;
+};
+
+/// What two worlds cost, piece by piece in turn; `method` of the result is left to the caller.
+GuardCost compare(Runner& plain, Runner& other, double step, int rounds) {
+  std::vector<double> without, with, ratios;
+  const int pieces = std::max(1, static_cast<int>(kSeconds / step / kPiece));
+  for (int round = 0; round < rounds; ++round) {
+    plain.restart();
+    other.restart();
+    double sum_without = 0, sum_with = 0;
+    for (int p = 0; p < pieces; ++p) {
+      const bool first = (round + p) % 2 == 0;  // neither is always the one with the warm cache
+      if (first) sum_without += plain.piece();
+      sum_with += other.piece();
+      if (!first) sum_without += plain.piece();
+    }
+    without.push_back(sum_without / pieces);
+    with.push_back(sum_with / pieces);
+    ratios.push_back(sum_with / sum_without);
+  }
+  GuardCost cost;
+  cost.plain = median(without);
+  cost.guarded = median(with);
+  cost.ratio = median(ratios);
+  cost.acted = other.acted;
+  return cost;
+}
+
+GuardCost costOf(const std::string& name, const ExtremeMethod& method, int rounds) {
+  Scene scene = loadScene(name);
+  scene.solver = method.solver;
+  scene.solver.sleep = false;
+  scene.pokes.clear();
+  const Model model = buildModel(scene);
+  Runner plain(model, false), guarded(model, true);
+  GuardCost cost = compare(plain, guarded, model.solver.step, rounds);
+  cost.scene = name;
+  cost.method = method.name;
+  return cost;
+}
+
+/// 10 links of 0.1 kg at 1/60 s, tilted: with nothing below them, and with 100 kg.
+GuardCost loadedChain(const ExtremeMethod& method, int rounds) {
+  std::vector<Model> models;
+  for (const double last : {0.1, 100.0}) {
+    std::vector<double> masses(11, 0.1);
+    masses.back() = last;
+    Scene scene = chainScene(masses, 0.1, 0.5);
+    scene.solver = method.solver;
+    scene.solver.step = 1.0 / 60;
+    scene.solver.sleep = false;
+    models.push_back(buildModel(scene));
+  }
+  Runner light(models[0], true), heavy(models[1], true);
+  GuardCost cost = compare(light, heavy, 1.0 / 60, rounds);
+  cost.scene = "100 kg chain";
+  cost.method = method.name;
+  return cost;
+}
+
+}  // namespace
+
+std::vector<GuardCost> guardCosts(int rounds) {
+  std::vector<GuardCost> costs;
+  for (const ExtremeMethod& method : extremeMethods())
+    for (const char* scene : {"fall", "stairs", "weightless"})
+      costs.push_back(costOf(scene, method, rounds));
+  for (const ExtremeMethod& method : extremeMethods()) costs.push_back(loadedChain(method, rounds));
+  return costs;
+}
+
+std::string toTable(const std::vector<GuardCost>& costs) {
+  std::string text =
+      "scene        method      us/step plain  guarded  ratio  steps in which it acted\n";
+  for (const GuardCost& c : costs) {
+    char line[200];
+    std::snprintf(line, sizeof line, "%-12s %-10s %14.2f %8.2f %6.3f  %d\n", c.scene.c_str(),
+                  c.method.c_str(), 1e6 * c.plain, 1e6 * c.guarded, c.ratio, c.acted);
+    text += line;
+  }
+  return text;
+}
+
+}  // namespace ragdoll::lab
