@@ -2,6 +2,7 @@
 // is known what stands there, and what the node then hears.
 #include <gtest/gtest.h>
 #include <ragdoll_msgs/Model.h>
+#include <ragdoll_msgs/Poke.h>
 #include <ragdoll_msgs/PokeEvent.h>
 #include <ragdoll_msgs/State.h>
 #include <ros/ros.h>
@@ -71,6 +72,18 @@ class PokeTool : public ::testing::Test {
     ASSERT_TRUE(ros::service::waitForService("/ragdoll/reset", kLimit));
     ASSERT_TRUE(
         waitFor([&] { return ros::service::call("/ragdoll/reset", reset) && model_ && state_; }));
+    // Once this poke has been told here, all that follow are.
+    ragdoll_msgs::Poke poke;
+    poke.request.body_name = "head";
+    QElapsedTimer asked;
+    ASSERT_TRUE(waitFor([&] {
+      if (poke_ && poke_->force.x == poke.request.force.x) return true;
+      if (asked.isValid() && asked.elapsed() < 500) return false;
+      asked.start();
+      poke.request.force.x += 1;
+      ros::service::call("/ragdoll/poke", poke);
+      return false;
+    }));
     state_.reset();
     ASSERT_TRUE(ros::service::call("/ragdoll/reset", reset));
     ASSERT_TRUE(waitFor([this] { return state_ != nullptr; }));

@@ -141,7 +141,7 @@ class FollowTest(unittest.TestCase):
 
         def message():
             return self.attach('left_hand', 'nowhere').status_message
-        text = wait_for(lambda: 'more_10' in message() and message(), 'the frames in the message')
+        text = wait_for(lambda: 'more_0' in message() and message(), 'the frames in the message')
         self.assertIn('gripper', text)
         self.assertRegex(text, r'and \d+ more')
         self.assertNotIn('head', text)
