@@ -62,6 +62,8 @@ World::World(Scene scene, std::string source)
       state_(startState(*model_)),
       tracker_(*model_),
       start_pins_(model_->pins) {
+  for (const ObstacleSpec& o : scene_->obstacles) checkForeign(o.where + ": frame", o.frame);
+  for (const PinSpec& p : scene_->pins) checkForeign(p.where + ": frame", p.frame);
   setPokes(model_->pokes);
   follow_.restart(*model_, state_);
   restart();
@@ -391,8 +393,7 @@ void World::addPulls() {
 void World::attach(const std::string& body, const std::string& frame) {
   const BodyRef ref = findParticle(*model_, body);
   if (frame.empty()) throw Error("frame", "must name a TF frame");
-  if (hasFrame(frame))
-    throw Error("frame", "'" + frame + "' is one of the ragdolls' own; it must be another node's");
+  checkForeign("frame", frame);
   std::vector<Pin> pins = model_->pins;
   const int p = ref.particles[0];
   pins.erase(
@@ -432,6 +433,11 @@ void World::changePins(const std::vector<Pin>& pins) {
   inputs_.pins.clear();
   inputs_.obstacles.clear();
   follow_.setPins(*model_);
+}
+
+void World::checkForeign(const std::string& where, const std::string& frame) const {
+  if (hasFrame(!frame.empty() && frame[0] == '/' ? frame.substr(1) : frame))
+    throw Error(where, "'" + frame + "' is one of the ragdolls' own; it must be another node's");
 }
 
 bool World::hasFrame(const std::string& name) const {

@@ -91,6 +91,10 @@ class ScenesTest(unittest.TestCase):
             ({'yaml': 'ragdolls:\n  - {name: a, model: human, colour: red}'}, ['2', 'colour']),
             ({'yaml': 'ragdolls:\n  - {name: a, model: giant}'}, ['giant', 'human']),
             ({'yaml': YAML + 'gravity: [0, 0, .nan]'}, ['gravity']),
+            ({'yaml': YAML + 'obstacles: [{type: sphere, position: [0, 0, 0], radius: 1, frame: /ben/head}]'},
+             ['yaml:6: obstacles[0]: frame', '/ben/head', "another node's"]),
+            ({'yaml': YAML + 'pins: [{particle: anna/head, frame: ben/pelvis}]'},
+             ['yaml:6: pins[0]: frame', 'ben/pelvis', "another node's"]),
         ]
         expected = bits(self.client.step(60))
         self.client.restart()

@@ -148,6 +148,7 @@ class World {
   void restart();  ///< what is derived begins anew at the present state
   void endRun();   ///< tells what its streams have done; to be called before anything changes
   void beginRun(bool at_start);
+  void checkForeign(const std::string& where, const std::string& frame) const;
   void changePins(const std::vector<Pin>& pins);
   void setPokes(const std::vector<Poke>& pokes);
   void followFrames();
