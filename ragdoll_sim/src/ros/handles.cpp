@@ -109,10 +109,14 @@ void Handles::feedback(const Feedback& message) {
         hold(message);
         break;
       case Feedback::KEEP_ALIVE: {
-        std::unique_lock<std::mutex> lock(mutex_);
-        if (grips_.count(message.marker_name) == 0) break;
-        lock.unlock();
-        hold(message);
+        std::lock_guard<std::mutex> lock(mutex_);
+        const auto grip = grips_.find(message.marker_name);
+        if (grip == grips_.end()) break;
+        // A jump or a clearing has ended the pull: it begins again when the mouse moves.
+        if (isPulled(grip->first))
+          grip->second = Simulation::Clock::now();
+        else
+          grips_.erase(grip);
         break;
       }
       case Feedback::MOUSE_UP: {
@@ -127,6 +131,14 @@ void Handles::feedback(const Feedback& message) {
   } catch (const Error& e) {
     ROS_WARN_THROTTLE(kWarnPeriod, "~handles/feedback ignored: %s", e.what());
   }
+}
+
+bool Handles::isPulled(const std::string& name) {
+  return simulation_.call([&](World& world) {
+    const std::vector<Pull>& pulls = world.pulls();
+    return std::any_of(pulls.begin(), pulls.end(),
+                       [&](const Pull& pull) { return pull.body_name == name; });
+  });
 }
 
 void Handles::hold(const Feedback& message) {

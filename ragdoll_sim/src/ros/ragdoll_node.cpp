@@ -41,6 +41,26 @@ ragdoll::Simulation::Options pace(const ragdoll::Parameters& parameters) {
   return options;
 }
 
+/// /use_sim_time for as long as this node is the clock; left alone where someone has set it before.
+class SimTime {
+ public:
+  explicit SimTime(bool wanted) {
+    bool before = false;
+    if (!wanted || (ros::param::get(kName, before) && before)) return;
+    ros::param::set(kName, true);
+    set_ = true;
+  }
+  ~SimTime() {
+    if (set_) ros::param::del(kName);
+  }
+  SimTime(const SimTime&) = delete;
+  SimTime& operator=(const SimTime&) = delete;
+
+ private:
+  static constexpr const char* kName = "/use_sim_time";
+  bool set_ = false;
+};
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -49,7 +69,7 @@ int main(int argc, char** argv) {
   try {
     const ragdoll::Parameters parameters = ragdoll::readParameters(nh);
     // Whoever starts after this follows the clock that this node is going to publish.
-    if (parameters.publish_clock) ros::param::set("/use_sim_time", true);
+    const SimTime sim_time(parameters.publish_clock);
     const ragdoll::RosClock clock(parameters.publish_clock);
     ragdoll::Simulation simulation(loadWorld(nh.resolveName("scene"), parameters.scene),
                                    pace(parameters));

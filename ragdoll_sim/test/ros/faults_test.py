@@ -113,6 +113,22 @@ class FaultsTest(unittest.TestCase):
         self.addCleanup(node.kill)
         return node
 
+    def test_a_clock_that_ends_takes_use_sim_time_along_if_it_has_set_it(self):
+        core = Roscore(free_port())
+        self.addCleanup(core.kill)
+        master = ServerProxy(core.uri)
+
+        def has():
+            return master.hasParam('/test', '/use_sim_time')[2]
+        for before in (False, True):
+            if before:
+                master.setParam('/test', '/use_sim_time', True)
+            node = self.start('clock', master=core.uri, publish_clock='true')
+            wait_for(lambda: master.lookupService('/test', '/clock/reset')[0] == 1, 'the node')
+            self.assertTrue(has())
+            self.assertEqual(node.end()[0], 0)
+            self.assertEqual(has(), before)
+
     def test_a_listener_that_never_reads_delays_nobody(self):
         node = self.start('unread', scene='weightless', publish_rate=500)
         client = Client(node.name)

@@ -220,8 +220,17 @@ class HandlesTest(unittest.TestCase):
         self.mouse.held = None
         self.assertTrue(self.client.call_clear().success)
         seen = len(self.client.pokes.all())
-        self.client.step(50)
-        self.assertEqual([e.body_name for e in self.client.pokes.all()[seen:] if e.body_name], [])
+        for _ in range(3):  # it is still held
+            self.mouse.send(Feedback.KEEP_ALIVE, HAND, (at[0], at[1], at[2] + 0.3))
+        # In order: when this is pulled, those have been heard.
+        other = 'ragdoll/left_hand'
+        self.mouse.drag(other, (at[0], -at[1], at[2]))
+
+        def pulled():
+            self.client.step(1)
+            return {e.body_name for e in self.client.pokes.all()[seen:] if e.body_name}
+        self.assertEqual(wait_for(pulled, 'the other hand'), {other})
+        self.mouse.let_go(other, at)
 
     def test_feedback_in_another_frame(self):
         # The camera stands at (1, 2, 3) and looks along y: its (a, b, c) is the world's (1 - b, 2 + a, 3 + c).

@@ -212,6 +212,17 @@ class LabReplayTest(unittest.TestCase):
         self.assertIn('identical', out)
         self.assertIn('not compared', out)
 
+        # A bag of which nothing can be compared is not one that is identical.
+        def untold(topic, message):
+            if topic == TOPICS[1]:
+                message.told = 0
+                return message.step > 0
+            return True
+        status, out, errors = replay(self.altered(untold))
+        last = [line for line in out.splitlines() if ' run ' in line][-1]
+        self.assertEqual((status, errors), (2, ''), out)
+        self.assertRegex(last, 'cannot be replayed: none of its [0-9]+ states can be compared')
+
     def test_what_follows_frames_of_others_is_identical(self):
         settings = Settings(NODE, timeout=30)
         attach, detach = (self.client.service(name, kind)

@@ -117,7 +117,12 @@ class Replay {
   /// Tells of the run that was compared last.
   void finish() {
     if (!run_) return;
-    const Run& run = *run_;
+    Run& run = *run_;
+    if (run.compared == 0 && run.hindrance.empty())
+      run.hindrance =
+          "none of its " + std::to_string(run.states) +
+          " states can be compared: a ~wrench or a frame acts on them, and the bag ends before "
+          "~pokes or ~followed tells of it";
     std::cout << node_.name << " run " << run.number << ": ";
     if (!run.hindrance.empty()) {
       std::cout << "cannot be replayed: " << run.hindrance << "\n";

@@ -43,6 +43,7 @@ class Handles {
   using Feedback = visualization_msgs::InteractiveMarkerFeedback;
 
   void feedback(const Feedback& message);
+  bool isPulled(const std::string& name);
   void hold(const Feedback& message);
   void run();
   void endSilentGrips();
