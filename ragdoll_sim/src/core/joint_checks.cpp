@@ -80,7 +80,7 @@ void JointChecks::checkRestPose(int j, double by) const {
   if (by <= kNegligibleAngle) return;
   const std::string what = "the rest pose is " + degrees(by) + " outside its limit, " + allowed(j);
   if (by > kTolerance) fail(j, "", what + "; change the limit or the particles' positions");
-  warn(j, what);
+  warn(j, what + "; the first steps turn it back");
 }
 
 std::string JointChecks::allowed(int j) const {
