@@ -27,6 +27,11 @@ std::map<std::string, std::string> broadcasters(const tf2_ros::Buffer& buffer) {
   return found;
 }
 
+/// TF lets infinite numbers through.
+bool isFinite(const Pose& pose) {
+  return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
+}
+
 }  // namespace
 
 std::string FrameLookup::normal(const std::string& frame) {
@@ -47,8 +52,11 @@ std::vector<std::string> FrameLookup::others() const {
 Pose FrameLookup::inWorld(const std::string& frame, const Names& own) const {
   if (isWorld(frame)) return Pose();
   try {
-    return fromTransform(
+    const Pose pose = fromTransform(
         buffer_.lookupTransform(world_frame_, normal(frame), ros::Time(0)).transform);
+    if (!isFinite(pose))
+      throw Error("", "frame '" + frame + "' is at no finite pose in TF; it must be finite numbers");
+    return pose;
   } catch (const tf2::LookupException&) {
     const std::vector<std::string> others = this->others();
     throw Error("", "unknown frame '" + frame + "'; there are " + world_frame_ +
@@ -64,7 +72,9 @@ std::optional<StampedPose> FrameLookup::find(const std::string& frame) const {
   if (isWorld(frame)) return StampedPose();
   try {
     const auto t = buffer_.lookupTransform(world_frame_, normal(frame), ros::Time(0));
-    return StampedPose{fromTransform(t.transform), t.header.stamp};
+    const StampedPose found{fromTransform(t.transform), t.header.stamp};
+    if (!isFinite(found.pose)) return std::nullopt;
+    return found;
   } catch (const tf2::TransformException&) {
     return std::nullopt;
   }

@@ -202,6 +202,11 @@ class FollowTest(unittest.TestCase):
             wait_for(lambda: speeds.append(struck(rate)) or 0.9 < speeds[-1] < 1.25,
                      '1 m/s at %d Hz' % rate)
 
+    def refusal(self, particle, frame):
+        """Why ~attach refuses; empty if it does not."""
+        answer = self.attach(particle, frame)
+        return '' if answer.success else answer.status_message
+
     def test_a_frame_that_disappears_is_reported_and_holds_its_place(self):
         self.robot.frames['pusher'] = (-2, 0, 1)
         self.scene(PUSHED)
@@ -228,6 +233,14 @@ class FollowTest(unittest.TestCase):
         wait_for(lambda: len(markers.all()) > seen + 60, 'markers')
         self.assertLess(abs(obstacle().x + 2), 1e-6)
         self.assertAlmostEqual(obstacle().z, 1.5)
+        # At no finite place: as if it were not there.
+        self.robot.frames['pusher'] = (float('inf'), 0, 1)
+        answer = wait_for(lambda: self.refusal('left_hand', 'pusher'), 'a refusal')
+        self.assertIn('finite', answer)
+        seen = len(markers.all())
+        wait_for(lambda: len(markers.all()) > seen + 60, 'markers')
+        self.assertLess(abs(obstacle().x + 2), 1e-6)
+        self.assertTrue([s for s in reports.all()[-1].status if 'pusher' in s.message])
         self.robot.frames['pusher'] = (-3, 0, 1)
         wait_for(lambda: abs(obstacle().x + 3) < 1e-6, 'the box at its frame again')
         wait_for(lambda: not [s for s in reports.all()[-1].status if 'pusher' in s.message],

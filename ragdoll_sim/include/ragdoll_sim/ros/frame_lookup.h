@@ -29,13 +29,13 @@ class FrameLookup {
   bool isWorld(const std::string& frame) const;
 
   /// Latest known pose in the world frame. Throws Error that names the frames there are: of other
-  /// nodes, and `own`.
+  /// nodes, and `own`; or if the pose is not finite.
   Pose inWorld(const std::string& frame, const Names& own = nullptr) const;
 
   /// Frames that other nodes publish, in alphabetic order.
   std::vector<std::string> others() const;
 
-  /// The same; nothing where there is none.
+  /// As inWorld(); nothing where there is none, or none that is finite.
   std::optional<StampedPose> find(const std::string& frame) const;
 
   /// As tf2 wants them: without a leading slash.
