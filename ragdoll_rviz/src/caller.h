@@ -1,6 +1,7 @@
 // Service calls on a thread of their own: a node that is absent or hangs never holds up the GUI.
 #pragma once
 
+#include <ros/names.h>
 #include <ros/node_handle.h>
 #include <ros/service_client.h>
 
@@ -33,6 +34,8 @@ class Caller {
       QMetaObject::invokeMethod(
           receiver, [=] { done(problem, response); }, Qt::QueuedConnection);
     };
+    std::string invalid;
+    if (!ros::names::validate(name, invalid)) return report(QString::fromStdString(invalid), {});
     const bool posted = post([this, name, request, report] {
       typename Service::Request asked = request;
       typename Service::Response response;

@@ -24,6 +24,8 @@
 #include <QSignalBlocker>
 #include <QSpinBox>
 #include <QTimer>
+#include <algorithm>
+#include <cmath>
 #include <pluginlib/class_list_macros.hpp>
 
 namespace ragdoll_rviz {
@@ -32,6 +34,7 @@ namespace {
 constexpr int kLookPeriod = 250;         ///< [ms] between two looks whether the node is there
 constexpr int kSilence = 3500;           ///< [ms] without metrics, which come once a second
 constexpr const char* kText = "(text)";  ///< for a scene that was loaded from none
+constexpr int kFactorDecimals = 4;       ///< of the speed
 constexpr double kStrength = 600;        ///< [N] of a poke at first
 
 QString messageOf(const std_srvs::TriggerResponse& r) { return QString::fromStdString(r.message); }
@@ -129,6 +132,7 @@ void RagdollPanel::makeControls(QFormLayout* form) {
 
   factor_ = new QDoubleSpinBox;
   factor_->setObjectName("factor");
+  factor_->setDecimals(kFactorDecimals);
   factor_->setRange(0, 1000);
   factor_->setSingleStep(0.25);
   factor_->setKeyboardTracking(false);
@@ -198,13 +202,13 @@ void RagdollPanel::save(rviz::Config config) const {
 
 void RagdollPanel::setNode(const QString& node) {
   QString name = node.trimmed();
+  if (!name.isEmpty() && !name.startsWith('/')) name.prepend('/');
   std::string problem;
   if (name.isEmpty() || !ros::names::validate(name.toStdString(), problem)) {
     say(name.isEmpty() ? "a node has a name, such as /ragdoll" : QString::fromStdString(problem));
     node_edit_->setText(node_);
     return;
   }
-  if (!name.startsWith('/')) name.prepend('/');
   node_edit_->setText(name);
   if (name == node_) return;
   node_ = name;
@@ -248,7 +252,11 @@ void RagdollPanel::hearMetrics(const ragdoll_msgs::Metrics& m) {
 void RagdollPanel::hearSettings(const dynamic_reconfigure::Config& m) {
   const QSignalBlocker factor(factor_), preset(preset_);
   for (const auto& d : m.doubles)
-    if (d.name == "realtime_factor") factor_->setValue(d.value > 0 ? d.value : 0);
+    if (d.name == "realtime_factor") {
+      // 0 reads "free", which a very slow one is not.
+      const double least = std::pow(10.0, -kFactorDecimals);
+      factor_->setValue(d.value > 0 ? std::max(d.value, least) : 0);
+    }
   for (const auto& s : m.strs) {
     if (s.name != "preset") continue;
     const QString name = QString::fromStdString(s.value);

@@ -4,6 +4,7 @@
 #include <OgreRay.h>
 #include <OgreViewport.h>
 #include <ragdoll_msgs/Poke.h>
+#include <ros/exceptions.h>
 #include <rviz/display_context.h>
 #include <rviz/frame_manager.h>
 #include <rviz/properties/float_property.h>
@@ -49,11 +50,17 @@ void PokeTool::deactivate() {
 void PokeTool::subscribe() {
   model_.reset();
   state_.reset();
+  model_subscriber_.shutdown();
+  state_subscriber_.shutdown();
   const std::string prefix = node_->getStdString() + "/";
-  model_subscriber_ = nh_.subscribe<ragdoll_msgs::Model>(
-      prefix + "model", 1, [this](const ragdoll_msgs::Model::ConstPtr& m) { model_ = m; });
-  state_subscriber_ = nh_.subscribe<ragdoll_msgs::State>(
-      prefix + "state", 1, [this](const ragdoll_msgs::State::ConstPtr& m) { state_ = m; });
+  try {
+    model_subscriber_ = nh_.subscribe<ragdoll_msgs::Model>(
+        prefix + "model", 1, [this](const ragdoll_msgs::Model::ConstPtr& m) { model_ = m; });
+    state_subscriber_ = nh_.subscribe<ragdoll_msgs::State>(
+        prefix + "state", 1, [this](const ragdoll_msgs::State::ConstPtr& m) { state_ = m; });
+  } catch (const ros::InvalidNameException& e) {
+    setStatus(QString("no name of a node: %1").arg(e.what()));
+  }
 }
 
 int PokeTool::processMouseEvent(rviz::ViewportMouseEvent& event) {

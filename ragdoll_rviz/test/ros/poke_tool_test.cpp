@@ -193,6 +193,29 @@ TEST_F(PokeTool, clickingBesideTheBodyPokesNothing) {
   EXPECT_EQ(click(0, 0).body_name, "ragdoll/head");
 }
 
+TEST_F(PokeTool, aNodeOfNoValidNameIsReported) {
+  QString status;
+  const auto listening =
+      QObject::connect(frame_->getManager(), &rviz::VisualizationManager::statusUpdate,
+                       [&](const QString& text) { status = text; });
+  rviz::Property* node = tool_->getPropertyContainer()->subProp("Node");
+  const QVariant name = node->getValue();
+  for (const char* wrong : {"/rag doll", "~ragdoll", "?"}) {
+    status.clear();
+    node->setValue(wrong);
+    EXPECT_TRUE(status.contains("no name of a node")) << status.toStdString();
+  }
+  QObject::disconnect(listening);
+  node->setValue(name);
+  lookAt(at("head"));
+  // Paused, the node tells its state when something changes; then the tool has heard it, too.
+  std_srvs::Trigger reset;
+  state_.reset();
+  ASSERT_TRUE(ros::service::call("/ragdoll/reset", reset));
+  ASSERT_TRUE(waitFor([this] { return state_ != nullptr; }));
+  EXPECT_EQ(click(0, 0).body_name, "ragdoll/head");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
