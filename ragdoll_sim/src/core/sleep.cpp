@@ -29,6 +29,20 @@ bool comesNear(const Model& model, const State& state, const SweptObstacle& obst
          ((x.rowwise().maxCoeff().array() + pad) >= obstacle.bounds.lo.array()).all();
 }
 
+bool isHung(const Model& model, int ragdoll) {
+  return !model.systemOf(model.ragdolls[ragdoll]).pins.empty();
+}
+
+struct Rest {
+  double speed;  ///< [m/s]
+  double time;   ///< [s]
+};
+
+Rest restOf(bool pressed, bool hung) {
+  if (pressed) return {kStillSpeed, kQuietTime};
+  return {hung ? kHungSpeed : kFloatSpeed, kHungTime};
+}
+
 /// Applies `pass` to pairs until it passes nothing on any more.
 template <class Pass>
 void spread(const std::vector<BodyPair>& pairs, const Pass& pass) {
@@ -41,9 +55,9 @@ void spread(const std::vector<BodyPair>& pairs, const Pass& pass) {
 }  // namespace
 
 void wakeDisturbed(const Model& model, const Inputs& inputs, double h, State& state) {
-  if (std::none_of(state.asleep.begin(), state.asleep.end(), [](auto a) { return a != 0; })) return;
   for (const Poke& poke : inputs.pokes)
     if (isActive(poke, state.time, h)) wake(state, poke.body.ragdoll);
+  if (std::none_of(state.asleep.begin(), state.asleep.end(), [](auto a) { return a != 0; })) return;
   for (std::size_t p = 0; p < inputs.pins.size(); ++p)
     if (inputs.pins[p] != state.x.col(model.pins[p].particle)) wake(state, model.pins[p].ragdoll);
   if (inputs.obstacles.empty()) return;
@@ -74,23 +88,23 @@ bool wakeTouched(const std::vector<Contact>& contacts, const Points& x1, State& 
 
 void putToSleep(const Model& model, const std::vector<BodyPair>& pressing, double h,
                 std::vector<std::uint8_t>& pressed, State& state) {
+  const auto supports = [&](int i) { return pressed[i] || state.asleep[i] || isHung(model, i); };
   spread(pressing, [&](int i, int j) {
-    // Sleepers lie on something.
-    if ((pressed[i] || state.asleep[i]) == (pressed[j] || state.asleep[j])) return false;
-    pressed[i] = pressed[j] = 1;
+    if (supports(i) == supports(j)) return false;
+    pressed[supports(i) ? j : i] = 1;
     return true;
   });
-  for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
+  std::vector<std::uint8_t> still(model.ragdolls.size());
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    still[i] = state.asleep[i];
     if (state.asleep[i]) continue;
     const Ragdoll& r = model.ragdolls[i];
-    const auto v = state.v.middleCols(r.first, model.skeletonOf(r).size());
-    const bool still =
-        pressed[i] && v.colwise().squaredNorm().maxCoeff() < kStillSpeed * kStillSpeed;
-    state.quiet[i] = still ? state.quiet[i] + h : 0;
+    const Rest rest = restOf(pressed[i], isHung(model, static_cast<int>(i)));
+    const double v2 =
+        state.v.middleCols(r.first, model.skeletonOf(r).size()).colwise().squaredNorm().maxCoeff();
+    state.quiet[i] = v2 < rest.speed * rest.speed ? state.quiet[i] + h : 0;
+    still[i] = state.quiet[i] >= rest.time;
   }
-  std::vector<std::uint8_t> still(model.ragdolls.size());
-  for (std::size_t i = 0; i < still.size(); ++i)
-    still[i] = state.asleep[i] || state.quiet[i] >= kQuietTime;
   spread(pressing, [&](int i, int j) {
     if (still[i] == still[j]) return false;
     still[i] = still[j] = 0;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/core/workspace.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -67,15 +68,39 @@ TEST_P(Sleep, ObstacleThatMovesNearWakesItAndAFarOneDoesNot) {
   EXPECT_FALSE(world.state.asleep[0]);
 }
 
-TEST_P(Sleep, WhatDriftsOrSwingsSlowlyDoesNotSleep) {
+TEST_P(Sleep, APokeThatGoesOnKeepsItAwake) {
   Scene scene = resting();
-  scene.obstacles.clear();
-  scene.gravity.setZero();
-  scene.ragdolls[0].velocity = Vec3(1e-3, 0, 0);
+  PokeSpec press;
+  press.body = "ab";
+  press.force = Vec3(0, 0, -1);
+  press.duration = -1;
+  scene.pokes = {press};
   World world(scene);
-  world.steps(200);
-  EXPECT_FALSE(world.state.asleep[0]);
-  EXPECT_NEAR(world.x(0).x(), 2e-3, 1e-12);
+  for (int i = 0; i < 200; ++i) {
+    world.steps(1);
+    ASSERT_FALSE(world.state.asleep[0]);
+  }
+}
+
+TEST_P(Sleep, CostsNothing) {
+  World world(resting());
+  world.steps(100);
+  ASSERT_TRUE(world.state.asleep[0]);
+  // What a step computes for a body is left in its workspace.
+  Workspace fresh;
+  const auto computed = [&] {
+    const Workspace::Impl& ws = fresh.impl();
+    const bool moved = ws.acceleration.cols() > 0 || ws.shake.acceleration.cols() > 0;
+    const bool sought = !ws.contacts.empty() || !ws.shake.contacts.empty();
+    return std::pair(moved, sought);
+  };
+  const StepReport asleep = step(world.model, world.inputs, fresh, world.state);
+  EXPECT_EQ(computed(), std::pair(false, false));
+  EXPECT_EQ(asleep.contacts, 0);
+  wakeAll(world.state);
+  const StepReport awake = step(world.model, world.inputs, fresh, world.state);
+  EXPECT_EQ(computed(), std::pair(true, true));
+  EXPECT_EQ(awake.contacts, 2);
 }
 
 TEST_P(Sleep, CanBeSwitchedOff) {
@@ -86,7 +111,8 @@ TEST_P(Sleep, CanBeSwitchedOff) {
   EXPECT_FALSE(world.state.asleep[0]);
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, Sleep, testing::Values(Method::kJakobsen, Method::kShake));
+INSTANTIATE_TEST_SUITE_P(Methods, Sleep,
+                         testing::Values(Method::kJakobsen, Method::kShake, Method::kRk));
 
 }  // namespace
 }  // namespace ragdoll

@@ -80,6 +80,31 @@ TEST(World, aReplayMayHaveMorePokesThanANodeAccepts) {
   EXPECT_NEAR(world.state().v(0, 0), impulse, 1e-9 * impulse);
 }
 
+TEST(World, aSettingOrAnotherHoldWakesWhatSleeps) {
+  ragdoll::Scene scene = particles(1);
+  scene.solver.sleep = true;
+  World world(scene);
+  const auto sleeps = [&world] { return world.state().asleep[0] != 0; };
+  const auto rest = [&] {
+    for (int i = 0; i < 3000 && !sleeps(); ++i) world.advance();
+    return sleeps();
+  };
+  ASSERT_TRUE(rest());
+  world.attach("ragdoll/p", "robot/gripper");
+  EXPECT_FALSE(sleeps());
+  ASSERT_TRUE(rest());
+  world.detach("ragdoll/p");
+  EXPECT_FALSE(sleeps());
+  ASSERT_TRUE(rest());
+  const auto before = world.scene();
+  const auto heavy = std::make_shared<ragdoll::Scene>(*before);
+  heavy->gravity.z() = -1;
+  world.configure(before, heavy, std::make_shared<ragdoll::Model>(buildModel(*heavy)));
+  EXPECT_FALSE(sleeps());
+  world.advance();
+  EXPECT_NEAR(world.state().v(2, 0), -kStep, 1e-12);
+}
+
 class Paused : public ::testing::Test {
  protected:
   Paused() : simulation_(World(particles(1)), options()) {}
