@@ -1,5 +1,6 @@
 // What a user sees over many falls with the default solver: joints hold, sticks hold, nothing sinks
-// in, energy never rises, and bodies come to rest.
+// in, energy never rises, and bodies come to rest. And what relaxation keeps of it at the setting
+// from which on it keeps the joints and comes to rest (docs/trade.md#random-falls).
 #include "support/falls.h"
 
 #include <gtest/gtest.h>
@@ -57,6 +58,52 @@ TEST_P(Falls, WithLimbsThatTouchKeepTheSame) {
   EXPECT_LT(record.rise, 1e-2);
   EXPECT_LT(record.step_rise, kStepRise);
   EXPECT_GT(record.resting, 95 * kSelfFalls / 100);
+}
+
+TEST_P(Falls, LieStillWithoutSleep) {
+  constexpr int kAwakeFalls = 25;
+  std::mt19937 random(2007);
+  int still = 0;
+  double worst = 0;  // [m/s]
+  for (int fall = 0; fall < kAwakeFalls; ++fall) {
+    Scene scene = randomFall(GetParam(), random);
+    scene.solver.sleep = false;
+    World world(scene);
+    const int second = static_cast<int>(std::lround(1 / world.model.solver.step));
+    world.steps(2 * static_cast<int>(kSeconds) * second);
+    double jitter = 0;
+    for (int i = 0; i < second; ++i) {
+      world.steps(1);
+      jitter = std::max(jitter, world.state.v.colwise().norm().maxCoeff());
+    }
+    still += jitter < 1e-3;
+    worst = std::max(worst, jitter);
+  }
+  RecordProperty("still", still);
+  RecordProperty("worst_mm_s", std::to_string(1e3 * worst));
+  EXPECT_GT(still, 95 * kAwakeFalls / 100);
+}
+
+TEST_P(Falls, OfRelaxationAt240HzAnd40SweepsKeepJointsAndEndAtRest) {
+  constexpr int kRelaxedFalls = 25;
+  std::mt19937 random(2007);
+  FallRecord record;
+  for (int fall = 0; fall < kRelaxedFalls; ++fall) {
+    Scene scene = randomFall(GetParam(), random);
+    scene.solver.method = Method::kJakobsen;
+    scene.solver.step = 1.0 / 240;
+    scene.solver.sweeps = 40;
+    addFall(scene, kSeconds, record);
+  }
+  RecordProperty("limit_deg", std::to_string(record.limit_deg));
+  RecordProperty("stretch", std::to_string(record.stretch));
+  RecordProperty("penetration_mm", std::to_string(record.penetration_mm));
+  RecordProperty("resting", record.resting);
+  EXPECT_LT(record.limit_deg, 2);
+  EXPECT_LT(record.stretch, 0.05);
+  EXPECT_LT(record.penetration_mm, 10);
+  EXPECT_LT(record.rise, 1e-2);
+  EXPECT_GE(record.resting, 95 * kRelaxedFalls / 100);
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, Falls, testing::Values("stairs", "between_objects"));
