@@ -77,10 +77,10 @@ bool JointChecks::adjacent(const Segment& a, const Segment& b) const {
 }
 
 void JointChecks::checkRestPose(int j, double by) const {
-  if (by <= kNegligibleAngle) return;
-  const std::string what = "the rest pose is " + degrees(by) + " outside its limit, " + allowed(j);
-  if (by > kTolerance) fail(j, "", what + "; change the limit or the particles' positions");
-  warn(j, what + "; the first steps turn it back");
+  if (by <= kTolerance) return;
+  fail(j, "",
+       "the rest pose is " + degrees(by) + " outside its limit, " + allowed(j) +
+           "; change the limit or the particles' positions");
 }
 
 std::string JointChecks::allowed(int j) const {

@@ -96,12 +96,14 @@ std::vector<RagdollSpec> unrolled(const Scene& scene) {
   return out;
 }
 
-void placeRagdoll(const RagdollSpec& spec, const Skeleton& s, int first, Model& model) {
+/// start: the model's start pose.
+void placeRagdoll(const RagdollSpec& spec, const Skeleton& s, const Points& start, int first,
+                  Model& model) {
   const int n = s.size();
   auto x = model.start_position.middleCols(first, n);
   auto v = model.start_velocity.middleCols(first, n);
   const Quat q = spec.pose.orientation.normalized();
-  x = (q.toRotationMatrix() * s.rest).colwise() + spec.pose.position;
+  x = (q.toRotationMatrix() * start).colwise() + spec.pose.position;
   const Eigen::RowVectorXd share =
       Eigen::RowVectorXd::Ones(n) * s.M;  // mass that each point stands for
   const Vec3 com = x * share.transpose() / share.sum();
@@ -119,6 +121,7 @@ void placeRagdoll(const RagdollSpec& spec, const Skeleton& s, int first, Model& 
 void addRagdolls(const Scene& scene, const std::vector<RagdollSpec>& specs, Model& model) {
   std::map<const SkeletonSpec*, int> known;
   std::set<std::string> names;
+  std::vector<Points> starts;  // of each skeleton
   int size = 0;
   if (specs.empty()) throw Error(scene.where, "ragdolls: a scene needs at least one ragdoll");
   for (const RagdollSpec& r : specs) {
@@ -130,6 +133,7 @@ void addRagdolls(const Scene& scene, const std::vector<RagdollSpec>& specs, Mode
         known.try_emplace(r.skeleton.get(), static_cast<int>(model.skeletons.size()));
     if (fresh) {
       model.skeletons.push_back(buildSkeleton(*r.skeleton));
+      starts.push_back(startPose(*r.skeleton, model.skeletons.back()));
       const std::vector<std::string>& doubts = model.skeletons.back().warnings;
       model.warnings.insert(model.warnings.end(), doubts.begin(), doubts.end());
     }
@@ -144,17 +148,8 @@ void addRagdolls(const Scene& scene, const std::vector<RagdollSpec>& specs, Mode
   for (std::size_t i = 0; i < specs.size(); ++i) {
     const Ragdoll& r = model.ragdolls[i];
     const Skeleton& s = model.skeletonOf(r);
-    placeRagdoll(specs[i], s, r.first, model);
+    placeRagdoll(specs[i], s, starts[r.skeleton], r.first, model);
     model.radius.segment(r.first, s.size()) = s.radius;
-  }
-}
-
-void correctStarts(const std::vector<RagdollSpec>& specs, Model& model) {
-  for (std::size_t i = 0; i < specs.size(); ++i) {
-    std::vector<int> placed;
-    for (const auto& place : specs[i].place)
-      placed.push_back(model.skeletonOf(model.ragdolls[i]).particle(place.first));
-    if (!placed.empty()) correctStart(model, static_cast<int>(i), placed);
   }
 }
 
@@ -228,7 +223,8 @@ Model buildModel(const Scene& scene) {
   } catch (const Error& e) {  // it knows no file
     throw Error(scene.where, e.what());
   }
-  correctStarts(specs, model);
+  for (std::size_t i = 0; i < specs.size(); ++i)
+    if (!specs[i].place.empty()) correctStart(specs[i], model, static_cast<int>(i));
   for (const PokeSpec& p : scene.pokes) model.pokes.push_back(resolve(p, model));
   std::stable_sort(model.pokes.begin(), model.pokes.end(), [&](const Poke& a, const Poke& b) {
     return actsBefore(a, b, model.solver.step);

@@ -431,7 +431,8 @@ TEST(LimitChecks, WarnOfARestPoseALittleOutside) {
   s.joints = {hinge("e", "upper_arm", "forearm", -Vec3::UnitY(), 0.5, 130)};
   const Model model = buildModel(sceneOf(s));
   ASSERT_EQ(model.warnings.size(), 1u);
-  EXPECT_NE(model.warnings[0].find("0.5 deg outside"), std::string::npos) << model.warnings[0];
+  EXPECT_NE(model.warnings[0].find("joint 'e' 0.5 deg outside its limit"), std::string::npos)
+      << model.warnings[0];
 }
 
 TEST(LimitChecks, WarnOfAHingeWhoseDirectionNothingShows) {

@@ -16,8 +16,8 @@ class JointChecks {
 
   /// What the file says of it. Throws Error.
   void checkJoint(int joint) const;
-  /// A body that starts outside its limits, by an angle [rad], jumps at the first step: Error, or a
-  /// warning where it is little.
+  /// A rest pose outside its limits by an angle [rad] is an Error; by little it is corrected
+  /// (start_pose.h).
   void checkRestPose(int joint, double by) const;
 
   /// key: of the joint in the file, as ".axis".
