@@ -20,58 +20,66 @@ constexpr double kB[kStages] = {35.0 / 384,     0,        500.0 / 1113, 125.0 / 
 constexpr double kE[kStages + 1] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
                                     -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 
-/// Acceleration at the pose of `sticks` with velocities v; s.pulls: what `free` does to the sticks.
-void accelerate(const StickRows& rows, StickSolver& sticks, const double* v, const Points& free,
-                RungeKuttaScratch& s, Points& out) {
-  s.rates.resize(3, rows.width);
+/// Acceleration (3 x n) at the pose of `sticks` with velocities v; s.pulls: what `free` does to the
+/// sticks.
+void accelerate(const StickRows& rows, StickSolver& sticks, const double* v, RungeKuttaScratch& s,
+                double* out) {
   kernels::multiplyPoints(v, rows.BT.data(), rows.n, rows.width, s.rates.data());
   const Eigen::Map<const PaddedRows> D(sticks.D(), 3, rows.width);
   s.lambda =
       -(D.cwiseProduct(s.pulls).colwise().sum() + s.rates.colwise().squaredNorm()).transpose();
   sticks.solve(rows, s.lambda.data());
-  out = free;
-  sticks.move(rows, s.lambda.data(), 1, out.data());
+  std::copy(s.free.data(), s.free.data() + s.free.size(), out);
+  sticks.move(rows, s.lambda.data(), 1, out);
+}
+
+/// Largest length of a column.
+double largest(const double* points, int n) {
+  return std::sqrt(Eigen::Map<const Points>(points, 3, n).colwise().squaredNorm().maxCoeff());
 }
 
 }  // namespace
 
-void rungeKutta(const StickRows& rows, StickSolver& sticks, const double* x, const double* v,
-                const Points& free, double h, RungeKuttaScratch& s, Points& dx, Points& v1,
-                double* first_lambda) {
-  const Eigen::Map<const Points> x0(x, 3, rows.n), v0(v, 3, rows.n);
+void rungeKutta(const StickRows& rows, StickSolver& start, StickSolver& sticks, const double* x,
+                const double* v, const Points& free, double h, RungeKuttaScratch& s, Points& dx,
+                Points& v1, double* first_lambda) {
+  const int n = 3 * rows.n, half = paddedWidth(n);
   s.free = free;
   s.pulls.resize(3, rows.width);
+  s.rates.resize(3, rows.width);
   kernels::multiplyPoints(free.data(), rows.BT.data(), rows.n, rows.width, s.pulls.data());
+  s.start.setZero(2 * half);
+  std::copy(x, x + n, s.start.data());
+  std::copy(v, v + n, s.start.data() + half);
+  s.stage.resize(2 * half);
+  s.slopes.setZero(kStages, 2 * half);
+  double factors[kStages];
   for (int i = 0; i < kStages; ++i) {
-    s.x = x0;
-    s.v = v0;
-    for (int j = 0; j < i; ++j) {
-      s.x += h * kA[i][j] * s.dx[j];
-      s.v += h * kA[i][j] * s.dv[j];
-    }
-    sticks.setPose(rows, s.x.data());
-    s.dx[i] = s.v;
-    accelerate(rows, sticks, s.v.data(), free, s, s.dv[i]);
-    if (i == 0)
-      for (int k = 0; k < rows.s; ++k) first_lambda[k] = s.lambda[k];
+    for (int j = 0; j < i; ++j) factors[j] = h * kA[i][j];
+    kernels::addWeighted(s.start.data(), s.slopes.data(), factors, i, 2 * half, s.stage.data());
+    StickSolver& pose = i == 0 ? start : sticks;
+    pose.setPose(rows, s.stage.data());
+    double* slope = s.slopes.row(i).data();
+    std::copy(s.stage.data() + half, s.stage.data() + half + n, slope);
+    accelerate(rows, pose, slope, s, slope + half);
+    if (i == 0) std::copy(s.lambda.data(), s.lambda.data() + rows.s, first_lambda);
   }
-  dx.setZero(3, rows.n);
-  v1 = v0;
-  for (int i = 0; i < kStages; ++i) {
-    dx += h * kB[i] * s.dx[i];
-    v1 += h * kB[i] * s.dv[i];
-  }
+  for (int i = 0; i < kStages; ++i) factors[i] = h * kB[i];
+  s.start.head(half).setZero();
+  kernels::addWeighted(s.start.data(), s.slopes.data(), factors, kStages, 2 * half, s.stage.data());
+  dx = Eigen::Map<const Points>(s.stage.data(), 3, rows.n);
+  v1 = Eigen::Map<const Points>(s.stage.data() + half, 3, rows.n);
 }
 
 double rungeKuttaError(const StickRows& rows, StickSolver& sticks, const double* v1, double h,
                        RungeKuttaScratch& s) {
-  accelerate(rows, sticks, v1, s.free, s, s.last_dv);
-  s.error = kE[kStages] * Eigen::Map<const Points>(v1, 3, rows.n);
-  for (int i = 0; i < kStages; ++i) s.error += kE[i] * s.dx[i];
-  const double positions = h * std::sqrt(s.error.colwise().squaredNorm().maxCoeff());
-  s.error = kE[kStages] * s.last_dv;
-  for (int i = 0; i < kStages; ++i) s.error += kE[i] * s.dv[i];
-  return std::max(positions, h * h * std::sqrt(s.error.colwise().squaredNorm().maxCoeff()));
+  const int n = 3 * rows.n, half = paddedWidth(n);
+  double* error = s.start.data();
+  std::copy(v1, v1 + n, error);
+  accelerate(rows, sticks, v1, s, error + half);
+  s.start *= kE[kStages];
+  kernels::addWeighted(error, s.slopes.data(), kE, kStages, 2 * half, error);
+  return std::max(h * largest(error, rows.n), h * h * largest(error + half, rows.n));
 }
 
 }  // namespace ragdoll

@@ -43,10 +43,9 @@ double ShakeStep::advanceSmooth(double h) {
 
 void ShakeStep::smoothIncrement(double h) {
   double* m = multipliers();
-  rungeKutta(rows_, body_.end, xData(), vData(), scratch_.acceleration, h, scratch_.stages,
-             scratch_.dx, scratch_.v1, m);
+  rungeKutta(rows_, body_.start, body_.end, xData(), vData(), scratch_.acceleration, h,
+             scratch_.stages, scratch_.dx, scratch_.v1, m);
   for (int s = 0; s < rows_.s; ++s) m[s] = m[s + rows_.s] = 0.5 * m[s];  // per h^2 of x, not of v
-  body_.start.setPose(rows_, xData());
   scratch_.lambda.setZero(rows_.width);
   if (!satisfySticks()) failed_ = true;
 }

@@ -37,13 +37,14 @@ StickRows::StickRows(const DirectSystem& d)
 }
 
 void StickSolver::resize(const StickRows& rows) {
-  if (D_.cols() == rows.width && inverse_.cols() == rows.width && pose_.size() == 3 * rows.n) return;
+  if (D_.cols() == rows.width && inverse_.cols() == rows.width && pose_.size() == 3 * rows.n)
+    return;
   D_.setZero(3, rows.width);
   rates_.setZero(3, rows.width);
   inverse_.setZero(rows.s + rows.s % 2, rows.width);
   moved_.setZero(3, rows.columns);
   solved_.setZero(rows.width);
-  work_.setZero(3 * rows.width);
+  work_.setZero(rows.width);
   lambda_.setZero(rows.width);
   pose_.setZero(3 * rows.n);
   valid_ = false;

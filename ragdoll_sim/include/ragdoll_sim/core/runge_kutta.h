@@ -6,8 +6,6 @@
 // docs/equations.md#rk.
 #pragma once
 
-#include <array>
-
 #include "ragdoll_sim/core/stick_solver.h"
 
 namespace ragdoll {
@@ -15,17 +13,19 @@ namespace ragdoll {
 /// Scratch of one step.
 struct RungeKuttaScratch {
   static constexpr int kStages = 6;
-  Points x, v, free, last_dv, error;
-  std::array<Points, kStages> dx, dv;
+  Points free;
+  PaddedRows slopes;             ///< a row for each stage: velocities, then accelerations
+  Eigen::VectorXd start, stage;  ///< likewise: positions, then velocities
   PaddedRows rates, pulls;
   Eigen::VectorXd lambda;
 };
 
 /// Motion of one body over h: dx [m] and v1 [m/s] (3 x n, columns) from x, v under the acceleration
-/// `free` that it would have without sticks. first_lambda (s): multipliers at the start.
-void rungeKutta(const StickRows& rows, StickSolver& sticks, const double* x, const double* v,
-                const Points& free, double h, RungeKuttaScratch& scratch, Points& dx, Points& v1,
-                double* first_lambda);
+/// `free` that it would have without sticks. first_lambda (s): multipliers at the start, whose pose
+/// `start` holds or is given; `sticks` takes those of the stages.
+void rungeKutta(const StickRows& rows, StickSolver& start, StickSolver& sticks, const double* x,
+                const double* v, const Points& free, double h, RungeKuttaScratch& scratch,
+                Points& dx, Points& v1, double* first_lambda);
 
 /// [m] Estimate of the error that the last rungeKutta made over h: the largest distance of a
 /// particle, or of h times its velocity, from the embedded motion of fourth order [Dormand1980].

@@ -29,7 +29,7 @@ void gram(const double* G, const double* D, int s, int width, double* S);
 /// S <- S^-1 in place for a symmetric positive definite S (s rows of width; one row more, zero, if
 /// s is odd), by Gauss-Jordan elimination with pivots in pairs. A stick whose pivot falls below
 /// floor x its diagonal depends on those before it in this pose: its row and column become 0, it
-/// takes no impulse. work: 3 width values. Returns how many such sticks there are.
+/// takes no impulse. work: width values. Returns how many such sticks there are.
 int invert(double* S, int s, int width, double floor, double* work);
 
 /// out (width) = A b, A: s symmetric rows of width.
@@ -48,6 +48,11 @@ void subtractProducts(const double* K, const double* Z, int s, int m, int column
 
 /// y += f x, n values (a multiple of kLane).
 void addScaled(const double* x, double f, int n, double* y);
+
+/// out = base + f_i times the i-th of `count` terms, which lie one after the other; n values each
+/// (a multiple of kLane).
+void addWeighted(const double* base, const double* terms, const double* f, int count, int n,
+                 double* out);
 
 /// residual = (length2 - |d|^2) / 2; returns the largest |residual| / length2, NaN if there is one.
 /// length2 and its inverses: width values, those beyond the last stick 0.
