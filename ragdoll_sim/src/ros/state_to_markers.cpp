@@ -13,10 +13,11 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kPeriod = 1.0 / 60;    ///< [s] between two pictures
-constexpr double kMaxGap = 0.1;         ///< [s] of simulation; a longer one is a jump
-constexpr double kWarnPeriod = 5;       ///< [s]
-constexpr double kRecordedTfHolds = 1;  ///< [s] without a recorded frame, then they are drawn anew
+constexpr double kPeriod = 1.0 / 60;     ///< [s] between two pictures
+constexpr double kMaxGap = 0.1;          ///< [s] of simulation; a longer one is a jump
+constexpr double kWarnPeriod = 5;        ///< [s]
+constexpr double kRecordedTfHolds = 1;   ///< [s] without a recorded frame, then they are drawn anew
+constexpr std::size_t kMaxEarly = 1000;  ///< pokes kept until their model comes
 
 }  // namespace
 
@@ -48,11 +49,21 @@ void StateToMarkers::model(const ragdoll_msgs::Model& message) {
   follow_.restart(*world_.model, world_.state);
   told_glides_.clear();
   heard_ = false;
-  if (markers_ && world_frame_ == message.header.frame_id) return;
-  world_frame_ = message.header.frame_id;
-  markers_.reset();
-  markers_ = std::make_unique<MarkerPublisher>(nh_, world_frame_, coat_);
-  frames_ = std::make_unique<FrameLookup>(world_frame_);
+  if (!markers_ || world_frame_ != message.header.frame_id) {
+    world_frame_ = message.header.frame_id;
+    markers_.reset();
+    markers_ = std::make_unique<MarkerPublisher>(nh_, world_frame_, coat_);
+    frames_ = std::make_unique<FrameLookup>(world_frame_);
+  }
+  hearEarly();
+}
+
+/// Topics come in no common order: what came before the first model is heard now.
+void StateToMarkers::hearEarly() {
+  for (const ragdoll_msgs::PokeEvent& message : early_pokes_) poke(message);
+  early_pokes_.clear();
+  if (early_state_) state(*early_state_);
+  early_state_.reset();
 }
 
 bool StateToMarkers::fits(const ragdoll_msgs::State& message) const {
@@ -69,6 +80,7 @@ bool StateToMarkers::fits(const ragdoll_msgs::State& message) const {
 }
 
 void StateToMarkers::state(const ragdoll_msgs::State& message) {
+  if (!world_.model) early_state_ = message;
   if (!fits(message)) {
     ROS_WARN_THROTTLE(kWarnPeriod, "~state ignored: %s",
                       world_.model ? "it is not of the scene that ~model told"
@@ -100,7 +112,10 @@ void StateToMarkers::state(const ragdoll_msgs::State& message) {
 }
 
 void StateToMarkers::poke(const ragdoll_msgs::PokeEvent& message) {
-  if (!world_.model) return;
+  if (!world_.model) {
+    if (early_pokes_.size() < kMaxEarly) early_pokes_.push_back(message);
+    return;
+  }
   try {
     Event event = fromPokeEvent(*world_.model, message);
     if (message.body_name.empty()) {
@@ -110,8 +125,9 @@ void StateToMarkers::poke(const ragdoll_msgs::PokeEvent& message) {
     }
     event.poke.start = static_cast<double>(message.step) * world_.model->solver.step;
     tell(event.poke, message.run);
-    // What a ~wrench did is told when it has been done: shown once, late.
-    if (message.run == world_.mark.run && told_.back().end <= world_.state.step)
+    // Shown late: what a ~wrench did is told when it has been done, and topics come in no common
+    // order.
+    if (message.run == world_.mark.run && told_.back().event.step < world_.state.step)
       world_.acted.push_back(event.poke);
   } catch (const Error& e) {
     ROS_WARN_THROTTLE(kWarnPeriod, "~pokes ignored: %s", e.what());

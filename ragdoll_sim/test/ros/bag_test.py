@@ -10,6 +10,7 @@ import tempfile
 import unittest
 
 import rosbag
+import roslib.packages
 import rospy
 import rostest
 from client import Client, Inbox, Recorder, bits, wait_for
@@ -76,8 +77,9 @@ class BagTest(unittest.TestCase):
         self.play(states, transforms)
 
     def play(self, states, transforms):
+        program = roslib.packages.find_node('rosbag', 'play')[0]
         player = subprocess.Popen(
-            ['rosbag', 'play', '--quiet', '--wait-for-subscribers', self.path,
+            [program, '--quiet', '--wait-for-subscribers', self.path,
              '/ragdoll/state:=/played/state', '/tf:=/played/tf', '/ragdoll/model:=/played/model',
              '--topics'] + ['/ragdoll/state', '/tf'], stdout=subprocess.DEVNULL)
         self.addCleanup(player.kill)

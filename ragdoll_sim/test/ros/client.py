@@ -1,5 +1,6 @@
 """What the python rostests share: the node's services, its messages, waiting for conditions."""
 
+import atexit
 import os
 import signal
 import struct
@@ -9,6 +10,7 @@ import time
 from xmlrpc.client import ServerProxy
 
 import rosgraph
+import roslib.packages
 import rospy
 from geometry_msgs.msg import Point, Vector3
 from ragdoll_msgs.msg import Model, PokeEvent, State
@@ -105,7 +107,9 @@ class Recorder:
 
     def __init__(self, path, node, topics):
         self.path, self.node, self.topics = path, node, set(topics)
-        self.process = subprocess.Popen(['rosbag', 'record', '--quiet', '-O', path] + topics)
+        program = roslib.packages.find_node('rosbag', 'record')[0]
+        self.process = subprocess.Popen([program, '--quiet', '-O', path] + topics)
+        atexit.register(self.process.kill)  # a test that failed leaves nothing behind
         wait_for(self.is_connected, 'the recorder')
 
     def is_connected(self):

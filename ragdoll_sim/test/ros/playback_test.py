@@ -13,7 +13,8 @@ import roslib.packages
 import rospy
 import rostest
 from client import Client, Inbox, Recorder, position, wait_for
-from ragdoll_msgs.msg import FollowedFrame, Model, State
+from ragdoll_msgs.msg import FollowedFrame, Model, PokeEvent, State
+from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
@@ -94,8 +95,8 @@ class PlaybackTest(unittest.TestCase):
             for key, value in numbers(message).items():
                 if key[0] == 'obstacles':
                     self.assertEqual(value, expected[key])
-        arrows = [m for message in played.all() for m in message.markers if m.ns == 'pokes']
-        self.assertTrue(arrows, 'no arrow for the poke')
+        arrows = wait_for(lambda: [m for message in played.all() for m in message.markers
+                                   if m.ns == 'pokes'], 'an arrow for the poke')
         self.assertGreater(arrows[-1].points[1].y - arrows[-1].points[0].y, 0.3)
 
         # The node still publishes the same frames, so the relay keeps silent.
@@ -131,6 +132,41 @@ class PlaybackTest(unittest.TestCase):
                 boxes = [m for a in drawn.all()[-1:] for m in a.markers if m.ns == 'obstacles']
                 return boxes and abs(boxes[0].pose.position.x - (x + 0.5)) < 1e-9
             wait_for(there, 'the box at step %d' % step)
+
+    def test_what_comes_before_the_model_or_after_its_state_is_drawn(self):
+        """Topics come in no common order: told by hand, first the poke, last the model."""
+        model = copy.deepcopy(Inbox('/ragdoll/model', Model).first(lambda m: True, 'a model'))
+        state = self.client.restart()
+        state.step = 100
+        tell_model, tell_state, tell_poke = (
+            rospy.Publisher('/early/' + name, kind, queue_size=10)
+            for name, kind in (('model', Model), ('state', State), ('pokes', PokeEvent)))
+        for publisher in (tell_model, tell_state, tell_poke):
+            wait_for(lambda p=publisher: p.get_num_connections() > 0, 'the relay')
+        log = Inbox('/rosout', Log)
+
+        def lengths():
+            """[m] of all arrows so far, along y"""
+            return {round(m.points[1].y - m.points[0].y, 9)
+                    for a in drawn.all() for m in a.markers if m.ns == 'pokes'}
+        poke = PokeEvent(run=state.run, step=40, body_name='head')
+        poke.duration.secs = -1
+        poke.force.y = 50
+        tell_poke.publish(poke)
+
+        def heard():
+            tell_state.publish(state)
+            return any(m.name == '/early' and 'no ~model' in m.msg for m in log.all())
+        wait_for(heard, 'the state without model')
+        tell_model.publish(model)
+        drawn = Inbox('/early/markers', MarkerArray)
+        drawn.first(lambda a: len(a.markers) > 0, 'the state that came before the model')
+        state.step += 1
+        tell_state.publish(state)
+        wait_for(lambda: len(lengths()) == 1, 'the arrow of what came before the model')
+        poke.force.y = 100
+        tell_poke.publish(poke)
+        wait_for(lambda: len(lengths()) == 2, 'the arrow of what came after the state')
 
     def test_frames_where_nobody_else_has_them(self):
         """A body of another name, told by hand: what the node does not publish, the relay does."""

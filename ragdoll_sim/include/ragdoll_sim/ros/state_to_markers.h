@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,7 @@ class StateToMarkers {
   void transforms(const ros::MessageEvent<tf2_msgs::TFMessage const>& event);
   void draw();
 
+  void hearEarly();
   bool fits(const ragdoll_msgs::State& message) const;
   void tell(const Poke& poke, std::uint32_t run);
   void gatherActed(std::uint64_t before, std::uint64_t now);
@@ -61,6 +63,8 @@ class StateToMarkers {
   std::vector<Told> told_;
   std::map<std::string, FollowedFrame> told_glides_;  ///< the last of each frame
   bool heard_ = false;                                ///< a state of the present model
+  std::vector<ragdoll_msgs::PokeEvent> early_pokes_;  ///< before the first model
+  std::optional<ragdoll_msgs::State> early_state_;    ///< the last before the first model
   ros::Time last_stamp_;
   ros::WallTime recorded_tf_;  ///< when /tf last brought the ragdolls' frames from elsewhere
 };
