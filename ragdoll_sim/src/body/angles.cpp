@@ -106,7 +106,7 @@ void JointAngles::add(const Skeleton& skeleton, int j, const std::string& prefix
   }
   const auto regions =
       std::count_if(joint.planes.begin(), joint.planes.end(), [](const auto& p) { return !!p; });
-  entry.euler = !(entry.planes && on_bone && regions == 1);
+  entry.euler = !(entry.planes && on_bone && regions < 3);
   if (entry.euler)
     for (const char* letter : {"x", "y", "z"}) names_.push_back(name + letter);
   if (entry.cone) names_.push_back(name + "swing");

@@ -87,6 +87,10 @@ TEST(JointAngles, AtALimitAreTheLimitsOwnNumbers) {
                             {"human_thesis", "left_elbow_yz", y, 130, -1},
                             {"human_thesis", "right_elbow_yz", y, 10, 1},
                             {"human_thesis", "right_knee_yz", y, -135, 1},
+                            {"human_thesis", "right_knee_xz", z, 225, 1},
+                            {"human_thesis", "left_knee_xz", z, 315, 1},
+                            {"human_thesis", "left_elbow_xz", z, 150, 1},
+                            {"human_thesis", "right_elbow_xz", z, 35, 1},
                             {"human_thesis", "right_shoulder_xy", y, 120, -1},
                             {"human_thesis", "left_shoulder_xz", y, 225, 1},
                             {"human_thesis", "neck_xy", x, 135, 1},
@@ -137,8 +141,8 @@ TEST(JointAngles, NamesOfEveryKindOfJoint) {
   EXPECT_EQ(of(human, "left_elbow"), (Names{"y"}));
   EXPECT_EQ(of(thesis, "left_shoulder"), (Names{"x", "y", "z", "xy", "yz", "xz"}));
   EXPECT_EQ(of(thesis, "left_leg"), (Names{"x", "y", "z", "xy", "yz", "xz"}));
-  EXPECT_EQ(of(thesis, "left_elbow"), (Names{"yz"}));
-  EXPECT_EQ(of(thesis, "right_knee"), (Names{"yz"}));
+  EXPECT_EQ(of(thesis, "left_elbow"), (Names{"yz", "xz"}));
+  EXPECT_EQ(of(thesis, "right_knee"), (Names{"yz", "xz"}));
 }
 
 }  // namespace

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <tuple>
+#include <utility>
 
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
@@ -157,6 +159,36 @@ TEST(Planes, RememberTheLastAllowedDirectionInTheState) {
   EXPECT_EQ(hash(world.state), hash(other.state));
   EXPECT_EQ(world.state.allowed, other.state.allowed);
   EXPECT_EQ(world.state.allowed.cols(), 11);
+}
+
+/// What a joint of human_thesis allows of a child bone that hangs down, bent by `bend` degrees towards
+/// `to` and that plane turned by `turn` to the left.
+bool thesisAllows(const std::string& joint, const Vec3& to, double bend, double turn) {
+  static const Model model = buildModel(humanScene("human_thesis"));
+  const Skeleton& s = model.skeletons[0];
+  const Vec3 aside(0, 1, 0);
+  const Vec3 towards = std::cos(rad(turn)) * to + std::sin(rad(turn)) * aside;
+  for (const PlaneLimit& limit : s.plane_limits)
+    if (limit.joint == s.joint(joint))
+      return isAllowed(limit, std::sin(rad(bend)) * towards + std::cos(rad(bend)) * Vec3(0, 0, -1));
+  throw std::invalid_argument(joint);
+}
+
+TEST(ThesisBody, KneesAndElbowsBendOneWayOnly) {
+  const Vec3 ahead = Vec3::UnitX(), back = -ahead;
+  for (double bend = 15; bend <= 125; bend += 5) {
+    for (const char* knee : {"left_knee", "right_knee"}) {
+      for (const double turn : {-44.0, 0.0, 44.0})
+        EXPECT_TRUE(thesisAllows(knee, back, bend, turn)) << bend << " " << turn;
+      for (const double turn : {-46.0, 46.0, 90.0, -90.0, 180.0})
+        EXPECT_FALSE(thesisAllows(knee, back, bend, turn)) << bend << " " << turn;
+    }
+    for (const auto& [elbow, out] : {std::pair("left_elbow", 1), std::pair("right_elbow", -1)}) {
+      EXPECT_TRUE(thesisAllows(elbow, ahead, bend, 0)) << bend;
+      for (const double turn : {-56.0, 61.0, 90.0, -90.0, 180.0})
+        EXPECT_FALSE(thesisAllows(elbow, ahead, bend, out * turn)) << bend << " " << turn;
+    }
+  }
 }
 
 TEST(ThesisBody, FallsAndTumblesUnderTheDirectSolverToo) {

@@ -12,9 +12,9 @@
 // turn
 //   of the region's middle.
 //
-// Beside these, for joints that turn about three axes (cones, and planes but for one plane on a
-// bone, as the thesis's elbow and knee), the turn R of the child part in the parent part since the
-// rest pose,
+// Beside these, for joints that turn about three axes (cones, and planes but for those on a bone with
+// less than three regions, as elbow and knee), the turn R of the child part in the parent part since
+// the rest pose,
 //   R = Ry(y) Rx(x) Rz(z): for a limb that hangs down flexion about y, then abduction about x, then
 //   twist about the limb itself, the order of the joint coordinate system [GroodSuntay1983] which
 //   locks only at x = +-90 deg. Named <joint>_x, _y, _z. y and z in (-pi, pi], x in [-pi/2, pi/2].
