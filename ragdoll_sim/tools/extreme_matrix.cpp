@@ -73,7 +73,7 @@ Matrix runMatrix(const MatrixOptions& options, Progress& progress) {
                                 "' in the matrix; there are jakobsen, shake and rk");
   const std::size_t columns = matrix.methods.size();
   for (const Extreme& test : extremeTests(options.quick))
-    if ((test.group + ": " + test.name).find(options.only) != std::string::npos)
+    if (options.tests && (test.group + ": " + test.name).find(options.only) != std::string::npos)
       matrix.rows.push_back({test, std::vector<Verdict>(columns)});
   matrix.random.resize(columns);
   const std::size_t cells = matrix.rows.size() * columns;

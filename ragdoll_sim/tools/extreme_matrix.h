@@ -34,6 +34,7 @@ struct Matrix {
 
 struct MatrixOptions {
   bool quick = false;
+  bool tests = true;       ///< false: random scenes alone
   int random = 0;          ///< scenes
   std::uint32_t seed = 0;  ///< of the first
   std::string only;        ///< only tests whose name contains this

@@ -9,9 +9,6 @@
 namespace ragdoll::lab {
 namespace {
 
-constexpr const char* kBegin = "<!-- extremes -->\n";
-constexpr const char* kEnd = "<!-- /extremes -->\n";
-
 /// "ok", "-", or the laws that were broken.
 std::string cell(const Verdict& verdict) {
   if (!verdict.tested) return "-";
@@ -109,8 +106,9 @@ std::string toMarkdown(const Matrix& matrix) {
     }
   }
   if (matrix.random.empty() || matrix.random[0].scenes == 0) return text;
+  text += matrix.rows.empty() ? "\n" : "\n### random scenes\n\n";
   text +=
-      "\n### random scenes\n\n| method | scenes | that break a law | laws | worst stretch | "
+      "| method | scenes | that break a law | laws | worst stretch | "
       "energy rise | depth m |\n|---|---|---|---|---|---|---|\n";
   for (std::size_t m = 0; m < matrix.methods.size(); ++m) {
     const RandomTally& t = matrix.random[m];
@@ -121,12 +119,13 @@ std::string toMarkdown(const Matrix& matrix) {
   return text;
 }
 
-std::string withTables(const std::string& document, const std::string& tables,
-                       const std::string& path) {
-  const std::size_t begin = document.find(kBegin), end = document.find(kEnd);
+std::string withTables(const std::string& document, const std::string& mark,
+                       const std::string& tables, const std::string& path) {
+  const std::string open = "<!-- " + mark + " -->", close = "<!-- /" + mark + " -->";
+  const std::size_t begin = document.find(open + "\n"), end = document.find(close + "\n");
   if (begin == std::string::npos || end == std::string::npos || end < begin)
-    throw Error(path, "has no lines <!-- extremes --> and <!-- /extremes -->, one after the other");
-  return document.substr(0, begin) + kBegin + tables + "\n" + document.substr(end);
+    throw Error(path, "has no lines " + open + " and " + close + ", one after the other");
+  return document.substr(0, begin) + open + "\n" + tables + "\n" + document.substr(end);
 }
 
 }  // namespace ragdoll::lab

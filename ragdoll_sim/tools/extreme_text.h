@@ -10,9 +10,9 @@ namespace ragdoll::lab {
 std::string toTable(const Matrix& matrix);
 std::string toMarkdown(const Matrix& matrix);
 
-/// `document` with `tables` in place of what stands between its lines <!-- extremes --> and
-/// <!-- /extremes -->. Throws Error, which names `path`, if it has no such lines.
-std::string withTables(const std::string& document, const std::string& tables,
-                       const std::string& path);
+/// `document` with `tables` in place of what stands between its lines <!-- `mark` --> and
+/// <!-- /`mark` -->. Throws Error, which names `path`, if it has no such lines.
+std::string withTables(const std::string& document, const std::string& mark,
+                       const std::string& tables, const std::string& path);
 
 }  // namespace ragdoll::lab

@@ -2,6 +2,7 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <utility>
 
 #include "arguments.h"
 #include "commands.h"
@@ -26,21 +27,38 @@ std::string textOf(const std::string& path) {
   return std::string(std::istreambuf_iterator<char>(file), {});
 }
 
-int extremes(const MatrixOptions& options, const std::string& path) {
-  std::string document;
-  if (!path.empty()) document = withTables(textOf(path), "", path);  // fails now, not in an hour
+/// Prints what was run, and puts it into the document between its marks.
+class Report {
+ public:
+  /// Throws Error if there is no such document: now, not in an hour. No path: no document.
+  Report(std::string path, std::string mark) : path_(std::move(path)), mark_(std::move(mark)) {
+    if (path_.empty()) return;
+    document_ = textOf(path_);
+    withTables(document_, mark_, "", path_);
+  }
+
+  template <class Results>
+  void write(const Results& results) const {
+    std::cout << toTable(results);
+    if (!path_.empty()) {
+      std::ofstream file(path_);
+      file << withTables(document_, mark_, toMarkdown(results), path_);
+      if (!file.flush()) throw Error(path_, "cannot be written");
+    }
+    if (!std::cout.flush()) throw Error("stdout", "cannot be written");
+  }
+
+ private:
+  std::string path_, mark_, document_;
+};
+
+int extremes(const MatrixOptions& options, const Report& report) {
   Matrix matrix;
   {
     Progress progress;
     matrix = runMatrix(options, progress);
   }
-  std::cout << toTable(matrix);
-  if (!path.empty()) {
-    std::ofstream file(path);
-    file << withTables(document, toMarkdown(matrix), path);
-    if (!file.flush()) throw Error(path, "cannot be written");
-  }
-  if (!std::cout.flush()) throw Error("stdout", "cannot be written");
+  report.write(matrix);
   return matrix.defaultKeepsAll() ? kOk : kCheckFailed;
 }
 
@@ -50,10 +68,12 @@ int extremesCommand(const Words& words) {
   MatrixOptions options;
   std::string path;
   int rounds = 0;
+  bool random_only = false;
   CommandLine line{"extremes [options]", kAbout, {}};
   auto add = line.options.add_options();
   add("quick", po::bool_switch(&options.quick), "A part of the tests");
   add("random", po::value(&options.random)->default_value(1000), "Number of random scenes");
+  add("random-only", po::bool_switch(&random_only), "Random scenes alone");
   add("seed", po::value(&options.seed)->default_value(0), "Of the first random scene");
   add("only", po::value(&options.only),
       "Only tests whose name contains this, such as \"step: 0.1\"");
@@ -62,15 +82,18 @@ int extremesCommand(const Words& words) {
       "Instead: what the step guard costs on shipped scenes, with and without it in turn so many "
       "times");
   add("write", po::value(&path),
-      "Put the tables into this file, between its lines <!-- extremes --> and <!-- /extremes -->");
+      "Put the tables into this file, between its lines <!-- extremes --> and <!-- /extremes -->; "
+      "with --random-only its lines <!-- random-only --> and so on, and so for --guard-cost");
   if (!parse(line, words)) return kOk;
   if (options.random < 0) throw Error("--random", "is negative; a number of scenes is expected");
   if (rounds < 0) throw Error("--guard-cost", "is negative; a number of rounds is expected");
   if (rounds > 0) {
-    std::cout << toTable(guardCosts(rounds));
+    const Report report(path, "guard-cost");
+    report.write(guardCosts(rounds));
     return kOk;
   }
-  return extremes(options, path);
+  options.tests = !random_only;
+  return extremes(options, Report(path, random_only ? "random-only" : "extremes"));
 }
 
 }  // namespace ragdoll::lab

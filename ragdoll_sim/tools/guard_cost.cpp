@@ -3,10 +3,10 @@
 #include <time.h>
 
 #include <algorithm>
-#include <cstdio>
 
 #include "extreme_scenes.h"
 #include "extreme_verdict.h"
+#include "format.h"
 #include "ragdoll_sim/core/workspace.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
@@ -131,12 +131,19 @@ std::vector<GuardCost> guardCosts(int rounds) {
 std::string toTable(const std::vector<GuardCost>& costs) {
   std::string text =
       "scene        method      us/step plain  guarded  ratio  steps in which it acted\n";
-  for (const GuardCost& c : costs) {
-    char line[200];
-    std::snprintf(line, sizeof line, "%-12s %-10s %14.2f %8.2f %6.3f  %d\n", c.scene.c_str(),
-                  c.method.c_str(), 1e6 * c.plain, 1e6 * c.guarded, c.ratio, c.acted);
-    text += line;
-  }
+  for (const GuardCost& c : costs)
+    text += format("%-12s %-10s %14.2f %8.2f %6.3f  %d\n", c.scene.c_str(), c.method.c_str(),
+                   1e6 * c.plain, 1e6 * c.guarded, c.ratio, c.acted);
+  return text;
+}
+
+std::string toMarkdown(const std::vector<GuardCost>& costs) {
+  std::string text =
+      "\n| scene | method | us/step plain | guarded | ratio | steps in which it acted |\n"
+      "|---|---|---|---|---|---|\n";
+  for (const GuardCost& c : costs)
+    text += format("| %s | %s | %.1f | %.1f | %.3f | %d |\n", c.scene.c_str(), c.method.c_str(),
+                   1e6 * c.plain, 1e6 * c.guarded, c.ratio, c.acted);
   return text;
 }
 

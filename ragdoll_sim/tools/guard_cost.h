@@ -21,5 +21,6 @@ struct GuardCost {
 std::vector<GuardCost> guardCosts(int rounds);
 
 std::string toTable(const std::vector<GuardCost>& costs);
+std::string toMarkdown(const std::vector<GuardCost>& costs);
 
 }  // namespace ragdoll::lab

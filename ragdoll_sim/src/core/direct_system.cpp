@@ -167,7 +167,7 @@ DirectSystem buildDirectSystem(const Skeleton& s, const std::vector<int>& pins,
   d.BW = d.B * d.W;
   d.G = d.BW * d.B.transpose();
   d.length = map.length;
-  d.rows = std::make_shared<const StickRows>(d);
+  d.rows = std::make_shared<const StickRows>(d, s.M);
   if (d.length.size() > 0) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaledSystem(d.B, d.G, s.rest));
     const Eigen::VectorXd& e = eigen.eigenvalues();

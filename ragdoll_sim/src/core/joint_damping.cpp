@@ -9,20 +9,20 @@ RigidMotion rigidMotion(const Eigen::MatrixXd& M, const std::vector<int>& pins,
   const Eigen::Index n = x.cols();
   RigidMotion motion;
   if (pins.empty()) {
-    motion.centre = (x * M).rowwise().sum() / M.sum();
-    motion.drift = (v * M).rowwise().sum() / M.sum();
+    const Eigen::VectorXd mass = M.rowwise().sum();
+    motion.centre = x.lazyProduct(mass) / mass.sum();
+    motion.drift = v.lazyProduct(mass) / mass.sum();
   } else {
     motion.centre = x.col(pins[0]);
     motion.drift = v.col(pins[0]);
   }
   if (pins.size() >= 2) return motion;
-  const Points arm = x.colwise() - motion.centre, momentum = (v.colwise() - motion.drift) * M,
-               weighted = arm * M;
+  const Points arm = x.colwise() - motion.centre, weighted = arm.lazyProduct(M);
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   Vec3 angular = Vec3::Zero();
   for (Eigen::Index i = 0; i < n; ++i) {
     const Vec3 r = arm.col(i), w = weighted.col(i);
-    angular += r.cross(Vec3(momentum.col(i)));
+    angular += w.cross(Vec3(v.col(i) - motion.drift));
     inertia += r.dot(w) * Eigen::Matrix3d::Identity() - w * r.transpose();
   }
   // Regular but for bodies on a line, whose own axis takes no spin.

@@ -117,17 +117,15 @@ class RelaxationGuard {
     if (!inputs_.pins.empty() || !inputs_.obstacles.empty() || model_.ragdoll_collision)
       return false;
     const Ragdoll& r = model_.ragdolls[i];
-    const Skeleton& k = model_.skeletonOf(r);
-    const int n = k.size();
+    const StickRows& rows = *model_.systemOf(r).direct.rows;
+    const int n = rows.n;
     const auto v0 = ws_.v0.middleCols(r.first, n), v1 = state_.v.middleCols(r.first, n);
     ws_.shake.stay = state_.x.middleCols(r.first, n) - ws_.x0.middleCols(r.first, n);
     const Points& moved = ws_.shake.stay;
-    double rise = energyGain(k.M, v0, v1, moved, model_.gravity, ws_.shake.gain);
+    double rise = energyGain(rows, v0, v1, moved, model_.gravity, ws_.shake.energy);
     if (ws_.forced) rise -= ws_.force.middleCols(r.first, n).cwiseProduct(moved).sum();
-    const double scale = model_.systemOf(r).direct.rows->scale;
-    if (rise < 0.5 * k.M.sum() * kFreeSpeed * kFreeSpeed * scale) return false;
-    const double before = 0.5 * (v0 * k.M).cwiseProduct(v0).sum();
-    return !(rise <= kGain * before);
+    if (rise < 0.5 * rows.mass.sum() * kFreeSpeed * kFreeSpeed * rows.scale) return false;
+    return !(rise <= kGain * kineticEnergy(rows, v0, ws_.shake.energy));
   }
 
   const Model& model_;

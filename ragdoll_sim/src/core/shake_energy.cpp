@@ -13,8 +13,7 @@ constexpr double kReportedRise = 1e-6;  ///< [J] less is rounding
 }  // namespace
 
 double ShakeStep::kineticEnergy() {
-  const Eigen::MatrixXd& M = model_.skeletonOf(ragdoll_).M;
-  return 0.5 * (v() * M).cwiseProduct(v()).sum();
+  return ragdoll::kineticEnergy(rows_, v(), scratch_.energy);
 }
 
 double ShakeStep::driveSpeed() const {
@@ -30,16 +29,15 @@ double ShakeStep::energyRise() {
 }
 
 double ShakeStep::gainedEnergy(double drive) {
-  const Eigen::MatrixXd& M = model_.skeletonOf(ragdoll_).M;
   Points& moved = scratch_.stay;
   moved = x() - scratch_.saved_x;
-  double rise = energyGain(M, scratch_.saved_v, v(), moved, model_.gravity, scratch_.gain);
+  double rise = energyGain(rows_, scratch_.saved_v, v(), moved, model_.gravity, scratch_.energy);
   if (ws_.forced) rise -= ws_.force.middleCols(ragdoll_.first, n_).cwiseProduct(moved).sum();
   rise -= releasedEnergy();
   if (drive > 0) {
     // Seen from what drives it the body gains nothing; here it may be faster by twice its speed.
-    const double mass = M.sum();
-    const double before = 0.5 * (scratch_.saved_v * M).cwiseProduct(scratch_.saved_v).sum();
+    const double mass = rows_.mass.sum();
+    const double before = ragdoll::kineticEnergy(rows_, scratch_.saved_v, scratch_.energy);
     rise -= 2 * mass * drive * (std::sqrt(2 * before / mass) + drive);
   }
   return rise;

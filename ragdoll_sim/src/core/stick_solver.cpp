@@ -19,7 +19,7 @@ PaddedRows padded(const Eigen::MatrixXd& m) {
 
 }  // namespace
 
-StickRows::StickRows(const DirectSystem& d)
+StickRows::StickRows(const DirectSystem& d, const Eigen::MatrixXd& masses)
     : n(static_cast<int>(d.B.cols())),
       s(static_cast<int>(d.B.rows())),
       width(paddedWidth(s)),
@@ -28,6 +28,8 @@ StickRows::StickRows(const DirectSystem& d)
       G(padded(d.G)),
       BW(padded(d.BW)),
       absolute_G(G.cwiseAbs()),
+      M(padded(masses)),
+      mass(masses.rowwise().sum()),
       length2(Eigen::VectorXd::Zero(width)),
       inverse_length2(Eigen::VectorXd::Zero(width)) {
   length2.head(s) = d.length.cwiseAbs2();

@@ -95,10 +95,11 @@ TEST(ExtremeScenes, ScalingKeepsTheShape) {
 }
 
 TEST(ExtremeText, TablesStandBetweenTheirMarks) {
-  EXPECT_EQ(withTables("a\n<!-- extremes -->\nold\n<!-- /extremes -->\nb\n", "new\n", "f.md"),
+  EXPECT_EQ(withTables("a\n<!-- extremes -->\nold\n<!-- /extremes -->\nb\n", "extremes", "new\n",
+                       "f.md"),
             "a\n<!-- extremes -->\nnew\n\n<!-- /extremes -->\nb\n");
   try {
-    withTables("no marks", "new", "f.md");
+    withTables("no marks", "extremes", "new", "f.md");
     FAIL();
   } catch (const Error& error) {
     EXPECT_THAT(error.what(), AllOf(StartsWith("f.md"), HasSubstr("<!-- extremes -->")));
@@ -118,6 +119,21 @@ TEST_F(LabExtremes, PrintsTheMatrixAndWritesItIntoADocument) {
               AllOf(HasSubstr("jakobsen"), HasSubstr("100 kg on 10 links"), HasSubstr("0 of 1")));
   EXPECT_THAT(test::contentOf(document), AllOf(StartsWith("# Head\n"), HasSubstr("### mass ratio"),
                                                HasSubstr("| 100 kg on 10 links")));
+}
+
+TEST_F(LabExtremes, EachRunHasItsOwnMarks) {
+  const std::string matrix = "<!-- extremes -->\n| kept |\n<!-- /extremes -->\n";
+  const std::string document =
+      file("doc.md", matrix +
+                         "<!-- random-only -->\n<!-- /random-only -->\n"
+                         "<!-- guard-cost -->\n<!-- /guard-cost -->\n");
+  ASSERT_EQ(lab("extremes --random-only --random 1 --method shake --write " + document).status, 0);
+  ASSERT_EQ(lab("extremes --guard-cost 1 --write " + document).status, 0);
+  const std::string written = test::contentOf(document);
+  EXPECT_THAT(written, StartsWith(matrix));
+  EXPECT_THAT(written, HasSubstr("<!-- random-only -->\n\n| method | scenes |"));
+  EXPECT_THAT(written, HasSubstr("| shake | 1 | 0 |"));
+  EXPECT_THAT(written, HasSubstr("| weightless | shake |"));
 }
 
 TEST_F(LabExtremes, SaysWhatIsWrongWithItsOptions) {

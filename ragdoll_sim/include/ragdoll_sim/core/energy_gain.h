@@ -1,26 +1,38 @@
-// What a body gained in a motion beyond the work of gravity, in one product with its mass matrix.
+// Energy of one body's motion, by the kernels' products with its mass matrix. Private to the core.
 #pragma once
 
+#include "ragdoll_sim/core/stick_solver.h"
 #include "ragdoll_sim/core/types.h"
 
 namespace ragdoll {
 
-struct EnergyGainScratch {
-  Eigen::Matrix<double, Eigen::Dynamic, 4> change, pushed;
+struct EnergyScratch {
+  Points change;
+  PaddedRows pushed;
 };
+
+/// [kg m/s] V M (3 x n) for V = s.change.
+inline auto momentum(const StickRows& rows, EnergyScratch& s) {
+  s.pushed.resize(3, rows.columns);
+  kernels::multiplyPoints(s.change.data(), rows.M.data(), rows.n, rows.columns, s.pushed.data());
+  return s.pushed.leftCols(rows.n);
+}
+
+/// [J] of velocities v (3 x n).
+template <class V>
+double kineticEnergy(const StickRows& rows, const V& v, EnergyScratch& s) {
+  s.change = v;
+  return 0.5 * momentum(rows, s).cwiseProduct(v).sum();
+}
 
 /// [J] of kinetic energy from v0 to v1 less gravity's work along `moved` (3 x n each). The
 /// difference of the two energies as (v1 - v0) M (v1 + v0) / 2, which rounds less than either.
 template <class V0, class V1>
-double energyGain(const Eigen::MatrixXd& M, const V0& v0, const V1& v1, const Points& moved,
-                  const Vec3& gravity, EnergyGainScratch& s) {
-  s.change.resize(M.rows(), 4);
-  s.change.leftCols<3>() = (v1 - v0).transpose();
-  s.change.col(3).noalias() = moved.transpose() * gravity;
-  s.pushed.resize(M.rows(), 4);
-  s.pushed.noalias() = M.lazyProduct(s.change);
-  return 0.5 * s.pushed.leftCols<3>().transpose().cwiseProduct(v0 + v1).sum() -
-         s.pushed.col(3).sum();
+double energyGain(const StickRows& rows, const V0& v0, const V1& v1, const Points& moved,
+                  const Vec3& gravity, EnergyScratch& s) {
+  s.change = v1 - v0;
+  return 0.5 * momentum(rows, s).cwiseProduct(v0 + v1).sum() -
+         gravity.dot(Vec3(moved.lazyProduct(rows.mass)));
 }
 
 }  // namespace ragdoll

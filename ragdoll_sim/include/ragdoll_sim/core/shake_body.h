@@ -23,7 +23,7 @@ struct ShakeBody {
 /// Scratch shared by all bodies.
 struct ShakeScratch {
   Points dx, acceleration, saved_x, saved_v, stay;
-  EnergyGainScratch gain;
+  EnergyScratch energy;
   std::vector<double> saved_multipliers;
   PaddedRows D1;
   Eigen::VectorXd lambda, residual, correction, b, p;

@@ -14,7 +14,8 @@ namespace ragdoll {
 
 /// A DirectSystem laid out in padded rows. Built once per system.
 struct StickRows {
-  explicit StickRows(const DirectSystem& system);
+  /// M: [kg] of the skeleton.
+  StickRows(const DirectSystem& system, const Eigen::MatrixXd& M);
 
   int n, s;                         ///< particles, sticks
   int width;                        ///< padded s
@@ -23,6 +24,8 @@ struct StickRows {
   PaddedRows G;                     ///< s x width
   PaddedRows BW;                    ///< s x columns
   PaddedRows absolute_G;            ///< s x width
+  PaddedRows M;                     ///< [kg] n x columns, the mass matrix
+  Eigen::VectorXd mass;             ///< [kg] n, its row sums: what gravity pulls at
   double largest_row = 0;           ///< [1/kg] largest row sum of absolute_G
   Eigen::VectorXd length2;          ///< [m^2] width, zero beyond the last stick
   Eigen::VectorXd inverse_length2;  ///< [1/m^2] likewise
