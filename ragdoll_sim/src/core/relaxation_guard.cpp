@@ -6,6 +6,7 @@
 
 #include "ragdoll_sim/core/distance.h"
 #include "ragdoll_sim/core/energy_gain.h"
+#include "ragdoll_sim/core/pair_energy.h"
 #include "ragdoll_sim/core/shake.h"
 #include "ragdoll_sim/core/workspace.h"
 
@@ -17,6 +18,7 @@ constexpr double kDepth = 0.5;  ///< of the radius: deeper in an obstacle than s
 constexpr double kGain =
     0.25;  ///< of the energy there was: sweeps that work gain less than a third of it
 constexpr double kFreeSpeed = 1.0;  ///< [m/s] of the whole body: gains of less energy are let be
+constexpr double kReportedRise = 1e-6;  ///< [J] less is rounding
 constexpr double kStiff = 1.0;      ///< h sqrt(Omega2): above, sweeps would fail again
 
 class RelaxationGuard {
@@ -31,6 +33,23 @@ class RelaxationGuard {
     const double sum =
         state_.x.middleCols(r.first, n).sum() + state_.v.middleCols(r.first, n).sum();
     return !std::isfinite(sum) || stretched(i) || inside(i) || gained(i);
+  }
+
+  /// Whether something that moves from outside may give energy.
+  bool driven() const { return !inputs_.pins.empty() || !inputs_.obstacles.empty(); }
+
+  /// [J] by how much the body gained more than gravity and pokes can have given it.
+  double rise(int i) {
+    const Ragdoll& r = model_.ragdolls[i];
+    const StickRows& rows = *model_.systemOf(r).direct.rows;
+    ws_.shake.stay =
+        state_.x.middleCols(r.first, rows.n) - ws_.x0.middleCols(r.first, rows.n);
+    const Points& moved = ws_.shake.stay;
+    double rise = energyGain(rows, ws_.v0.middleCols(r.first, rows.n),
+                             state_.v.middleCols(r.first, rows.n), moved, model_.gravity,
+                             ws_.shake.energy);
+    if (ws_.forced) rise -= ws_.force.middleCols(r.first, rows.n).cwiseProduct(moved).sum();
+    return rise;
   }
 
  private:
@@ -113,19 +132,13 @@ class RelaxationGuard {
 
   /// More energy than the start's and the work: stretched sticks that the sweeps let go.
   bool gained(int i) {
-    // These may give energy: what moves from outside, and the other bodies.
-    if (!inputs_.pins.empty() || !inputs_.obstacles.empty() || model_.ragdoll_collision)
-      return false;
+    if (driven() || model_.ragdoll_collision) return false;  // other bodies may give it, too
+    const double gain = rise(i);
     const Ragdoll& r = model_.ragdolls[i];
     const StickRows& rows = *model_.systemOf(r).direct.rows;
-    const int n = rows.n;
-    const auto v0 = ws_.v0.middleCols(r.first, n), v1 = state_.v.middleCols(r.first, n);
-    ws_.shake.stay = state_.x.middleCols(r.first, n) - ws_.x0.middleCols(r.first, n);
-    const Points& moved = ws_.shake.stay;
-    double rise = energyGain(rows, v0, v1, moved, model_.gravity, ws_.shake.energy);
-    if (ws_.forced) rise -= ws_.force.middleCols(r.first, n).cwiseProduct(moved).sum();
-    if (rise < 0.5 * rows.mass.sum() * kFreeSpeed * kFreeSpeed * rows.scale) return false;
-    return !(rise <= kGain * kineticEnergy(rows, v0, ws_.shake.energy));
+    if (gain < 0.5 * rows.mass.sum() * kFreeSpeed * kFreeSpeed * rows.scale) return false;
+    return !(gain <=
+             kGain * kineticEnergy(rows, ws_.v0.middleCols(r.first, rows.n), ws_.shake.energy));
   }
 
   const Model& model_;
@@ -155,6 +168,30 @@ class Tension {
   Eigen::Map<Eigen::VectorXd> multipliers_;
 };
 
+/// Bodies that press on each other can give each other energy, but have no more together: contact
+/// only takes. The surplus goes out of their motion.
+void limitTogether(const Model& model, RelaxationGuard& guard, Workspace::Impl& ws, State& state,
+                   StepReport& report) {
+  if (ws.pressing.empty() || guard.driven()) return;
+  std::vector<int>& bodies = ws.together.head;
+  bodies.clear();
+  bool held = false;
+  for (const BodyPair& pair : ws.pressing) {
+    for (const int i : {pair.first, pair.second}) {
+      held = held || state.asleep[i] || ws.pressed[i] ||
+             !model.systemOf(model.ragdolls[i]).pins.empty();
+      if (!state.asleep[i]) bodies.push_back(i);
+    }
+  }
+  std::sort(bodies.begin(), bodies.end());
+  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+  double rise = 0;
+  for (const int i : bodies) rise += guard.rise(i);
+  if (!(rise > 0)) return;
+  takeOutOfGroup(model, bodies, held, rise, state);
+  if (rise > kReportedRise) report.limited += static_cast<int>(bodies.size());
+}
+
 }  // namespace
 
 void guardRelaxation(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
@@ -180,6 +217,7 @@ void guardRelaxation(const Model& model, const Inputs& inputs, double h, Workspa
     stepBodyShake(model, inputs, h, ws, state, i, report);
   }
   if (acted && !acts) state.multipliers.clear();
+  limitTogether(model, guard, ws, state, report);
 }
 
 }  // namespace ragdoll

@@ -1,4 +1,4 @@
-// Energy limiter of bodies that touch each other, direct methods.
+// Energy limiter of bodies that touch each other.
 //
 // Contact only takes energy. Where bodies that pressed on each other end a substep with more than
 // they had plus the work of gravity and pokes, the contact solution was wrong: the surplus is taken
