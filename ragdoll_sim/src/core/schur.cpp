@@ -25,7 +25,7 @@ void Schur::addContact(const Contact& c, int source, int begin, int end) {
   const std::array<Vec3, 3> directions{c.normal, t1, t2};
   const int used = c.friction > 0 ? 3 : 1;
   for (int d = 0; d < used; ++d) {
-    Row row;
+    Row& row = rows_.emplace_back();
     row.kind = d == 0 ? Row::Kind::kNormal : Row::Kind::kTangent;
     row.source = source;
     row.count = end - begin;
@@ -35,12 +35,11 @@ void Schur::addContact(const Contact& c, int source, int begin, int end) {
       row.particle[k - begin] = c.particle[k] - first_;
       row.gradient[k - begin] = c.weight[k] * directions[d];
     }
-    rows_.push_back(row);
   }
 }
 
 void Schur::addLimit(const LimitRow& limit, int source, double compliance, double least) {
-  Row row;
+  Row& row = rows_.emplace_back();
   row.kind = Row::Kind::kLimit;
   row.source = source;
   row.count = limit.count;
@@ -50,43 +49,28 @@ void Schur::addLimit(const LimitRow& limit, int source, double compliance, doubl
     row.particle[k] = limit.particle[k] - first_;
     row.gradient[k] = limit.gradient[k];
   }
-  rows_.push_back(row);
 }
 
-void Schur::assemble(const StickRows& c, const StickSolver& sticks, const Eigen::MatrixXd& W) {
+void Schur::assemble(const StickRows& c, StickSolver& sticks) {
   const int m = size();
   columns_ = paddedWidth(m);
-  K_.setZero(c.s, columns_);
-  const double* D = sticks.D();
-  for (int r = 0; r < m; ++r)
-    for (int s = 0; s < c.s; ++s) {
-      const double* bw = c.BW.data() + s * c.columns;
-      Vec3 q = bw[rows_[r].particle[0]] * rows_[r].gradient[0];
-      for (int k = 1; k < rows_[r].count; ++k) q += bw[rows_[r].particle[k]] * rows_[r].gradient[k];
-      K_(s, r) = D[s] * q.x() + D[c.width + s] * q.y() + D[2 * c.width + s] * q.z();
-    }
-  Z_.resize(c.s, columns_);
-  kernels::multiplyRows(sticks.inverse(), K_.data(), c.s, c.width, columns_, Z_.data());
   A_.setZero(m, columns_);
   free_.resize(m);
-  answer_.resize(3, c.n);
+  answer_.resize(1, c.coordinates);
+  const double* mobility = sticks.mobility(c);
   for (int i = 0; i < m; ++i) {
     const Row& row = rows_[i];
-    answer_.setZero();  // of the free body to row i
+    std::array<int, 3 * kMaxParticles> at;
+    for (int k = 0; k < 3 * row.count; ++k) at[k] = 3 * row.particle[k / 3] + k % 3;
+    kernels::gatherRows(mobility, c.coordinates, at.data(), row.gradient[0].data(), 3 * row.count,
+                        answer_.data());
+    A_(i, i) = row.along(answer_.data()) + row.compliance;
+    for (int j = i + 1; j < m; ++j) A_(i, j) = A_(j, i) = rows_[j].along(answer_.data());
+    free_[i] = 0;
     for (int k = 0; k < row.count; ++k)
-      for (int j = 0; j < c.n; ++j) answer_.col(j) += W(j, row.particle[k]) * row.gradient[k];
-    for (int j = i; j < m; ++j) {
-      double a = 0;
-      for (int l = 0; l < rows_[j].count; ++l)
-        a += answer_.col(rows_[j].particle[l]).dot(rows_[j].gradient[l]);
-      A_(i, j) = a;
-    }
-    free_[i] = A_(i, i);
-  }
-  kernels::subtractProducts(K_.data(), Z_.data(), c.s, m, columns_, A_.data());
-  for (int i = 0; i < m; ++i) {
-    for (int j = 0; j < i; ++j) A_(i, j) = A_(j, i);
-    A_(i, i) += rows_[i].compliance;
+      for (int l = 0; l < row.count; ++l)
+        free_[i] += c.spread_W(3 * row.particle[k], 3 * row.particle[l]) *
+                    row.gradient[k].dot(row.gradient[l]);
   }
 }
 
@@ -118,28 +102,14 @@ bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
   return projectedGaussSeidel(rows, p);
 }
 
-void Schur::move(const StickRows& c, StickSolver& sticks, const Eigen::MatrixXd& W,
-                 const Eigen::VectorXd& p, double* out) {
-  impulse_.setZero(3, c.n);
+void Schur::move(const StickRows& c, StickSolver& sticks, const Eigen::VectorXd& p, double* out) {
+  force_.setZero(1, c.coordinates);
   for (int r = 0; r < size(); ++r)
     for (int k = 0; k < rows_[r].count; ++k)
-      impulse_.col(rows_[r].particle[k]) += p[r] * rows_[r].gradient[k];
-  Eigen::Map<Points> moved(out, 3, c.n);
-  for (int i = 0; i < c.n; ++i)
-    if (!impulse_.col(i).isZero(0))
-      for (int j = 0; j < c.n; ++j) moved.col(j) += W(i, j) * impulse_.col(i);
-  lambda_.setZero(c.width);
-  for (int s = 0; s < c.s; ++s)
-    for (int r = 0; r < size(); ++r) lambda_[s] -= Z_(s, r) * p[r];
-  sticks.move(c, lambda_.data(), 1, out);
-}
-
-double Schur::along(int i, const double* x) const {
-  const Row& row = rows_[i];
-  double sum = 0;
-  for (int k = 0; k < row.count; ++k)
-    sum += row.gradient[k].dot(Eigen::Map<const Vec3>(x + 3 * row.particle[k]));
-  return sum;
+      Eigen::Map<Vec3>(force_.data() + 3 * rows_[r].particle[k]) += p[r] * rows_[r].gradient[k];
+  answer_.resize(1, c.coordinates);
+  kernels::multiply(sticks.mobility(c), force_.data(), 3 * c.n, c.coordinates, answer_.data());
+  for (int i = 0; i < 3 * c.n; ++i) out[i] += answer_(0, i);
 }
 
 }  // namespace ragdoll

@@ -211,7 +211,7 @@ void ShakeStep::pressFound(double h, bool leapfrog) {
   gather(h, leapfrog);
   scratch_.total.setZero(schur.size());
   if (schur.empty()) return;
-  schur.assemble(rows_, body_.start, system_.W);
+  schur.assemble(rows_, body_.start);
   Eigen::VectorXd& p = scratch_.p;
   recall(h);
   double violation = 0;
@@ -225,7 +225,7 @@ void ShakeStep::pressFound(double h, bool leapfrog) {
     }
     const Eigen::VectorXd change = p - scratch_.total;
     scratch_.total = p;
-    schur.move(rows_, body_.start, system_.W, change, scratch_.dx.data());
+    schur.move(rows_, body_.start, change, scratch_.dx.data());
     if (!satisfySticks() && !relaxAlongNew()) failed_ = true;
     const double now = failed_ ? 0 : worstViolation();
     if (failed_ || now < contact_tolerance_) break;

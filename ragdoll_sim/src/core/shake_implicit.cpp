@@ -115,7 +115,7 @@ void ShakeStep::pressImplicit(double h) {
     gather(h, false);
     if (scratch_.total.size() != schur.size()) scratch_.total.setZero(schur.size());  // other rows
     body_.end.setPose(rows_, ws_.x1.data() + 3 * ragdoll_.first);
-    schur.assemble(rows_, body_.end, system_.W);
+    schur.assemble(rows_, body_.end);
     fillGaps(h);
     scratch_.p = scratch_.total;
     scratch_.b -= schur.matrix() * scratch_.total;
@@ -125,7 +125,7 @@ void ShakeStep::pressImplicit(double h) {
     }
     const Eigen::VectorXd change = scratch_.p - scratch_.total;
     scratch_.total = scratch_.p;
-    schur.move(rows_, body_.end, system_.W, change, scratch_.dx.data());
+    schur.move(rows_, body_.end, change, scratch_.dx.data());
     if (!relaxAlongNew()) {
       failed_ = true;
       return;

@@ -429,7 +429,7 @@ void ShakeIsland::solveRound(bool at_start) {
     Schur& schur = step.scratch_.schur;
     if (schur.empty()) continue;
     StickSolver& sticks = at_start ? step.body_.start : step.body_.end;
-    schur.move(step.rows_, sticks, step.system_.W, s_.parts[k], step.scratch_.dx.data());
+    schur.move(step.rows_, sticks, s_.parts[k], step.scratch_.dx.data());
     const bool held = (at_start && step.satisfySticks()) || step.relaxAlongNew();
     if (!held) step.failed_ = true;
   }
@@ -444,7 +444,7 @@ bool ShakeIsland::pressFound(double h) {
   for (ShakeStep& step : steps_) {
     Schur& schur = step.scratch_.schur;
     step.scratch_.total.setZero(schur.size());
-    if (!schur.empty()) schur.assemble(step.rows_, step.body_.start, step.system_.W);
+    if (!schur.empty()) schur.assemble(step.rows_, step.body_.start);
   }
   if (size == 0) return true;
   recall(h);
@@ -521,7 +521,7 @@ void ShakeIsland::pressImplicit(double h) {
     for (ShakeStep& step : steps_) {
       Schur& schur = step.scratch_.schur;
       step.body_.end.setPose(step.rows_, ws_.x1.data() + 3 * step.ragdoll_.first);
-      if (!schur.empty()) schur.assemble(step.rows_, step.body_.end, step.system_.W);
+      if (!schur.empty()) schur.assemble(step.rows_, step.body_.end);
     }
     fillGaps(h);
     s_.p = s_.total;
@@ -581,8 +581,7 @@ void ShakeIsland::pushVelocities(bool at_end, bool impact, double h) {
     return at_end ? step.body_.end : step.body_.start;
   };
   for (ShakeStep& step : steps_)
-    if (!step.scratch_.schur.empty())
-      step.scratch_.schur.assemble(step.rows_, sticksOf(step), step.system_.W);
+    if (!step.scratch_.schur.empty()) step.scratch_.schur.assemble(step.rows_, sticksOf(step));
   const auto push = [&](bool blow) {
     s_.b.resize(size);
     s_.p.setZero(size);
@@ -613,8 +612,7 @@ void ShakeIsland::pushVelocities(bool at_end, bool impact, double h) {
     for (std::size_t k = 0; k < steps_.size(); ++k) {
       ShakeStep& step = steps_[k];
       Schur& schur = step.scratch_.schur;
-      if (!schur.empty())
-        schur.move(step.rows_, sticksOf(step), step.system_.W, s_.parts[k], step.vData());
+      if (!schur.empty()) schur.move(step.rows_, sticksOf(step), s_.parts[k], step.vData());
     }
   };
   if (!impact || h > 0) {

@@ -80,10 +80,10 @@ void ShakeStep::pushVelocities(StickSolver& sticks, bool impact, double h) {
   if (scratch_.touching.empty() && scratch_.touching_limits.empty()) return;
   gatherTouching(h);
   Schur& schur = scratch_.schur;
-  schur.assemble(rows_, sticks, system_.W);
+  schur.assemble(rows_, sticks);
   const auto push = [&] {
     schur.solve(scratch_.b, scratch_.p);
-    schur.move(rows_, sticks, system_.W, scratch_.p, vData());
+    schur.move(rows_, sticks, scratch_.p, vData());
   };
   if (!impact || h > 0) {
     // What pressed all the while does so until the blow; it is not for the blow to take that back.

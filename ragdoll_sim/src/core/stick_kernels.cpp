@@ -56,6 +56,15 @@ RAGDOLL_KERNEL(void, subtractProducts,
                (const double* K, const double* Z, int s, int m, int columns, double* A),
                (K, Z, s, m, columns, A))
 
+RAGDOLL_KERNEL(void, spreadSticks,
+               (const double* D, const double* rows, int s, int width, int columns, double* K),
+               (D, rows, s, width, columns, K))
+
+RAGDOLL_KERNEL(void, gatherRows,
+               (const double* A, int columns, const int* row, const double* f, int rows,
+                double* out),
+               (A, columns, row, f, rows, out))
+
 RAGDOLL_KERNEL(void, addScaled, (const double* x, double f, int n, double* y), (x, f, n, y))
 
 RAGDOLL_KERNEL(void, addWeighted,

@@ -30,8 +30,16 @@ StickRows::StickRows(const DirectSystem& d, const Eigen::MatrixXd& masses)
       absolute_G(G.cwiseAbs()),
       M(padded(masses)),
       mass(masses.rowwise().sum()),
+      coordinates(paddedWidth(3 * n)),
+      spread_W(PaddedRows::Zero(3 * n, coordinates)),
+      spread_BW(PaddedRows::Zero(s, coordinates)),
       length2(Eigen::VectorXd::Zero(width)),
       inverse_length2(Eigen::VectorXd::Zero(width)) {
+  for (int j = 0; j < n; ++j)
+    for (int c = 0; c < 3; ++c) {
+      spread_BW.col(3 * j + c) = d.BW.col(j);
+      for (int i = 0; i < n; ++i) spread_W(3 * i + c, 3 * j + c) = d.W(i, j);
+    }
   length2.head(s) = d.length.cwiseAbs2();
   inverse_length2.head(s) = length2.head(s).cwiseInverse();
   if (s > 0) largest_row = absolute_G.rowwise().sum().maxCoeff();
@@ -49,7 +57,7 @@ void StickSolver::resize(const StickRows& rows) {
   work_.setZero(rows.width);
   lambda_.setZero(rows.width);
   pose_.setZero(3 * rows.n);
-  valid_ = false;
+  valid_ = has_mobility_ = false;
 }
 
 void StickSolver::setPose(const StickRows& rows, const double* x) {
@@ -60,6 +68,23 @@ void StickSolver::setPose(const StickRows& rows, const double* x) {
   kernels::gram(rows.G.data(), D_.data(), rows.s, rows.width, inverse_.data());
   kernels::invert(inverse_.data(), rows.s, rows.width, kPivotFloor, work_.data());
   valid_ = true;
+  has_mobility_ = false;
+}
+
+const double* StickSolver::mobility(const StickRows& rows) {
+  if (has_mobility_) return mobility_.data();
+  const int columns = rows.coordinates;
+  across_.resize(rows.s, columns);
+  answers_.resize(rows.s, columns);
+  mobility_ = rows.spread_W;
+  kernels::spreadSticks(D_.data(), rows.spread_BW.data(), rows.s, rows.width, columns,
+                        across_.data());
+  kernels::multiplyRows(inverse_.data(), across_.data(), rows.s, rows.width, columns,
+                        answers_.data());
+  kernels::subtractProducts(across_.data(), answers_.data(), rows.s, 3 * rows.n, columns,
+                            mobility_.data());
+  has_mobility_ = true;
+  return mobility_.data();
 }
 
 void StickSolver::move(const StickRows& rows, const double* lambda, double scale, double* x) {

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
+
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/rigid_groups.h"
 #include "ragdoll_sim/core/skeleton.h"
+#include "ragdoll_sim/core/stick_solver.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -85,6 +88,38 @@ TEST_P(Trunk, IsWellConditionedAndItsConstantsAreConsistent) {
   // Freedoms: base points' three each, less the sticks; two bodies and a hinge have 7.
   const int base = static_cast<int>(std::lround(d.affine.trace()));
   EXPECT_EQ(3 * base - d.length.size(), s.groups.size() == 2 ? 7 : 6);
+}
+
+TEST_P(Trunk, MobilityIsWhatForcesDoWithTheSticksAnswering) {
+  const auto [depth, skew, inertia] = GetParam();
+  const SkeletonSpec spec = inertia ? withInertia(trunk(depth, skew)) : trunk(depth, skew);
+  const Skeleton skeleton = buildSkeleton(spec);
+  std::vector<std::string> warnings;
+  const DirectSystem d = buildDirectSystem(skeleton, {}, warnings);
+  const StickRows& rows = *d.rows;
+  const int n = rows.n, s = rows.s;
+  StickSolver sticks;
+  sticks.resize(rows);
+  Points x = skeleton.rest;
+  for (const double bend : {0.0, 0.3}) {  // the second pose is not the first one's
+    x.rightCols(2).colwise() += bend * Vec3(0.1, -0.2, 0.3);
+    sticks.setPose(rows, x.data());
+    const Points D = x * d.B.transpose();
+    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(3 * n, 3 * n), J = Eigen::MatrixXd::Zero(s, 3 * n);
+    for (int c = 0; c < 3; ++c)
+      for (int i = 0; i < n; ++i) {
+        for (int j = 0; j < n; ++j) W(3 * i + c, 3 * j + c) = d.W(i, j);
+        for (int k = 0; k < s; ++k) J(k, 3 * i + c) = D(c, k) * d.B(k, i);
+      }
+    const Eigen::MatrixXd JW = J * W;
+    const Eigen::MatrixXd expected = W - JW.transpose() * (JW * J.transpose()).inverse() * JW;
+    const Eigen::MatrixXd mobility =
+        Eigen::Map<const PaddedRows>(sticks.mobility(rows), 3 * n, rows.coordinates)
+            .leftCols(3 * n);
+    EXPECT_LT((mobility - expected).norm(), 1e-11 * W.norm());
+    EXPECT_LT((mobility - mobility.transpose()).norm(), 1e-14 * W.norm());
+    EXPECT_LT((J * mobility).norm(), 1e-11 * JW.norm());  // no stick is stretched
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Trunk,

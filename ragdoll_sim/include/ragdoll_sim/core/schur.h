@@ -1,10 +1,11 @@
 // One-sided constraints and friction of one body beside its sticks: the Schur complement.
 //
-// The sticks are eliminated exactly, A = J_c W J_c^T - K^T (J_s W J_s^T)^-1 K with K = J_s W J_c^T,
-// and projected Gauss-Seidel [Moreau1988], [Cottle1992, ch. 5] finds impulses p of w = b + A p with
+// The sticks are eliminated exactly, A = J_c (W - W J_s^T (J_s W J_s^T)^-1 J_s W) J_c^T, and
+// projected Gauss-Seidel [Moreau1988], [Cottle1992, ch. 5] finds impulses p of w = b + A p with
 //   normal and limit rows:  p >= 0, w >= 0, p w = 0 (or p >= least <= 0 and p - least in its
-//   place); tangent rows:           |p_t| <= mu p_n, against the slip: the isotropic Coulomb disc,
-//   no pyramid.
+//   place);
+//   tangent rows:           |p_t| <= mu p_n, against the slip: the isotropic Coulomb disc, no
+//   pyramid.
 // Works on displacements (b: gaps [m], slips [m]) and on velocities (b: rates) alike.
 #pragma once
 
@@ -33,6 +34,14 @@ class Schur {
     double least = 0;               ///< limit rows: of the impulse
     double friction = 0;            ///< normal rows: of the two tangent rows that follow
     bool held = false;              ///< its impulse stays as it is
+
+    /// gradient times x, the body's first coordinates.
+    double along(const double* x) const {
+      double sum = 0;
+      for (int k = 0; k < count; ++k)
+        sum += gradient[k].dot(Eigen::Map<const Vec3>(x + 3 * particle[k]));
+      return sum;
+    }
   };
 
   /// first: the body's first column of the state.
@@ -50,27 +59,24 @@ class Schur {
   auto matrix() const { return A_.leftCols(size()); }
 
   /// A at the pose of `sticks`.
-  void assemble(const StickRows& constants, const StickSolver& sticks, const Eigen::MatrixXd& W);
+  void assemble(const StickRows& constants, StickSolver& sticks);
 
   /// p from b, starting at p. Returns whether it settled.
   bool solve(const Eigen::VectorXd& b, Eigen::VectorXd& p);
 
   /// out (3 x n, columns) += what the impulses p, and the sticks' answer to them, do.
-  void move(const StickRows& constants, StickSolver& sticks, const Eigen::MatrixXd& W,
-            const Eigen::VectorXd& p, double* out);
+  void move(const StickRows& constants, StickSolver& sticks, const Eigen::VectorXd& p, double* out);
 
-  /// gradient of row i times x, the body's first coordinates.
-  double along(int i, const double* x) const;
+  double along(int i, const double* x) const { return rows_[i].along(x); }
 
  private:
   friend class JointSchur;
 
   int first_ = 0, columns_ = 0;
   std::vector<Row> rows_;
-  PaddedRows K_, Z_;                   ///< s x padded rows
-  PaddedRows A_;                       ///< rows x padded rows
-  Eigen::VectorXd free_, w_, lambda_;  ///< free_: A's diagonal without the sticks' answer
-  Points impulse_, answer_;
+  PaddedRows A_;               ///< rows x padded rows
+  Eigen::VectorXd free_, w_;   ///< free_: A's diagonal without the sticks' answer
+  PaddedRows force_, answer_;  ///< of particles, and their motion; padded coordinates
 };
 
 }  // namespace ragdoll

@@ -35,16 +35,24 @@ int invert(double* S, int s, int width, double floor, double* work);
 /// out (width) = A b, A: s symmetric rows of width.
 void multiply(const double* A, const double* b, int s, int width, double* out);
 
-/// out (s rows of columns) = A B, A: s rows of width, B: s rows of columns.
+/// out (s rows of columns) = A B, A: s symmetric rows of width, B: s rows of columns.
 void multiplyRows(const double* A, const double* B, int s, int width, int columns, double* out);
 
 /// out (3 rows of columns) += D diag(lambda) rows, rows: s rows of columns.
 void addImpulses(const double* D, const double* lambda, int s, int width, const double* rows,
                  int columns, double* out);
 
-/// A (m rows of columns) -= K^T Z, K and Z: s rows of columns; blocks at and right of the diagonal
-/// only.
+/// A (m rows of columns, symmetric) -= K^T Z, K and Z: s rows of columns. Works on the blocks at
+/// and right of the diagonal and copies them to the left.
 void subtractProducts(const double* K, const double* Z, int s, int m, int columns, double* A);
+
+/// K (s rows of columns) = rows (s rows of columns, a value for each coordinate xyzxyz...) times
+/// the stick vectors: K_s,3p+c = rows_s,3p+c D_c,s.
+void spreadSticks(const double* D, const double* rows, int s, int width, int columns, double* K);
+
+/// out (columns) = f_k times the k-th of the rows of A (each of columns) that `row` lists.
+void gatherRows(const double* A, int columns, const int* row, const double* f, int rows,
+                double* out);
 
 /// y += f x, n values (a multiple of kLane).
 void addScaled(const double* x, double f, int n, double* y);

@@ -242,11 +242,46 @@ template <int W>
 RAGDOLL_INLINE void subtractProducts(const double* K, const double* Z, int s, int m, int columns,
                                      double* A) {
   for (int i = 0; i < m; ++i)
-    for (int c = i / kLane * kLane; c < columns; c += W) {
-      typename Vector<W>::Lanes sum = lanes<W>(A + i * columns + c).v;
-      for (int k = 0; k < s; ++k) sum -= K[k * columns + i] * lanes<W>(Z + k * columns + c).v;
-      lanes<W>(A + i * columns + c).v = sum;
-    }
+    for (int from = i / kLane * kLane; from < columns; from += kChunk<W>)
+      onChunk<W>(
+          columns, from, [&](auto count, int b) __attribute__((always_inline)) {
+            constexpr int blocks = decltype(count)::value;
+            typename Vector<W>::Lanes sum[blocks];
+            for (int c = 0; c < blocks; ++c) sum[c] = lanes<W>(A + i * columns + b + c * W).v;
+            for (int k = 0; k < s; ++k)
+              for (int c = 0; c < blocks; ++c)
+                sum[c] -= K[k * columns + i] * lanes<W>(Z + k * columns + b + c * W).v;
+            for (int c = 0; c < blocks; ++c) lanes<W>(A + i * columns + b + c * W).v = sum[c];
+          });
+  for (int i = kLane; i < m; ++i)
+    for (int j = 0; j < i / kLane * kLane; ++j) A[i * columns + j] = A[j * columns + i];
+}
+
+template <int W>
+RAGDOLL_INLINE void spreadSticks(const double* D, const double* rows, int s, int width, int columns,
+                                 double* K) {
+  constexpr int kPeriod = 3 * W;
+  double pattern[kPeriod];  // x y z x y z ...
+  for (int i = 0; i < s; ++i) {
+    for (int l = 0; l < kPeriod; ++l) pattern[l] = D[l % 3 * width + i];
+    for (int c = 0, at = 0; c < columns; c += W, at = (at + W) % kPeriod)
+      lanes<W>(K + i * columns + c).v =
+          lanes<W>(rows + i * columns + c).v * lanes<W>(pattern + at).v;
+  }
+}
+
+template <int W>
+RAGDOLL_INLINE void gatherRows(const double* A, int columns, const int* row, const double* f,
+                               int rows, double* out) {
+  onChunks<W>(
+      columns, [&](auto count, int b) __attribute__((always_inline)) {
+        constexpr int blocks = decltype(count)::value;
+        typename Vector<W>::Lanes sum[blocks] = {};
+        for (int k = 0; k < rows; ++k)
+          for (int c = 0; c < blocks; ++c)
+            sum[c] += f[k] * lanes<W>(A + row[k] * columns + b + c * W).v;
+        for (int c = 0; c < blocks; ++c) lanes<W>(out + b + c * W).v = sum[c];
+      });
 }
 
 template <int W>

@@ -26,6 +26,9 @@ struct StickRows {
   PaddedRows absolute_G;            ///< s x width
   PaddedRows M;                     ///< [kg] n x columns, the mass matrix
   Eigen::VectorXd mass;             ///< [kg] n, its row sums: what gravity pulls at
+  int coordinates;                  ///< padded 3 n
+  PaddedRows spread_W;              ///< 3n x coordinates: W times the identity of x, y and z
+  PaddedRows spread_BW;             ///< s x coordinates: each value of BW three times
   double largest_row = 0;           ///< [1/kg] largest row sum of absolute_G
   Eigen::VectorXd length2;          ///< [m^2] width, zero beyond the last stick
   Eigen::VectorXd inverse_length2;  ///< [1/m^2] likewise
@@ -44,6 +47,10 @@ class StickSolver {
   const double* D() const { return D_.data(); }
   /// (J W J^T)^-1, s rows of width.
   const double* inverse() const { return inverse_.data(); }
+
+  /// [1/kg] W - W J^T (J W J^T)^-1 J W, 3n rows of coordinates: how forces on the particles move
+  /// them with the sticks answering. Worked out when asked for, once per pose.
+  const double* mobility(const StickRows& rows);
 
   /// lambda <- (J W J^T)^-1 lambda; width values.
   void solve(const StickRows& rows, double* lambda) {
@@ -64,8 +71,9 @@ class StickSolver {
 
  private:
   PaddedRows D_, inverse_, moved_, rates_;
+  PaddedRows mobility_, across_, answers_;  ///< across: J W; answers: (J W J^T)^-1 J W
   Eigen::VectorXd solved_, work_, lambda_, pose_;
-  bool valid_ = false;
+  bool valid_ = false, has_mobility_ = false;
 };
 
 }  // namespace ragdoll
