@@ -88,17 +88,28 @@ double limitValue(const Limit& limit, const double* x) {
   return limit.kind == Limit::Kind::kWithin ? withinValue(limit, r, w) : turnValue(limit, r, w, x);
 }
 
+LimitRow limitRow(const Model& model, int ragdoll, int limit) {
+  const Limit& what = model.skeletonOf(model.ragdolls[ragdoll]).limits[limit];
+  LimitRow row;
+  row.ragdoll = ragdoll;
+  row.limit = limit;
+  row.joint = what.joint;
+  row.compliance = what.compliance;
+  row.damping = what.damping;
+  return row;
+}
+
 namespace {
 
-/// Of hinges and cones, and of regions if wanted.
-void findAngles(const Model& model, const Points& x, int ragdoll, double margin, bool regions,
+/// Of hinges and cones.
+void findAngles(const Model& model, const Points& x, int ragdoll, double margin,
                 std::vector<LimitRow>& rows) {
   const double sine = std::sin(margin), cosine = std::cos(margin);
   const std::vector<Limit>& limits = model.skeletonOf(model.ragdolls[ragdoll]).limits;
   const double* body = bodyOf(model, x, ragdoll);
   for (std::size_t k = 0; k < limits.size(); ++k) {
     const Limit& limit = limits[k];
-    if (limit.region && !regions) continue;
+    if (limit.region) continue;
     const Vec3 r = valueOf(limit.reference, body), w = valueOf(limit.child, body);
     double value;
     if (limit.kind == Limit::Kind::kWithin) {
@@ -110,14 +121,8 @@ void findAngles(const Model& model, const Points& x, int ragdoll, double margin,
       value = turnValue(limit, r, w, body);
       if (value >= margin) continue;
     }
-    rows.emplace_back();
-    LimitRow& row = rows.back();
-    row.value = value;
-    row.ragdoll = ragdoll;
-    row.limit = static_cast<int>(k);
-    row.joint = limit.joint;
-    row.compliance = limit.compliance;
-    row.damping = limit.damping;
+    rows.push_back(limitRow(model, ragdoll, static_cast<int>(k)));
+    rows.back().value = value;
   }
 }
 
@@ -147,17 +152,11 @@ void listPlanes(const Model& model, const State& state, std::vector<LimitRow>& r
   }
 }
 
-void appendLimits(const Model& model, const Points& x, int ragdoll, double margin,
-                  std::vector<LimitRow>& rows) {
-  if (!model.skeletonOf(model.ragdolls[ragdoll]).limits.empty())
-    findAngles(model, x, ragdoll, margin, true, rows);
-}
-
 void findLimits(const Model& model, const Points& x, const State& state, double margin,
                 std::vector<LimitRow>& rows) {
   rows.clear();
   for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
-    if (!state.asleep[i]) findAngles(model, x, static_cast<int>(i), margin, false, rows);
+    if (!state.asleep[i]) findAngles(model, x, static_cast<int>(i), margin, rows);
 }
 
 void evaluateLimit(const Model& model, const Points& x, LimitRow& row) {

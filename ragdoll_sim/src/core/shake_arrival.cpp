@@ -30,7 +30,7 @@ double ShakeStep::rateOf(const Contact& c) const {
 
 double ShakeStep::rateOf(const LimitRow& limit) const {
   LimitRow row = limit;
-  evaluateLimit(model_, state_.x, row);
+  anglesBefore().evaluate(model_, state_.x, row);
   double rate = 0;
   for (int k = 0; k < row.count; ++k) rate += row.gradient[k].dot(state_.v.col(row.particle[k]));
   return rate;
@@ -46,7 +46,7 @@ bool ShakeStep::isArriving(const Contact& c, double h) const {
 }
 
 bool ShakeStep::isArriving(const LimitRow& limit, double h) const {
-  if (limit.limit < 0 || limit.compliance > 0 || located_ >= kMaxLocated) return false;
+  if (limit.compliance > 0 || located_ >= kMaxLocated) return false;
   if (limit.before < -touching_angle_) return false;
   const double rate =
       limit.before < touching_angle_ ? rateOf(limit) : (limit.value - limit.before) / h;
@@ -66,10 +66,9 @@ bool ShakeStep::arrivesBefore() {
     if (scratch_.contact_role[i] == ShakeScratch::kArriving &&
         gapAt(scratch_.contacts[i], scratch_.dx.data()) < -contact_tolerance_)
       return true;
-  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  const LimitAngles::Pose& angles = anglesAfter();
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i)
-    if (scratch_.limit_role[i] == ShakeScratch::kArriving &&
-        valueAt(model_, ws_.x1, scratch_.limits[i]) < 0)
+    if (scratch_.limit_role[i] == ShakeScratch::kArriving && angles[scratch_.limits[i].limit] < 0)
       return true;
   return false;
 }
@@ -90,11 +89,11 @@ double ShakeStep::firstArrival(double h) {
     if (end < -contact_tolerance_)
       consider(timeOfZero(c.before, rateOf(c), end, h), scratch_.contact_role[i]);
   }
-  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  const LimitAngles::Pose& angles = anglesAfter();
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
     if (scratch_.limit_role[i] != ShakeScratch::kArriving) continue;
     const LimitRow& limit = scratch_.limits[i];
-    const double end = valueAt(model_, ws_.x1, limit);
+    const double end = angles[limit.limit];
     if (end < 0) consider(timeOfZero(limit.before, rateOf(limit), end, h), scratch_.limit_role[i]);
   }
   if (!arrival_) return first;
@@ -135,18 +134,17 @@ double ShakeStep::arriveSmoothly(double h) {
   return std::max(until, kSnap * h);
 }
 
-double ShakeStep::arrivalAgain(double h) const {
+double ShakeStep::arrivalAgain(double h) {
   const double* dx = scratch_.dx.data();
   for (std::size_t i = 0; i < scratch_.contacts.size(); ++i)
     if (scratch_.contact_role[i] == ShakeScratch::kArrived) {
       const Contact& c = scratch_.contacts[i];
       return timeOfZero(c.before, rateOf(c), gapAt(c, dx), h);
     }
-  ws_.x1.middleCols(ragdoll_.first, n_) = state_.x.middleCols(ragdoll_.first, n_) + scratch_.dx;
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i)
     if (scratch_.limit_role[i] == ShakeScratch::kArrived) {
       const LimitRow& limit = scratch_.limits[i];
-      return timeOfZero(limit.before, rateOf(limit), valueAt(model_, ws_.x1, limit), h);
+      return timeOfZero(limit.before, rateOf(limit), anglesAfter()[limit.limit], h);
     }
   return h;
 }

@@ -17,6 +17,7 @@ constexpr double kFarBeyond = 0.02;    ///< [rad] violated by more than steps le
 void ShakeStep::findConstraints(double h) {
   scratch_.contacts.clear();
   scratch_.limits.clear();
+  scratch_.limit_role.clear();
   if (ws_.obstacles.empty() && model_.skeletonOf(ragdoll_).joints.empty() && !model_.self_collision)
     return;
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
@@ -31,12 +32,9 @@ void ShakeStep::findConstraints(double h) {
     overlap_ = std::max(overlap_, -c.gap_start);
     startContact(c, h);
   }
-  if (length2_ == rows_.length2.data()) {  // angles mean nothing before the body is joined
-    appendLimits(model_, ws_.x1, index_, kLimitMargin, scratch_.limits);
-    for (LimitRow& limit : scratch_.limits) startRow(limit, h);
-  }
   scratch_.contact_role.assign(scratch_.contacts.size(), ShakeScratch::kIfNear);
-  scratch_.limit_role.assign(scratch_.limits.size(), ShakeScratch::kIfNear);
+  if (length2_ == rows_.length2.data())  // angles mean nothing before the body is joined
+    addLimits(kLimitMargin, h, ShakeScratch::kIfNear);
 }
 
 void ShakeStep::startContact(Contact& c, double h) const {
@@ -47,8 +45,8 @@ void ShakeStep::startContact(Contact& c, double h) const {
 }
 
 void ShakeStep::startRow(LimitRow& limit, double h) {
-  startLimit(model_, state_.x, limit);
-  limit.before = valueAt(model_, state_.x, limit);
+  limit.before = anglesBefore()[limit.limit];
+  if (limit.compliance > 0) limit.start = std::min(0.0, limit.before);
   openSlowly(limit, h);
 }
 
@@ -98,8 +96,12 @@ Vec3 ShakeStep::motionOf(const Contact& c, const double* dx) const {
   return sum;
 }
 
-void ShakeStep::gather(double h, bool leapfrog) {
+LimitAngles::Pose& ShakeStep::anglesAfter() {
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  return body_.angles.at(model_, ws_.x1, index_);
+}
+
+void ShakeStep::gather(double h, bool leapfrog) {
   Schur& schur = scratch_.schur;
   schur.start(ragdoll_.first);
   scratch_.contact_row.assign(scratch_.contacts.size(), -1);
@@ -115,18 +117,19 @@ void ShakeStep::gather(double h, bool leapfrog) {
   }
   scratch_.softness.resize(scratch_.limits.size());
   scratch_.limit_row.assign(scratch_.limits.size(), -1);
+  LimitAngles::Pose& angles = anglesAfter();
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
     LimitRow& limit = scratch_.limits[i];
     const auto role = scratch_.limit_role[i];
     if (role == ShakeScratch::kArriving) continue;
-    if (role == ShakeScratch::kIfNear && limit.compliance == 0 && limit.limit >= 0 &&
-        valueAt(model_, ws_.x1, limit) > kActiveAngle && !lastPress(keyOf(limit)))
+    if (role == ShakeScratch::kIfNear && limit.compliance == 0 &&
+        angles[limit.limit] > kActiveAngle && !lastPress(keyOf(limit)))
       continue;
     // One that touches at the start pushes along its direction there, as the sticks do.
-    const bool held = leapfrog && limit.limit >= 0 && limit.compliance == 0 &&
-                      std::abs(limit.before) < touching_angle_;
-    evaluateLimit(model_, held ? state_.x : ws_.x1, limit);
-    if (limit.count == 0) continue;  // planes that allow it
+    if (leapfrog && limit.compliance == 0 && std::abs(limit.before) < touching_angle_)
+      anglesBefore().evaluate(model_, state_.x, limit);
+    else
+      angles.evaluate(model_, ws_.x1, limit);
     scratch_.softness[i] = leapfrog ? limit.middleSoftness(h) : limit.eulerSoftness(h);
     scratch_.limit_row[i] = schur.size();
     schur.addLimit(limit, static_cast<int>(i), scratch_.softness[i].compliance);
@@ -149,13 +152,10 @@ bool ShakeStep::forceViolated() {
     scratch_.contact_role[i] = ShakeScratch::kForced;
     any = true;
   }
-  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  const LimitAngles::Pose& angles = anglesAfter();
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
-    // Planes act where the free motion leaves them, and nowhere else.
-    if (scratch_.limit_row[i] >= 0 || scratch_.limits[i].limit < 0 ||
-        scratch_.limit_role[i] == ShakeScratch::kArriving)
-      continue;
-    if (valueAt(model_, ws_.x1, scratch_.limits[i]) * kLever >= -contact_tolerance_) continue;
+    if (scratch_.limit_row[i] >= 0 || scratch_.limit_role[i] == ShakeScratch::kArriving) continue;
+    if (angles[scratch_.limits[i].limit] * kLever >= -contact_tolerance_) continue;
     scratch_.limit_role[i] = ShakeScratch::kForced;
     any = true;
   }
@@ -164,7 +164,7 @@ bool ShakeStep::forceViolated() {
 
 bool ShakeStep::findMissed(double h) {
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
-  bool any = findMissedLimits();
+  bool any = addLimits(-kMissed / kLever, step_, ShakeScratch::kForced);
   scratch_.missed.clear();
   if (!ws_.obstacles.empty()) {
     appendContacts(model_, ws_.obstacles, state_.x, ws_.x1, index_, 0, scratch_.missed);
@@ -191,17 +191,20 @@ double ShakeStep::overlapLeft(const Contact& pair, double h) {
   return more > 0 ? kMissedPair + more * std::exp(-h / kPairRecovery) : overlap;
 }
 
-bool ShakeStep::findMissedLimits() {
-  scratch_.missed_limits.clear();
-  appendLimits(model_, ws_.x1, index_, -kMissed / kLever, scratch_.missed_limits);
+bool ShakeStep::addLimits(double margin, double h, ShakeScratch::Role role) {
+  const std::vector<Limit>& limits = model_.skeletonOf(ragdoll_).limits;
+  if (limits.empty()) return false;
   const std::size_t known = scratch_.limits.size();
-  for (const LimitRow& limit : scratch_.missed_limits) {
-    const auto same = [&](const LimitRow& l) { return l.limit == limit.limit; };
+  const LimitAngles::Pose& angles = anglesAfter();
+  for (int k = 0; k < static_cast<int>(limits.size()); ++k) {
+    if (angles[k] >= margin) continue;
+    const auto same = [k](const LimitRow& l) { return l.limit == k; };
     const auto end = scratch_.limits.begin() + static_cast<std::ptrdiff_t>(known);
-    if (limit.limit < 0 || std::any_of(scratch_.limits.begin(), end, same)) continue;
-    scratch_.limits.push_back(limit);
-    startRow(scratch_.limits.back(), step_);
-    scratch_.limit_role.push_back(ShakeScratch::kForced);
+    if (std::any_of(scratch_.limits.begin(), end, same)) continue;
+    LimitRow& row = scratch_.limits.emplace_back(limitRow(model_, index_, k));
+    row.value = angles[k];
+    startRow(row, h);
+    scratch_.limit_role.push_back(role);
   }
   return scratch_.limits.size() > known;
 }
@@ -339,13 +342,13 @@ void ShakeStep::fillGaps(double h) {
   const double share = h / step_;
   Schur& schur = scratch_.schur;
   scratch_.b.resize(ownRows());
-  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  const LimitAngles::Pose& angles = anglesAfter();
   for (int i = 0; i < ownRows(); ++i) {
     const Schur::Row& row = schur.row(i);
     if (row.kind == Schur::Row::Kind::kLimit) {
       const LimitRow& limit = scratch_.limits[row.source];
-      scratch_.b[i] = valueAt(model_, ws_.x1, limit) + limit.opening +
-                      scratch_.softness[row.source].offset + row.compliance * scratch_.total[i];
+      scratch_.b[i] = angles[limit.limit] + limit.opening + scratch_.softness[row.source].offset +
+                      row.compliance * scratch_.total[i];
     } else if (row.kind == Schur::Row::Kind::kNormal) {
       scratch_.b[i] = gapAt(scratch_.contacts[row.source], scratch_.dx.data());
     } else {
@@ -361,11 +364,11 @@ double ShakeStep::worstViolation() {
   for (std::size_t i = 0; i < scratch_.contacts.size(); ++i)
     if (scratch_.contact_row[i] >= 0)
       worst = std::max(worst, -gapAt(scratch_.contacts[i], scratch_.dx.data()));
-  ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
+  const LimitAngles::Pose& angles = anglesAfter();
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
     const LimitRow& limit = scratch_.limits[i];
     if (scratch_.limit_row[i] >= 0 && limit.compliance == 0)
-      worst = std::max(worst, -(valueAt(model_, ws_.x1, limit) + limit.opening) * kLever);
+      worst = std::max(worst, -(angles[limit.limit] + limit.opening) * kLever);
   }
   return worst;
 }

@@ -47,7 +47,7 @@ double ShakeStep::releasedEnergy() {
   double released = 0;
   for (const LimitRow& limit : scratch_.limits) {
     if (limit.compliance == 0) continue;
-    const double value = std::min(0.0, valueAt(model_, state_.x, limit));
+    const double value = std::min(0.0, anglesBefore()[limit.limit]);
     released += (limit.start * limit.start - value * value) / (2 * limit.compliance);
   }
   return released;

@@ -46,27 +46,26 @@ void ShakeStep::restrictToTouching(double h) {
       scratch_.warm.push_back(pressed(scratch_.contact_row, i, k));
   }
   scratch_.touching_limits.clear();
+  if (scratch_.limits.empty()) return;
+  LimitAngles::Pose& angles = anglesAfter();
   for (std::size_t i = 0; i < scratch_.limits.size(); ++i) {
     const LimitRow& limit = scratch_.limits[i];
     if (limit.compliance > 0) continue;
-    if (valueAt(model_, ws_.x1, limit) + limit.opening >= touching_angle_ &&
+    if (angles[limit.limit] + limit.opening >= touching_angle_ &&
         scratch_.limit_role[i] != ShakeScratch::kArrived)
       continue;
     scratch_.touching_limits.push_back(limit);
-    evaluateLimit(model_, ws_.x1, scratch_.touching_limits.back());
-    if (scratch_.touching_limits.back().count == 0)
-      scratch_.touching_limits.pop_back();
-    else
-      scratch_.warm.push_back(pressed(scratch_.limit_row, i, 0));
+    angles.evaluate(model_, ws_.x1, scratch_.touching_limits.back());
+    scratch_.warm.push_back(pressed(scratch_.limit_row, i, 0));
   }
 }
 
 void ShakeStep::releaseSprings(double h) {
   for (LimitRow limit : scratch_.limits) {
     if (limit.compliance == 0) continue;
-    evaluateLimit(model_, ws_.x1, limit);
+    anglesAfter().evaluate(model_, ws_.x1, limit);
     const double torque = limit.springTorque();
-    if (limit.count == 0 || torque == 0) continue;
+    if (torque == 0) continue;
     for (int k = 0; k < limit.count; ++k)
       v() += (0.5 * h * torque) * limit.gradient[k] *
              system_.W.row(limit.particle[k] - ragdoll_.first);

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/limit_angles.h"
 #include "ragdoll_sim/core/measures.h"
 #include "support/limbs.h"
 
@@ -347,25 +348,41 @@ TEST(Planes, ReturnWithoutNetForceOrTorqueAndByTheirGradient) {
   EXPECT_GT(outside, 20);
 }
 
+TEST(LimitAngles, AreThoseOfThePoseThatIsAskedFor) {
+  const Model model = buildModel(sceneOf(narrowPlanes()));
+  LimitAngles angles;
+  std::vector<Points> poses;
+  for (unsigned seed = 0; seed < 6; ++seed) poses.push_back(shaken(model, 0.08, seed));
+  for (const int i : {0, 1, 0, 2, 3, 4, 0, 5, 1, 0}) {  // more than are kept
+    LimitAngles::Pose& pose = angles.at(model, poses[i], 0);
+    LimitRow row = limitRow(model, 0, 1), expected = row;
+    evaluateLimit(model, poses[i], expected);
+    pose.evaluate(model, poses[i], row);
+    EXPECT_EQ(pose[1], expected.value);
+    ASSERT_EQ(row.count, expected.count);
+    for (int k = 0; k < row.count; ++k) EXPECT_EQ(row.gradient[k], expected.gradient[k]);
+    for (const int j : {0, 1, 2}) angles.at(model, poses[j], 0);
+    EXPECT_EQ(angles.at(model, poses[i], 0)[1], expected.value);
+  }
+}
+
 TEST(Planes, OfTheDirectMethodsAreOneRowForEachRegion) {
   SkeletonSpec s = narrowPlanes();
   s.joints[0].planes[0] = AngleRange{rad(-5), rad(5)};
   const Model model = buildModel(sceneOf(s));
   for (unsigned seed = 0; seed < 50; ++seed) {
     const Points x = shaken(model, 0.08, seed);
-    std::vector<LimitRow> rows;
-    appendLimits(model, x, 0, kAll, rows);
-    ASSERT_EQ(rows.size(), 3u);
+    ASSERT_EQ(model.skeletons[0].limits.size(), 3u);
+    LimitAngles angles;
     double worst = 0;
-    for (LimitRow& row : rows) {
-      worst = std::max(worst, -row.value);
-      evaluateLimit(model, x, row);
+    for (int k = 0; k < 3; ++k) {
+      LimitRow row = limitRow(model, 0, k);
+      angles.at(model, x, 0).evaluate(model, x, row);
+      EXPECT_EQ(row.value, angles.at(model, x, 0)[k]);
       expectGradient(model, x, row);
+      worst = std::max(worst, -row.value);
     }
     EXPECT_NEAR(limitViolation(model, x, 0), worst, 0.05);  // the shaken trunk is no rigid frame
-    rows.clear();
-    appendLimits(model, x, 0, 0, rows);  // of those that are violated
-    EXPECT_EQ(rows.empty(), worst == 0);
   }
 }
 

@@ -49,9 +49,8 @@ struct LimitRow {
 void findLimits(const Model& model, const Points& x, const State& state, double margin,
                 std::vector<LimitRow>& rows);
 
-/// Appends the rows of one ragdoll as above, and those of the regions of `planes`.
-void appendLimits(const Model& model, const Points& x, int ragdoll, double margin,
-                  std::vector<LimitRow>& rows);
+/// The row of one of the skeleton's limits, the regions of `planes` among them; not evaluated.
+LimitRow limitRow(const Model& model, int ragdoll, int limit);
 
 /// Appends a row for every planes joint of the awake ragdolls, to be evaluated.
 void listPlanes(const Model& model, const State& state, std::vector<LimitRow>& rows);

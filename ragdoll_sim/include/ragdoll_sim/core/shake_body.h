@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "ragdoll_sim/core/energy_gain.h"
+#include "ragdoll_sim/core/limit_angles.h"
 #include "ragdoll_sim/core/runge_kutta.h"
 #include "ragdoll_sim/core/schur.h"
 #include "ragdoll_sim/core/stick_solver.h"
@@ -14,10 +15,11 @@ namespace ragdoll {
 /// Values in State::multipliers of one body.
 inline int multiplierCount(const StickRows& rows) { return 2 * rows.s + 1; }
 
-/// Sticks at the step's start and end; kept from step to step so that the factors at the end serve
-/// as those at the next start.
+/// Sticks at the step's start and end, and limits; kept from step to step so that what is known of
+/// the end serves at the next start.
 struct ShakeBody {
   StickSolver start, end;
+  LimitAngles angles;
 };
 
 /// Scratch shared by all bodies.
@@ -30,7 +32,7 @@ struct ShakeScratch {
   Eigen::VectorXd lengths2, inverse_lengths2;       ///< of sticks that are being joined
   Eigen::VectorXd total;                            ///< impulses so far
   std::vector<Contact> contacts, touching, missed;  ///< near; touching at the step's end
-  std::vector<LimitRow> limits, touching_limits, missed_limits;
+  std::vector<LimitRow> limits, touching_limits;
   std::vector<int> contact_row, limit_row;  ///< first row of each in the Schur complement, or -1
   int own_rows = 0;                         ///< of them; contacts with other bodies come after
   enum Role : std::uint8_t { kIfNear, kForced, kArriving, kArrived };

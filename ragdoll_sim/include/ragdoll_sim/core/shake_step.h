@@ -178,6 +178,10 @@ class ShakeStep {
   void openSlowly(LimitRow& limit, double h) const;
   /// The same for all, when the substep is cut short.
   void shorten(double h, double whole);
+  /// x1 <- where the present dx leads, and the limits there.
+  LimitAngles::Pose& anglesAfter();
+  /// Those at the present x.
+  LimitAngles::Pose& anglesBefore() const { return body_.angles.at(model_, state_.x, index_); }
   double gapAt(const Contact& c, const double* dx) const;
   Vec3 motionOf(const Contact& c, const double* dx) const;
   /// Rows of the contacts and limits that are solved for: violated or nearly so at the present dx,
@@ -189,8 +193,9 @@ class ShakeStep {
   void forceNear();
   /// Contacts that the body was pushed into by those it was free to meet; whether there are any.
   bool findMissed(double h);
-  /// Likewise limits, at ws_.x1.
-  bool findMissedLimits();
+  /// Adds the limits that come nearer than the margin [rad] at the end of dx; whether there are new
+  /// ones.
+  bool addLimits(double margin, double h, ShakeScratch::Role role);
   /// Rows of the Schur complement that are the body's own.
   int ownRows() const { return scratch_.own_rows; }
   /// Whether a step that fails means that the overlap at its start cannot open.
@@ -222,7 +227,7 @@ class ShakeStep {
   /// Time at which start + rate t + q t^2 = 0, with q from the value `end` at h.
   static double timeOfZero(double start, double rate, double end, double h);
   /// Time of it again, by a motion dx over `h` that should have ended there.
-  double arrivalAgain(double h) const;
+  double arrivalAgain(double h);
   /// Whether the motion dx goes through what is arriving: it will be cut short.
   bool arrivesBefore();
   bool isArriving(const Contact& c, double h) const;
