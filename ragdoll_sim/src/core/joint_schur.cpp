@@ -4,7 +4,7 @@
 
 namespace ragdoll {
 
-/// As projectedGaussSeidel wants them.
+/// As findBlocks and projectedGaussSeidel want them.
 struct JointSchur::View {
   JointSchur& joint;
   const Eigen::VectorXd& b;
@@ -22,13 +22,13 @@ struct JointSchur::View {
   double rate(int i) const {
     return b[i] + sum(i, [&](const Schur& s, int side) { return s.w_[joint.rows_[i].row[side]]; });
   }
-  void push(int i, double step) {
+  void push(int i, int count, const double* step) {
     for (int side = 0; side < 2; ++side) {
       const int body = joint.rows_[i].body[side];
       if (body < 0) continue;
       Schur& s = *joint.bodies_[body];
-      kernels::addScaled(s.A_.data() + joint.rows_[i].row[side] * s.columns_, step, s.columns_,
-                         s.w_.data());
+      kernels::addWeighted(s.w_.data(), s.A_.data() + joint.rows_[i].row[side] * s.columns_, step,
+                           count, s.columns_, s.w_.data());
     }
   }
 
@@ -70,7 +70,8 @@ const Schur::Row& JointSchur::row(int i) const {
 bool JointSchur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
   for (Schur* s : bodies_) s->w_.setZero(s->columns_);
   View rows{*this, b};
-  return projectedGaussSeidel(rows, p);
+  findBlocks(rows, blocks_);
+  return projectedGaussSeidel(rows, blocks_, p.data());
 }
 
 void JointSchur::split(const Eigen::VectorXd& p, std::vector<Eigen::VectorXd>& parts) const {

@@ -76,30 +76,51 @@ void Schur::assemble(const StickRows& c, StickSolver& sticks) {
 
 namespace {
 
-/// One body's rows as projectedGaussSeidel wants them.
+/// One body's rows as findBlocks and projectedGaussSeidel want them, by vectors of W doubles.
+template <int W>
 struct OneBody {
   const std::vector<Schur::Row>& rows;
-  const PaddedRows& A;
+  const double* A;
+  int columns;
   const Eigen::VectorXd& unheld;
-  Eigen::VectorXd& w;
+  double* w;
 
   int size() const { return static_cast<int>(rows.size()); }
   const Schur::Row& row(int i) const { return rows[i]; }
-  double matrix(int i, int j) const { return A(i, j); }
+  double matrix(int i, int j) const { return A[i * columns + j]; }
   double free(int i) const { return unheld[i]; }
   double rate(int i) const { return w[i]; }
-  void push(int i, double step) {
-    kernels::addScaled(A.data() + i * A.cols(), step, static_cast<int>(A.cols()), w.data());
+  RAGDOLL_INLINE void push(int i, int count, const double* step) {
+    const double* a = A + i * columns;
+    for (int c = 0; c < columns; c += W) {
+      typename kernels::Vector<W>::Lanes sum = kernels::lanes<W>(w + c).v;
+      for (int k = 0; k < count; ++k) sum += step[k] * kernels::lanes<W>(a + k * columns + c).v;
+      kernels::lanes<W>(w + c).v = sum;
+    }
   }
 };
+
+namespace body {
+
+template <int W>
+RAGDOLL_INLINE bool sweep(OneBody<1>& rows, const std::vector<SchurBlock>& blocks, double* p) {
+  OneBody<W> lanes{rows.rows, rows.A, rows.columns, rows.unheld, rows.w};
+  return projectedGaussSeidel(lanes, blocks, p);
+}
+
+}  // namespace body
+
+RAGDOLL_KERNEL(bool, sweep, (OneBody<1> & rows, const std::vector<SchurBlock>& blocks, double* p),
+               (rows, blocks, p))
 
 }  // namespace
 
 bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
   w_.setZero(columns_);
   w_.head(size()) = b;
-  OneBody rows{rows_, A_, free_, w_};
-  return projectedGaussSeidel(rows, p);
+  OneBody<1> rows{rows_, A_.data(), columns_, free_, w_.data()};
+  findBlocks(rows, blocks_);
+  return sweep(rows, blocks_, p.data());
 }
 
 void Schur::move(const StickRows& c, StickSolver& sticks, const Eigen::VectorXd& p, double* out) {

@@ -2,32 +2,6 @@
 
 #include "ragdoll_sim/core/stick_kernels_body.h"
 
-// Vectors as wide as the processor has them, found at load: wider ones go through memory, at three
-// times the cost, and narrower ones take more instructions.
-#if defined(__x86_64__) && defined(__GNUC__)
-namespace {
-const int kWidth = __builtin_cpu_supports("avx512f") ? 8 : __builtin_cpu_supports("avx2") ? 4 : 2;
-}
-#define RAGDOLL_KERNEL(result, name, parameters, arguments)          \
-  namespace {                                                        \
-  __attribute__((target("avx512f"))) result name##Wide parameters {  \
-    return body::name<8> arguments;                                  \
-  }                                                                  \
-  __attribute__((target("avx2"))) result name##Middle parameters {   \
-    return body::name<4> arguments;                                  \
-  }                                                                  \
-  result name##Narrow parameters { return body::name<2> arguments; } \
-  }                                                                  \
-  result name parameters {                                           \
-    if (kWidth == 8) return name##Wide arguments;                    \
-    if (kWidth == 4) return name##Middle arguments;                  \
-    return name##Narrow arguments;                                   \
-  }
-#else
-#define RAGDOLL_KERNEL(result, name, parameters, arguments) \
-  result name parameters { return body::name<2> arguments; }
-#endif
-
 namespace ragdoll::kernels {
 
 RAGDOLL_KERNEL(void, multiplyPoints,
@@ -64,8 +38,6 @@ RAGDOLL_KERNEL(void, gatherRows,
                (const double* A, int columns, const int* row, const double* f, int rows,
                 double* out),
                (A, columns, row, f, rows, out))
-
-RAGDOLL_KERNEL(void, addScaled, (const double* x, double f, int n, double* y), (x, f, n, y))
 
 RAGDOLL_KERNEL(void, addWeighted,
                (const double* base, const double* terms, const double* f, int count, int n,

@@ -44,6 +44,7 @@ class JointSchur {
   std::vector<Schur*> bodies_;
   std::vector<int> first_;
   std::vector<Row> rows_;
+  std::vector<SchurBlock> blocks_;
 };
 
 }  // namespace ragdoll

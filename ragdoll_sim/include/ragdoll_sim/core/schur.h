@@ -18,6 +18,18 @@
 
 namespace ragdoll {
 
+/// A limit, or a contact with its friction: what a sweep solves for at once.
+struct SchurBlock {
+  int row = 0;                ///< its first
+  bool has_tangents = false;  ///< and two rows of friction after it
+  double least = 0;           ///< of the first impulse
+  double friction = 0;
+  double own[3] = {0, 0, 0};  ///< A's diagonal
+  double across[2] = {0, 0};  ///< of A: first row, tangents
+  double answer = 0;          ///< 1 / own[0]; 0: cannot move
+  double tangent_answer = 0;  ///< of both tangents; 0: cannot move
+};
+
 class Schur {
  public:
   static constexpr int kMaxParticles = LimitRow::kMaxParticles;
@@ -74,8 +86,9 @@ class Schur {
 
   int first_ = 0, columns_ = 0;
   std::vector<Row> rows_;
-  PaddedRows A_;               ///< rows x padded rows
-  Eigen::VectorXd free_, w_;   ///< free_: A's diagonal without the sticks' answer
+  PaddedRows A_;              ///< rows x padded rows
+  Eigen::VectorXd free_, w_;  ///< free_: A's diagonal without the sticks' answer
+  std::vector<SchurBlock> blocks_;
   PaddedRows force_, answer_;  ///< of particles, and their motion; padded coordinates
 };
 

@@ -2,63 +2,91 @@
 // Private to the core.
 #pragma once
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "ragdoll_sim/core/lanes.h"
 #include "ragdoll_sim/core/schur.h"
 
 namespace ragdoll {
 
-/// Finds p of w = b + A p (schur.h), starting at p. Rows: size(); row(i), a Schur::Row; matrix(i,
-/// j), of A; free(i), its diagonal without the sticks' answer; rate(i), w of row i, at first b;
-/// push(i, step), which adds step times row i of A to w. Returns whether it settled.
+/// What can move of the rows, in their order. Rows: size(); row(i), a Schur::Row; matrix(i, j), of
+/// A; free(i), its diagonal without the sticks' answer.
 template <class Rows>
-bool projectedGaussSeidel(Rows& rows, Eigen::VectorXd& p) {
+void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
+  constexpr double kHeld = 1e-9;  // below this share of its free value a row cannot move
+  using Kind = Schur::Row::Kind;
+  blocks.clear();
+  const int m = rows.size();
+  const auto moves = [&](int i) { return rows.matrix(i, i) > kHeld * rows.free(i); };
+  for (int i = 0; i < m; ++i) {
+    const Schur::Row& row = rows.row(i);
+    if (row.kind == Kind::kTangent || row.held) continue;
+    SchurBlock b;
+    b.row = i;
+    b.least = row.least;
+    b.friction = row.friction;
+    b.own[0] = rows.matrix(i, i);
+    if (moves(i)) b.answer = 1 / b.own[0];
+    b.has_tangents = row.friction > 0;
+    if (b.has_tangents) {
+      for (int k = 1; k < 3; ++k) {
+        b.own[k] = rows.matrix(i + k, i + k);
+        b.across[k - 1] = rows.matrix(i, i + k);
+      }
+      if (moves(i + 1) && moves(i + 2))
+        b.tangent_answer = 1 / (std::max(b.own[1], b.own[2]) + std::abs(rows.matrix(i + 1, i + 2)));
+    }
+    blocks.push_back(b);
+  }
+}
+
+/// Finds p of w = b + A p (schur.h), starting at p. Rows: size(); rate(i), w of row i, at first b;
+/// push(i, count, step), which adds step[k] times row i + k of A to w. Returns whether it settled.
+template <class Rows>
+RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, const std::vector<SchurBlock>& blocks,
+                                         double* p) {
   constexpr int kMaxIterations = 100;  // most end after 5 to 30
   constexpr int kPatience = 20;        // iterations in which the changes have to shrink,
   constexpr double kProgress = 0.9;    // to this share at least
   constexpr double kSettled = 1e-7;    // largest change of an impulse, of the largest impulse
-  constexpr double kHeld = 1e-9;       // below this share of its free value a row cannot move
-  using Kind = Schur::Row::Kind;
   const int m = rows.size();
   for (int i = 0; i < m; ++i)
-    if (p[i] != 0) rows.push(i, p[i]);
+    if (p[i] != 0) rows.push(i, 1, p + i);
   double earlier = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     double change = 0, largest = 0;
-    const auto set = [&](int i, double diagonal, double value) {
-      const double step = value - p[i];
-      largest = std::max(largest, std::abs(value) * diagonal);
-      if (step == 0) return;
-      change = std::max(change, std::abs(step) * diagonal);
-      p[i] = value;
-      rows.push(i, step);
-    };
-    for (int i = 0; i < m; ++i) {
-      const Schur::Row& row = rows.row(i);
-      if (row.held) continue;
-      const double own = rows.matrix(i, i);
-      if (row.kind != Kind::kTangent) {
-        if (own > kHeld * rows.free(i)) set(i, own, std::max(row.least, p[i] - rows.rate(i) / own));
+    for (const SchurBlock& b : blocks) {
+      double* now = p + b.row;
+      double step[3] = {0, 0, 0};
+      const auto set = [&](int k, double value) {
+        step[k] = value - now[k];
+        now[k] = value;
+        largest = std::max(largest, std::abs(value) * b.own[k]);
+        change = std::max(change, std::abs(step[k]) * b.own[k]);
+      };
+      if (b.answer > 0) set(0, std::max(b.least, now[0] - rows.rate(b.row) * b.answer));
+      if (!b.has_tangents) {
+        if (step[0] != 0) rows.push(b.row, 1, step);
         continue;
       }
-      const int j = i + 1;  // tangents come in pairs
-      const double limit = row.friction * p[i - 1], other = rows.matrix(j, j);
-      const bool moves = own > kHeld * rows.free(i) && other > kHeld * rows.free(j);
-      if (moves && (limit > 0 || p[i] != 0 || p[j] != 0)) {
-        const double a = std::max(own, other) + std::abs(rows.matrix(i, j));
-        double ti = p[i] - rows.rate(i) / a, tj = p[j] - rows.rate(j) / a;
-        const double length = std::sqrt(ti * ti + tj * tj);
-        if (length > limit) {
-          ti *= limit / length;
-          tj *= limit / length;
+      const double limit = b.friction * now[0];
+      if (b.tangent_answer > 0 && (limit > 0 || now[1] != 0 || now[2] != 0)) {
+        double t[2];
+        for (int k = 0; k < 2; ++k)
+          t[k] = now[1 + k] - (rows.rate(b.row + 1 + k) + b.across[k] * step[0]) * b.tangent_answer;
+        const double length2 = t[0] * t[0] + t[1] * t[1];
+        if (length2 > limit * limit) {
+          const double share = limit / std::sqrt(length2);
+          t[0] *= share;
+          t[1] *= share;
         }
-        set(i, own, ti);
-        set(j, other, tj);
+        set(1, t[0]);
+        set(2, t[1]);
       }
-      ++i;
+      if (step[0] != 0 || step[1] != 0 || step[2] != 0) rows.push(b.row, 3, step);
     }
     if (change <= kSettled * largest) return true;
     if (iteration % kPatience != kPatience - 1) continue;

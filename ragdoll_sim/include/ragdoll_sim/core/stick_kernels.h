@@ -9,9 +9,9 @@
 
 #include <Eigen/Core>
 
-namespace ragdoll {
+#include "ragdoll_sim/core/lanes.h"
 
-constexpr int kLane = 8;  ///< doubles per row block: the widest vector there is
+namespace ragdoll {
 
 /// Rows of doubles, padded and aligned.
 using PaddedRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -53,9 +53,6 @@ void spreadSticks(const double* D, const double* rows, int s, int width, int col
 /// out (columns) = f_k times the k-th of the rows of A (each of columns) that `row` lists.
 void gatherRows(const double* A, int columns, const int* row, const double* f, int rows,
                 double* out);
-
-/// y += f x, n values (a multiple of kLane).
-void addScaled(const double* x, double f, int n, double* y);
 
 /// out = base + f_i times the i-th of `count` terms, which lie one after the other; n values each
 /// (a multiple of kLane).

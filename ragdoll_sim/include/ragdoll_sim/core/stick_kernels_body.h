@@ -6,40 +6,7 @@
 
 #include "ragdoll_sim/core/stick_kernels.h"
 
-#define RAGDOLL_INLINE inline __attribute__((always_inline))
-
 namespace ragdoll::kernels::body {
-
-/// W doubles.
-template <int W>
-struct Vector;
-template <>
-struct Vector<2> {
-  typedef double Lanes __attribute__((vector_size(2 * sizeof(double))));
-};
-template <>
-struct Vector<4> {
-  typedef double Lanes __attribute__((vector_size(4 * sizeof(double))));
-};
-template <>
-struct Vector<8> {
-  typedef double Lanes __attribute__((vector_size(8 * sizeof(double))));
-};
-
-/// The same somewhere in memory, with the alignment of a double.
-template <int W>
-struct __attribute__((packed, may_alias)) Stored {
-  typename Vector<W>::Lanes v;
-};
-
-template <int W>
-RAGDOLL_INLINE const Stored<W>& lanes(const double* p) {
-  return *reinterpret_cast<const Stored<W>*>(p);
-}
-template <int W>
-RAGDOLL_INLINE Stored<W>& lanes(double* p) {
-  return *reinterpret_cast<Stored<W>*>(p);
-}
 
 /// Lanes that registers hold at once.
 template <int W>
@@ -282,11 +249,6 @@ RAGDOLL_INLINE void gatherRows(const double* A, int columns, const int* row, con
             sum[c] += f[k] * lanes<W>(A + row[k] * columns + b + c * W).v;
         for (int c = 0; c < blocks; ++c) lanes<W>(out + b + c * W).v = sum[c];
       });
-}
-
-template <int W>
-RAGDOLL_INLINE void addScaled(const double* x, double f, int n, double* y) {
-  for (int j = 0; j < n; j += W) lanes<W>(y + j).v += f * lanes<W>(x + j).v;
 }
 
 template <int W>
