@@ -25,9 +25,9 @@ constexpr double kE[kStages + 1] = {71.0 / 57600,      0,          -71.0 / 16695
 void accelerate(const StickRows& rows, StickSolver& sticks, const double* v, RungeKuttaScratch& s,
                 double* out) {
   kernels::multiplyPoints(v, rows.BT.data(), rows.n, rows.width, s.rates.data());
-  const Eigen::Map<const PaddedRows> D(sticks.D(), 3, rows.width);
-  s.lambda =
-      -(D.cwiseProduct(s.pulls).colwise().sum() + s.rates.colwise().squaredNorm()).transpose();
+  s.lambda.setZero(rows.width);
+  kernels::subtractDots(sticks.D(), s.pulls.data(), rows.width, s.lambda.data());
+  kernels::subtractDots(s.rates.data(), s.rates.data(), rows.width, s.lambda.data());
   sticks.solve(rows, s.lambda.data());
   std::copy(s.free.data(), s.free.data() + s.free.size(), out);
   sticks.move(rows, s.lambda.data(), 1, out);

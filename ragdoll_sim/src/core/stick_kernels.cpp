@@ -44,6 +44,9 @@ RAGDOLL_KERNEL(void, addWeighted,
                 double* out),
                (base, terms, f, count, n, out))
 
+RAGDOLL_KERNEL(void, subtractDots, (const double* a, const double* b, int width, double* out),
+               (a, b, width, out))
+
 RAGDOLL_KERNEL(double, lengthResiduals,
                (const double* D, const double* length2, const double* inverse_length2, int width,
                 double* residual),

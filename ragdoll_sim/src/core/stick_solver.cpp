@@ -97,7 +97,8 @@ void StickSolver::move(const StickRows& rows, const double* lambda, double scale
 
 void StickSolver::projectVelocities(const StickRows& rows, double* v) {
   kernels::multiplyPoints(v, rows.BT.data(), rows.n, rows.width, rates_.data());
-  lambda_ = -(D_.cwiseProduct(rates_).colwise().sum().transpose());
+  lambda_.setZero();
+  kernels::subtractDots(D_.data(), rates_.data(), rows.width, lambda_.data());
   solve(rows, lambda_.data());
   move(rows, lambda_.data(), 1, v);
 }

@@ -59,6 +59,9 @@ void gatherRows(const double* A, int columns, const int* row, const double* f, i
 void addWeighted(const double* base, const double* terms, const double* f, int count, int n,
                  double* out);
 
+/// out (width) -= a . b, column by column of two times three rows.
+void subtractDots(const double* a, const double* b, int width, double* out);
+
 /// residual = (length2 - |d|^2) / 2; returns the largest |residual| / length2, NaN if there is one.
 /// length2 and its inverses: width values, those beyond the last stick 0.
 double lengthResiduals(const double* D, const double* length2, const double* inverse_length2,

@@ -266,6 +266,14 @@ RAGDOLL_INLINE void addWeighted(const double* base, const double* terms, const d
 }
 
 template <int W>
+RAGDOLL_INLINE void subtractDots(const double* a, const double* b, int width, double* out) {
+  for (int c = 0; c < width; c += W)
+    lanes<W>(out + c).v -= lanes<W>(a + c).v * lanes<W>(b + c).v +
+                           lanes<W>(a + width + c).v * lanes<W>(b + width + c).v +
+                           lanes<W>(a + 2 * width + c).v * lanes<W>(b + 2 * width + c).v;
+}
+
+template <int W>
 RAGDOLL_INLINE double lengthResiduals(const double* D, const double* length2,
                                       const double* inverse_length2, int width, double* residual) {
   using Lanes = typename Vector<W>::Lanes;
