@@ -16,7 +16,6 @@
 #include <QApplication>
 #include <QComboBox>
 #include <QDoubleSpinBox>
-#include <QElapsedTimer>
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
@@ -27,24 +26,13 @@
 #include <pluginlib/class_loader.hpp>
 #include <thread>
 
+#include "qt_wait.h"
+
 namespace {
 
 using ragdoll_rviz::RagdollPanel;
-
-constexpr int kLimit = 30000;  ///< [ms] a test that waits longer than this has failed
-
-/// Lets Qt and ROS work, as rviz does, until the condition comes true; false if it does not.
-bool waitFor(const std::function<bool()>& condition) {
-  QElapsedTimer timer;
-  timer.start();
-  while (timer.elapsed() < kLimit) {
-    QCoreApplication::processEvents(QEventLoop::AllEvents, 5);
-    ros::spinOnce();
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return false;
-}
+using ragdoll_test::kLimit;
+using ragdoll_test::waitFor;
 
 class Panel : public ::testing::Test {
  protected:

@@ -26,31 +26,19 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <thread>
 
+#include "qt_wait.h"
 #include "virtual_screen.h"
 
 namespace {
 
 using Eigen::Vector3d;
+using ragdoll_test::kLimit;
+using ragdoll_test::waitFor;
 
-constexpr int kLimit = 30000;  ///< [ms] a test that waits longer than this has failed
 constexpr double kYaw = 0.4, kPitch = 0.3, kDistance = 3, kFov = M_PI / 4;  ///< of the view
 
 rviz::VisualizationFrame* rviz_frame = nullptr;  ///< there can be one; null without a screen
-
-/// Lets Qt and ROS work until the condition comes true; false if it does not.
-bool waitFor(const std::function<bool()>& condition) {
-  QElapsedTimer timer;
-  timer.start();
-  while (timer.elapsed() < kLimit) {
-    QCoreApplication::processEvents(QEventLoop::AllEvents, 5);
-    ros::spinOnce();
-    if (condition()) return true;
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-  }
-  return false;
-}
 
 class PokeTool : public ::testing::Test {
  protected:

@@ -1,6 +1,7 @@
 // The node: reads the parameters, starts the simulation, the publisher and the services, and waits.
 #include <ros/ros.h>
 
+#include <csignal>
 #include <memory>
 
 #include "ragdoll_sim/core/error.h"
@@ -65,6 +66,7 @@ class SimTime {
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "ragdoll");
+  std::signal(SIGTERM, [](int) { ros::requestShutdown(); });  // ends as at Ctrl-C
   ros::NodeHandle nh("~");
   try {
     const ragdoll::Parameters parameters = ragdoll::readParameters(nh);

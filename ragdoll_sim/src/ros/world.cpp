@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "ragdoll_sim/core/error.h"
@@ -188,6 +189,7 @@ void World::configure(const std::shared_ptr<const Scene>& before,
 Bytes World::save() const {
   Moment moment{state_, {}, model_->pins, model_->gravity, model_->solver};
   for (const Accepted& a : pokes_) moment.pokes.push_back(a.poke);
+  for (const auto& [start, a] : to_come_) moment.pokes.push_back(a.poke);
   for (const Stream& s : streams_)
     for (Poke poke : s.pokes) {
       poke.duration = std::max(0.0, s.end - poke.start);
@@ -221,10 +223,11 @@ void World::restore(const Bytes& bytes) {
 
 void World::setPokes(const std::vector<Poke>& pokes) {
   pokes_.clear();
+  to_come_.clear();
   streams_.clear();
   clearings_.clear();
   pulls_.clear();
-  for (const Poke& poke : pokes) pokes_.push_back({poke, next_order_++});
+  for (const Poke& poke : pokes) to_come_.insert({poke.start, {poke, next_order_++}});
   pokes_changed_ = true;
 }
 
@@ -238,13 +241,12 @@ Poke World::rounded(Poke poke, std::uint64_t& first) const {
 }
 
 std::uint64_t World::addPoke(Poke poke) {
-  checkRoom(pokes_.size());
+  checkRoom(pokes_.size() + to_come_.size());
   checkForce(*model_, poke);
   Event event;
   event.run = run_;
   event.poke = rounded(std::move(poke), event.step);
-  pokes_.push_back({event.poke, next_order_++});
-  pokes_changed_ = true;
+  to_come_.insert({event.poke.start, {event.poke, next_order_++}});
   events_.push_back(std::move(event));
   return events_.back().step;
 }
@@ -256,16 +258,18 @@ std::size_t World::clearPokes() {
 }
 
 std::size_t World::clear(std::uint64_t order) {
-  const std::size_t before = pokes_.size() + streams_.size();
+  const std::size_t before = pokes_.size() + to_come_.size() + streams_.size();
   pokes_.erase(std::remove_if(pokes_.begin(), pokes_.end(),
                               [&](const Accepted& a) { return a.order < order; }),
                pokes_.end());
+  for (auto i = to_come_.begin(); i != to_come_.end();)
+    i = i->second.order < order ? to_come_.erase(i) : std::next(i);
   for (Stream& s : streams_) endStream(s);
   streams_.clear();
   pulls_.clear();
   takeActed();
   pokes_changed_ = true;
-  return before - pokes_.size();
+  return before - pokes_.size() - to_come_.size();
 }
 
 void World::checkToCome(std::uint64_t step) const {
@@ -279,8 +283,9 @@ void World::checkToCome(std::uint64_t step) const {
 
 void World::checkRoom(std::size_t pokes) const {
   if (pokes >= max_pokes_)
-    throw Error("", "there are " + std::to_string(pokes) +
-                        " pokes that act or are to come, which is the most; ~clear_pokes ends them");
+    throw Error("",
+                "there are " + std::to_string(pokes) +
+                    " pokes that act or are to come, which is the most; ~clear_pokes ends them");
 }
 
 void World::replay(const FollowedFrame& followed) {
@@ -328,7 +333,18 @@ void World::endStream(Stream& s) {
   }
 }
 
+/// Those whose first step this is; with so many to come that a look at each would take long.
+void World::beginPokes() {
+  const double h = stepLength(), now = std::round(state_.time / h);
+  while (!to_come_.empty() && std::round(to_come_.begin()->first / h) <= now) {
+    pokes_.push_back(std::move(to_come_.begin()->second));
+    to_come_.erase(to_come_.begin());
+    pokes_changed_ = true;
+  }
+}
+
 void World::gatherPokes() {
+  beginPokes();
   const double h = stepLength();
   const auto over = [&](const Accepted& a) { return isOver(a.poke, state_.time, h); };
   const auto ended = std::remove_if(pokes_.begin(), pokes_.end(), over);

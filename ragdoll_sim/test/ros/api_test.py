@@ -1,7 +1,6 @@
 #!/usr/bin/python3
 """docs/ros_api.md describes the running node: nothing undocumented, nothing that is not there."""
 
-import os
 import re
 import subprocess
 import sys
@@ -14,34 +13,10 @@ import rospy
 import rosservice
 import rostest
 from client import Client, wait_for
+from page import NODE, column, of_node, table
+from ragdoll_msgs.msg import Model
 
-NODE = '/ragdoll'
-PAGE = os.path.join(roslib.packages.get_pkg_dir('ragdoll'), 'docs', 'ros_api.md')
-CLOCK = '/clock'  # there only with ~publish_clock or /use_sim_time
-
-
-def tables():
-    """{heading: [cells of a row]} of the page; the first cell's names in a list."""
-    found, heading = {}, ''
-    with open(PAGE) as page:
-        for line in page:
-            if line.startswith('#'):
-                heading = line.strip('# \n')
-            cells = [cell.strip() for cell in line.strip().strip('|').split('|')]
-            names = re.findall(r'`([~/][^`]*)`', cells[0])
-            if line.startswith('| `') and names:
-                names = [name.replace('~', NODE + '/') for name in names]
-                found.setdefault(heading, []).append((names, cells))
-    return found
-
-
-def column(heading, index=1):
-    """{name: cell} of a table."""
-    return {name: cells[index] for names, cells in tables()[heading] for name in names}
-
-
-def of_node(kind):
-    return {topic for topic, nodes in kind if NODE in nodes}
+CLOCK = '/clock'  # there only with ~publish_clock or /use_sim_time: clock_test.py
 
 
 class ApiTest(unittest.TestCase):
@@ -53,10 +28,8 @@ class ApiTest(unittest.TestCase):
                  NODE + '/set_parameters' in rosservice.get_service_list(NODE), 'all services')
 
     def test_topics(self):
-        publications, subscriptions, _ = self.master.getSystemState()
         types = dict(self.master.getTopicTypes())
-        for heading, topics in [('Published topics', of_node(publications)),
-                                ('Subscribed topics', of_node(subscriptions))]:
+        for heading, topics in zip(('Published topics', 'Subscribed topics'), of_node(NODE)):
             told = column(heading)
             self.assertEqual(set(told) - {CLOCK}, topics - {CLOCK}, heading)
             for topic in topics:
@@ -120,6 +93,27 @@ class ApiTest(unittest.TestCase):
             column('Settings that change while it runs'))
         there = {p for p in self.master.getParamNames() if p.startswith(NODE + '/')}
         self.assertLessEqual(there, told)
+
+    def test_the_relay(self):
+        relay = '/relay'
+        model = rospy.Publisher(relay + '/model', Model, latch=True, queue_size=1)
+        model.publish(self.client.model)
+        told = table('The relay state_to_markers', relay)
+        wait_for(lambda: of_node(relay)[0] >= told['publishes'] and
+                 of_node(relay)[1] >= told['subscribes'], 'all topics of the relay')
+        published, subscribed = of_node(relay)
+        self.assertEqual(told['publishes'], published - {'/rosout'})
+        self.assertEqual(told['subscribes'], subscribed)
+        # It ends with a message about a parameter that it reads.
+        program = roslib.packages.find_node('ragdoll_sim', 'state_to_markers')[0]
+        for name in told['parameter']:
+            key = name[len(relay) + 1:]
+            run = subprocess.run([program, '__name:=wrong_relay', '_%s:=nonsense' % key], timeout=30,
+                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                 universal_newlines=True)
+            self.assertEqual(run.returncode, 1, run.stdout)
+            self.assertIn('/wrong_relay/' + key, run.stdout)
+        self.assertEqual(len(told['parameter']), 1)
 
     def test_what_is_refused_is_answered(self):
         """Every service that the page says refuses something does so with a message."""

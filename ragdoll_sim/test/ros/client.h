@@ -3,6 +3,8 @@
 
 #include <ragdoll_msgs/State.h>
 #include <ros/ros.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -25,6 +27,18 @@ inline bool waitFor(const std::function<bool()>& condition) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return false;
+}
+
+/// False if it is refused.
+inline bool pause(bool data) {
+  std_srvs::SetBool call;
+  call.request.data = data;
+  return ros::service::call("/ragdoll/pause", call) && call.response.success;
+}
+
+inline bool reset() {
+  std_srvs::Trigger call;
+  return ros::service::call("/ragdoll/reset", call) && call.response.success;
 }
 
 /// The bytes of everything that is physics.

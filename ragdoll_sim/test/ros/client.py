@@ -1,20 +1,14 @@
 """What the python rostests share: the node's services, its messages, waiting for conditions."""
 
-import atexit
 import os
-import signal
 import struct
-import subprocess
 import threading
 import time
-from xmlrpc.client import ServerProxy
 
-import rosgraph
-import roslib.packages
 import rospy
 from geometry_msgs.msg import Point, Vector3
 from ragdoll_msgs.msg import Model, PokeEvent, State
-from ragdoll_msgs.srv import GetState, Poke, PokeRequest, Step
+from ragdoll_msgs.srv import GetState, LoadScene, Poke, PokeRequest, Step
 from std_srvs.srv import SetBool, Trigger
 
 # [s] a test that waits longer than this has failed
@@ -56,7 +50,9 @@ class Inbox:
 class Client:
     def __init__(self, node='/ragdoll'):
         self.node = node
-        self.model = Inbox(node + '/model', Model).first(lambda m: True, 'a model')
+        self.models = Inbox(node + '/model', Model)
+        self.models.first(lambda m: True, 'a model')
+        self.marks = 0
         self.states = Inbox(node + '/state', State)
         self.pokes = Inbox(node + '/pokes', PokeEvent)
         self.call_poke = self.service('poke', Poke)
@@ -65,6 +61,11 @@ class Client:
         self.call_clear = self.service('clear_pokes', Trigger)
         self.call_pause = self.service('pause', SetBool)
         self.call_get = self.service('get_state', GetState)
+        self.call_load = self.service('load_scene', LoadScene)
+
+    @property
+    def model(self):
+        return self.models.all()[-1]
 
     def service(self, name, kind):
         rospy.wait_for_service(self.node + '/' + name, LIMIT)
@@ -75,6 +76,25 @@ class Client:
             body_name=body, reference_frame=frame, force=Vector3(*force),
             reference_point=Point(*point), start_time=rospy.Time(start),
             duration=rospy.Duration(duration)))
+
+    def told(self):
+        """All that ~pokes has told: topics come in any order, so a poke without force marks the end."""
+        self.marks += 1
+        mark = float(self.marks)
+        body = self.model.ragdolls[0]
+        answer = self.poke(body.name + '/' + body.particles[0], point=(mark, 0, 0))
+        assert answer.success, answer.status_message
+        self.pokes.first(lambda m: m.point.x == mark and m.force == Vector3(), 'a poke')
+        return [m for m in self.pokes.all() if m.force != Vector3() or not m.body_name]
+
+    def load(self, **scene):
+        """Once this scene's model and first state are here."""
+        answer = self.call_load(**scene)
+        assert answer.success, answer.status_message
+        run = self.call_get().state.run
+        wait_for(lambda: self.model.run == run, 'the model')
+        wait_for(lambda: self.states.all()[-1:] and self.states.all()[-1].run >= run, 'its state')
+        return answer
 
     def step(self, steps):
         """The state after some steps; the node must be paused."""
@@ -100,28 +120,6 @@ class Client:
         assert self.call_pause(True).success
         assert self.call_reset().success
         return self.at(0)
-
-
-class Recorder:
-    """rosbag record, from the moment on at which it hears a node's topics."""
-
-    def __init__(self, path, node, topics):
-        self.path, self.node, self.topics = path, node, set(topics)
-        program = roslib.packages.find_node('rosbag', 'record')[0]
-        self.process = subprocess.Popen([program, '--quiet', '-O', path] + topics)
-        atexit.register(self.process.kill)  # a test that failed leaves nothing behind
-        wait_for(self.is_connected, 'the recorder')
-
-    def is_connected(self):
-        """Whether the node's connections show the recorder on all topics."""
-        node = rosgraph.Master('/recorder').lookupNode(self.node)
-        _, _, connections = ServerProxy(node).getBusInfo('/recorder')
-        return {c[4] for c in connections if c[1].startswith('/record')} >= self.topics
-
-    def stop(self):
-        self.process.send_signal(signal.SIGINT)
-        self.process.wait(LIMIT)
-        wait_for(lambda: os.path.exists(self.path), 'the bag')
 
 
 def bits(state):

@@ -21,8 +21,6 @@
 #include <ragdoll_msgs/Step.h>
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
-#include <std_srvs/SetBool.h>
-#include <std_srvs/Trigger.h>
 #include <tf2_ros/transform_broadcaster.h>
 #include <visualization_msgs/InteractiveMarkerFeedback.h>
 #include <visualization_msgs/InteractiveMarkerInit.h>
@@ -39,6 +37,8 @@ namespace {
 using ragdoll_msgs::State;
 using ragdoll_test::bits;
 using ragdoll_test::Inbox;
+using ragdoll_test::pause;
+using ragdoll_test::reset;
 using ragdoll_test::waitFor;
 
 constexpr const char* kFloating =
@@ -49,9 +49,7 @@ class Client : public ::testing::Test {
   void SetUp() override {
     ASSERT_TRUE(ros::service::waitForService("/ragdoll/set_state", 30000));
     ASSERT_TRUE(ros::service::waitForService("/ragdoll/set_parameters", 30000));
-    std_srvs::SetBool pause;
-    pause.request.data = true;
-    ASSERT_TRUE(ros::service::call("/ragdoll/pause", pause) && pause.response.success);
+    ASSERT_TRUE(pause(true));
     load(kFloating);
     model_ = std::make_unique<Inbox<ragdoll_msgs::Model>>("/ragdoll/model");
     ASSERT_TRUE(
@@ -63,10 +61,6 @@ class Client : public ::testing::Test {
     call.request.yaml = yaml;
     EXPECT_TRUE(ros::service::call("/ragdoll/load_scene", call));
     return call.response;
-  }
-  static bool reset() {
-    std_srvs::Trigger call;
-    return ros::service::call("/ragdoll/reset", call) && call.response.success;
   }
   static State step(std::uint32_t steps) {
     ragdoll_msgs::Step call;
@@ -92,6 +86,15 @@ class Client : public ::testing::Test {
     return get().state.ragdolls[0].positions[static_cast<std::size_t>(i)];
   }
 
+  /// The last poke of a body; null if there is none. ~pokes may still tell what was before.
+  static ragdoll_msgs::PokeEvent::ConstPtr told(const Inbox<ragdoll_msgs::PokeEvent>& events,
+                                                const std::string& body) {
+    ragdoll_msgs::PokeEvent::ConstPtr found;
+    for (const auto& event : events.all())
+      if (event->body_name == body) found = event;
+    return found;
+  }
+
   std::unique_ptr<Inbox<ragdoll_msgs::Model>> model_;
 };
 
@@ -104,8 +107,7 @@ TEST_F(Client, pokesABodyAndHearsOfIt) {
   call.request.duration = ros::Duration(0.5);
   ASSERT_TRUE(ros::service::call("/ragdoll/poke", call));
   ASSERT_TRUE(call.response.success) << call.response.status_message;
-  ASSERT_TRUE(waitFor([&] { return events.size() > 0; }));
-  EXPECT_EQ(events.last()->body_name, "anna/torso");
+  EXPECT_TRUE(waitFor([&] { return told(events, "anna/torso") != nullptr; }));
   EXPECT_GT(meanVelocity(step(20)), 0.01);
 
   std_srvs::Trigger clear;
@@ -199,12 +201,16 @@ TEST_F(Client, replaysAPokeToTheSameBits) {
   call.request.force.z = 80;
   call.request.duration = ros::Duration(0.2);
   ASSERT_TRUE(ros::service::call("/ragdoll/poke", call) && call.response.success);
-  ASSERT_TRUE(waitFor([&] { return events.size() == 1; }));
-  EXPECT_EQ(events.last()->step, 10u);
+  ASSERT_TRUE(waitFor([&] { return told(events, "anna/left_forearm") != nullptr; }));
+  const ragdoll_msgs::PokeEvent event = *told(events, "anna/left_forearm");
+  EXPECT_EQ(event.step, 10u);
   const std::string then = bits(step(60));
   ASSERT_TRUE(reset());
-  replay.publish(*events.last());
-  ASSERT_TRUE(waitFor([&] { return events.size() == 2; }));
+  replay.publish(event);
+  ASSERT_TRUE(waitFor([&] {
+    const auto last = told(events, "anna/left_forearm");
+    return last->run > event.run;
+  }));
   EXPECT_EQ(bits(step(70)), then);
 }
 
@@ -278,8 +284,9 @@ TEST_F(Client, measuresAreThoseOfFreeFall) {
   const double before = metrics.last()->potential_energy;
   const double speed = 9.81 * step(60).time;
   const double energy = mass * speed * speed / 2;
-  ASSERT_TRUE(waitFor([&] { return metrics.last()->kinetic_energy > 0; }));
-  EXPECT_NEAR(metrics.last()->kinetic_energy, energy, 1e-3 * energy);
+  // Some may be of a moment within the steps.
+  ASSERT_TRUE(
+      waitFor([&] { return std::abs(metrics.last()->kinetic_energy - energy) < 1e-3 * energy; }));
   EXPECT_NEAR(before - metrics.last()->potential_energy, energy, 0.02 * energy);
   EXPECT_TRUE(metrics.last()->paused);
   EXPECT_EQ(metrics.last()->ragdolls, 1u);

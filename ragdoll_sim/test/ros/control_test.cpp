@@ -3,8 +3,6 @@
 #include <ragdoll_msgs/State.h>
 #include <ragdoll_msgs/Step.h>
 #include <ros/ros.h>
-#include <std_srvs/SetBool.h>
-#include <std_srvs/Trigger.h>
 
 #include <cmath>
 #include <future>
@@ -18,6 +16,8 @@ namespace {
 using ragdoll_msgs::State;
 using ragdoll_test::bits;
 using ragdoll_test::Inbox;
+using ragdoll_test::pause;
+using ragdoll_test::reset;
 using ragdoll_test::waitFor;
 
 constexpr std::uint32_t kLong = 10000000;  ///< steps; as many as one call may ask for
@@ -30,17 +30,9 @@ class Control : public ::testing::Test {
     ASSERT_TRUE(states_->connected());
     ASSERT_TRUE(pause(true));
     ASSERT_TRUE(reset());
+    at(0);  // all that was told before it has been heard
   }
 
-  static bool pause(bool data) {
-    std_srvs::SetBool call;
-    call.request.data = data;
-    return ros::service::call("/ragdoll/pause", call) && call.response.success;
-  }
-  static bool reset() {
-    std_srvs::Trigger call;
-    return ros::service::call("/ragdoll/reset", call) && call.response.success;
-  }
   static ragdoll_msgs::Step::Response step(std::uint32_t steps) {
     ragdoll_msgs::Step call;
     call.request.steps = steps;
@@ -138,7 +130,7 @@ TEST_F(Control, aLateListenerHearsThePausedState) {
 }
 
 TEST_F(Control, aResetEndsALongStep) {
-  const std::size_t seen = states_->size();
+  const std::size_t seen = states_->size();  // none of them is of the long step
   auto answer = std::async(std::launch::async, [] { return step(kLong); });
   // It is under way once its steps are seen.
   ASSERT_TRUE(waitFor([&] {

@@ -2,7 +2,6 @@
 """crowd.launch, fall_dataset.launch and playback.launch, started as a user does, without rviz."""
 
 import csv
-import io
 import os
 import shutil
 import signal
@@ -16,6 +15,7 @@ import roslib.packages
 import rosnode
 import rospy
 import rostest
+from bags import contents
 from client import Client, Inbox, wait_for
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
@@ -29,16 +29,6 @@ def points(ragdoll):
 
 def middle(ragdoll):
     return [sum(c) / len(ragdoll.positions) for c in zip(*points(ragdoll))]
-
-
-def contents(path):
-    with rosbag.Bag(path) as bag:
-        found = []
-        for topic, message, t in bag.read_messages():
-            out = io.BytesIO()
-            message.serialize(out)
-            found.append((topic, t, out.getvalue()))
-        return found
 
 
 class DemosTest(unittest.TestCase):
@@ -125,25 +115,30 @@ class DemosTest(unittest.TestCase):
         with rosbag.Bag(path) as bag:
             states = [m for _, m, _ in bag.read_messages(['/ragdoll/state'])]
         launch = self.start('playback.launch', 'bag:=falls/fall_000004.bag', 'rviz:=false',
-                            'rate:=0.5')
+                            'rate:=0.5', 'loop:=true')
         markers, frames = Inbox('/ragdoll/markers', MarkerArray), Inbox('/tf', TFMessage)
 
         def sticks():
             """Where the drawn sticks' ends are."""
             return {tuple((p.x, p.y, p.z) for p in m.points) for a in markers.all()
                     for m in a.markers if m.ns == 'sticks'}
+
+        def pelvis():
+            """Its heights."""
+            return [t.transform.translation.z for m in frames.all() for t in m.transforms
+                    if t.child_frame_id == 'ragdoll/pelvis'] or [0.6]
         wait_for(lambda: len(sticks()) > 30, 'moving sticks')
+        wait_for(lambda: max(pelvis()) > 0.8 and min(pelvis()) < 0.5, 'a fall')
         self.assertNotIn('/ragdoll/poke', [s for s, _ in rospy.get_master().getSystemState()[2][2]])
         self.assertTrue(rospy.get_param('/use_sim_time'))
-        launch.wait(LONG)  # it ends with the bag
+        self.end(launch)
+        self.assertFalse(rospy.has_param('/use_sim_time'))
         # What was drawn is what was recorded, nothing between and nothing else.
         recorded = [set(points(s.ragdolls[0])) for s in states]
         for drawn in sticks():
             self.assertTrue(any(set(drawn) <= at for at in recorded))
-        pelvis = {t.transform.translation.z for m in frames.all() for t in m.transforms
-                  if t.child_frame_id == 'ragdoll/pelvis'}
-        self.assertGreater(max(pelvis), 0.8)
-        self.assertLess(min(pelvis), 0.5)
+        self.start('playback.launch', 'bag:=falls/fall_000004.bag', 'rviz:=false',
+                   'rate:=2').wait(LONG)  # it ends with the bag
         self.assertFalse(rospy.has_param('/use_sim_time'))  # whoever comes next has a clock
         self.assertNotIn('/ragdoll', rosnode.get_node_names())
 

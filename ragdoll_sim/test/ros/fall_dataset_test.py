@@ -3,7 +3,6 @@
 
 import csv
 import importlib.util
-import io
 import json
 import os
 import shutil
@@ -16,6 +15,7 @@ import rosbag
 import roslib.packages
 import rospy
 import rostest
+from bags import contents
 
 SECONDS, RATE = 3, 60
 SCRIPT = os.path.join(roslib.packages.get_pkg_dir('ragdoll_sim'), 'scripts', 'fall_dataset.py')
@@ -26,17 +26,6 @@ def load_script():
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
-
-
-def contents(path):
-    """All messages of a bag as bytes, with topic and time."""
-    with rosbag.Bag(path) as bag:
-        found = []
-        for topic, message, t in bag.read_messages():
-            out = io.BytesIO()
-            message.serialize(out)
-            found.append((topic, t, out.getvalue()))
-        return found
 
 
 class FallDatasetTest(unittest.TestCase):

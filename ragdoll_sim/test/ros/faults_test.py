@@ -18,7 +18,8 @@ import roslib.packages
 import rosbag
 import rospy
 import rostest
-from client import LIMIT, Client, Recorder, bits, wait_for
+from bags import Recorder
+from client import LIMIT, Client, bits, wait_for
 from ragdoll_msgs.msg import State
 from ragdoll_msgs.srv import GetState, LoadScene, Step
 from raw import Service, Subscriber
@@ -120,13 +121,13 @@ class FaultsTest(unittest.TestCase):
 
         def has():
             return master.hasParam('/test', '/use_sim_time')[2]
-        for before in (False, True):
+        for before, how in ((False, signal.SIGINT), (False, signal.SIGTERM), (True, signal.SIGINT)):
             if before:
                 master.setParam('/test', '/use_sim_time', True)
             node = self.start('clock', master=core.uri, publish_clock='true')
             wait_for(lambda: master.lookupService('/test', '/clock/reset')[0] == 1, 'the node')
             self.assertTrue(has())
-            self.assertEqual(node.end()[0], 0)
+            self.assertEqual(node.end(how)[0], 0)
             self.assertEqual(has(), before)
 
     def test_a_listener_that_never_reads_delays_nobody(self):

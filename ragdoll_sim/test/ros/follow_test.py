@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """~attach, ~detach, and obstacles and pins that follow frames of other nodes."""
 
+import math
 import sys
 import threading
 import unittest
@@ -11,7 +12,7 @@ import tf2_ros
 from client import Client, Inbox, momentum, position, velocity, wait_for
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TransformStamped, Vector3
-from ragdoll_msgs.srv import Attach, Detach, LoadScene
+from ragdoll_msgs.srv import Attach, Detach
 from visualization_msgs.msg import MarkerArray
 
 FLOATING = '''
@@ -40,7 +41,7 @@ class Robot(threading.Thread):
 
     def __init__(self):
         super().__init__(daemon=True)
-        self.frames = {}
+        self.frames = {}  # x, y, z [m] and, if it is turned, yaw [rad]
         self.moves = {}  # frames that are somewhere else whenever they are asked for
         self.period = 0.01
         self.broadcaster = tf2_ros.TransformBroadcaster()
@@ -54,8 +55,9 @@ class Robot(threading.Thread):
                 t = TransformStamped()
                 t.header.stamp = rospy.Time.now()
                 t.header.frame_id, t.child_frame_id = 'world', name
-                t.transform.translation = Vector3(*at)
-                t.transform.rotation.w = 1
+                t.transform.translation = Vector3(*at[:3])
+                yaw = at[3] if len(at) > 3 else 0
+                t.transform.rotation.z, t.transform.rotation.w = math.sin(yaw / 2), math.cos(yaw / 2)
                 try:
                     self.broadcaster.sendTransform(t)
                 except rospy.ROSException:
@@ -74,14 +76,12 @@ class FollowTest(unittest.TestCase):
         cls.robot = Robot()
         cls.attach = cls.client.service('attach', Attach)
         cls.detach = cls.client.service('detach', Detach)
-        cls.load = cls.client.service('load_scene', LoadScene)
 
     def setUp(self):
         self.robot.period = 0.01
 
     def scene(self, yaml):
-        answer = self.load(yaml=yaml)
-        self.assertTrue(answer.success, answer.status_message)
+        self.client.load(yaml=yaml)
         self.assertTrue(self.client.call_pause(False).success)
 
     def at(self, particle):
@@ -168,8 +168,8 @@ class FollowTest(unittest.TestCase):
     def test_an_obstacle_pushes(self):
         self.robot.frames['pusher'] = (-1, 0, 1)
         self.scene(PUSHED)
-        at = wait_for(lambda: self.client.states.all()[-1].step > 20 and
-                      self.client.states.all()[-1], 'steps')
+        wait_for(lambda: self.client.states.all()[-1].step > 20, 'steps')
+        at = self.client.states.all()[-1]
         self.assertLess(abs(momentum(self.client.model, at)[0]), 1e-6)
         for i in range(60):  # 0.9 m at about 1 m/s
             self.robot.frames['pusher'] = (-1 + 0.015 * i, 0, 1)
@@ -184,15 +184,12 @@ class FollowTest(unittest.TestCase):
             box = 'box_%d' % len(self.robot.frames)  # one that has not been anywhere yet
             self.robot.frames[box] = (-1.5, 0, 1)
             self.scene(BALL.replace('pusher', box))
-            client = Client()  # of this model
-            wait_for(lambda: client.states.all()[-1:] and client.states.all()[-1].step > 20,
-                     'steps')
+            wait_for(lambda: self.client.states.all()[-1].step > 20, 'steps')
             begin = rospy.Time.now().to_sec()
             self.robot.moves[box] = lambda: (
                 -1.5 + min(2.0, rospy.Time.now().to_sec() - begin), 0, 1)
-            wait_for(lambda: position(client.model, client.states.all()[-1], 'p')[0] > 0.6,
-                     'a ball that was struck')
-            left = velocity(client.model, client.states.all()[-1], 'p')[0]
+            wait_for(lambda: self.at('p')[0] > 0.6, 'a ball that was struck')
+            left = velocity(self.client.model, self.client.states.all()[-1], 'p')[0]
             del self.robot.moves[box]
             return left
         for rate in (100, 30, 10):
@@ -201,6 +198,33 @@ class FollowTest(unittest.TestCase):
             speeds = []
             wait_for(lambda: speeds.append(struck(rate)) or 0.9 < speeds[-1] < 1.25,
                      '1 m/s at %d Hz' % rate)
+
+    def test_an_obstacle_that_turns_gives_the_velocity_of_the_point_that_touches(self):
+        def struck():
+            """[m/s] of a ball 0.7 m from the axis of a bar that turns at 1 rad/s."""
+            bar = 'bar_%d' % len(self.robot.frames)  # one that has not been anywhere yet
+            self.robot.frames[bar] = (0, 0, 1, -1.0)
+            self.scene(BALL.replace('pusher', bar).replace('size: [0.2, 1, 1]', 'size: [2, 0.2, 1]')
+                       .replace('position: [0, 0, 1]', 'position: [0.7, 0, 1]'))
+            wait_for(lambda: self.client.states.all()[-1].step > 20, 'steps')
+            begin = rospy.Time.now().to_sec()
+            # It stops soon after it has touched, at -0.29 rad.
+            self.robot.moves[bar] = lambda: (
+                0, 0, 1, -1.0 + min(0.85, rospy.Time.now().to_sec() - begin))
+            wait_for(lambda: self.at('p')[1] > 0.5, 'a ball that was struck')
+            v = velocity(self.client.model, self.client.states.all()[-1], 'p')
+            del self.robot.moves[bar]
+            return v
+        # Inelastic, without friction: the ball has the speed of the point that touched,
+        # 1 rad/s * 0.67 m, along the normal of the bar there.
+        speeds = []
+
+        def as_the_bar():
+            speeds.append(struck())
+            x, y, z = speeds[-1]
+            along = y * math.cos(0.29) + x * math.sin(0.29)
+            return 0.9 < along / 0.67 < 1.25 and abs(z) < 1e-6
+        wait_for(as_the_bar, 'the speed of the bar')
 
     def refusal(self, particle, frame):
         """Why ~attach refuses; empty if it does not."""

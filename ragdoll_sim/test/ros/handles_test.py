@@ -11,8 +11,7 @@ import rostest
 import tf2_ros
 from client import Client, Inbox, bits, momentum, position, wait_for
 from geometry_msgs.msg import Point, TransformStamped, Vector3
-from ragdoll_msgs.msg import Model, PokeEvent
-from ragdoll_msgs.srv import LoadScene
+from ragdoll_msgs.msg import PokeEvent
 from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
 from visualization_msgs.msg import InteractiveMarkerInit, InteractiveMarkerUpdate
 
@@ -82,8 +81,6 @@ class HandlesTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.client = Client()
-        cls.load = cls.client.service('load_scene', LoadScene)
-        cls.models = Inbox('/ragdoll/model', Model)
         publisher = rospy.Publisher('/ragdoll/handles/feedback', Feedback, queue_size=100)
         wait_for(lambda: publisher.get_num_connections() > 0, 'the node')
         # There are handles only while someone listens.
@@ -105,10 +102,7 @@ class HandlesTest(unittest.TestCase):
         self.mouse.let_go(HAND, (0, 0, 0))
 
     def scene(self, yaml, handle):
-        seen = len(self.models.all())
-        answer = self.load(yaml=yaml)
-        self.assertTrue(answer.success, answer.status_message)
-        self.client.model = wait_for(lambda: self.models.all()[seen:], 'the model')[-1]
+        self.client.load(yaml=yaml)
         wait_for(lambda: handle in self.handles(), 'the handle ' + handle)
 
     def handles(self):
@@ -120,20 +114,20 @@ class HandlesTest(unittest.TestCase):
 
     def begin(self, target, frame='world', handle=HAND):
         """Drags a handle; the first step at which it is pulled."""
-        seen = len(self.client.pokes.all())
+        seen = len(self.client.told())
         self.mouse.drag(handle, target, frame)
 
         def pulled():
             self.client.step(1)
-            return self.client.pokes.all()[seen:]
+            return self.client.told()[seen:]
         return wait_for(pulled, 'the pull')[0].step
 
     def released(self):
         """A state that was reached without a pull in its last steps."""
         def free():
-            seen = len(self.client.pokes.all())
+            seen = len(self.client.told())
             state = self.client.step(20)
-            return state if not self.client.pokes.all()[seen:] else None
+            return state if not self.client.told()[seen:] else None
         return wait_for(free, 'a release')
 
     def test_pulls_by_the_critically_damped_law(self):
@@ -164,7 +158,7 @@ class HandlesTest(unittest.TestCase):
     def test_each_step_is_told_and_replays_to_the_same_bits(self):
         replay = rospy.Publisher('/ragdoll/poke_replay', PokeEvent, queue_size=1000)
         wait_for(lambda: replay.get_num_connections() > 0, 'the node')
-        seen = len(self.client.pokes.all())
+        seen = len(self.client.told())
         at = self.at('right_hand')
         first = self.begin((at[0] + 0.3, at[1], at[2]))
         self.client.step(50)
@@ -172,16 +166,16 @@ class HandlesTest(unittest.TestCase):
         last = self.client.step(50).step
         self.mouse.let_go(HAND, at)
         state = self.released()
-        events = self.client.pokes.all()[seen:]
+        events = self.client.told()[seen:]
         steps = [e.step for e in events]
         self.assertEqual(steps, list(range(first, first + len(steps))))
         self.assertGreaterEqual(steps[-1], last - 1)
         self.assertEqual({e.body_name for e in events}, {HAND})
         self.client.restart()
-        told = len(self.client.pokes.all())
+        told = len(self.client.told())
         for event in events:
             replay.publish(event)
-        wait_for(lambda: len(self.client.pokes.all()) >= told + len(events), 'the replay')
+        wait_for(lambda: len(self.client.told()) >= told + len(events), 'the replay')
         self.assertEqual(bits(self.client.step(state.step)), bits(state))
 
     def test_mouse_up_ends_it(self):
@@ -219,7 +213,7 @@ class HandlesTest(unittest.TestCase):
         self.begin((at[0], at[1], at[2] + 0.3))
         self.mouse.held = None
         self.assertTrue(self.client.call_clear().success)
-        seen = len(self.client.pokes.all())
+        seen = len(self.client.told())
         for _ in range(3):  # it is still held
             self.mouse.send(Feedback.KEEP_ALIVE, HAND, (at[0], at[1], at[2] + 0.3))
         # In order: when this is pulled, those have been heard.
@@ -228,7 +222,7 @@ class HandlesTest(unittest.TestCase):
 
         def pulled():
             self.client.step(1)
-            return {e.body_name for e in self.client.pokes.all()[seen:] if e.body_name}
+            return {e.body_name for e in self.client.told()[seen:]}
         self.assertEqual(wait_for(pulled, 'the other hand'), {other})
         self.mouse.let_go(other, at)
 
@@ -243,6 +237,7 @@ class HandlesTest(unittest.TestCase):
 
     def test_bad_feedback_changes_nothing(self):
         nan = float('nan')
+        seen = len(self.client.told())
         at = self.at('right_hand')
         far = (at[0] + 1, at[1], at[2])
         for args in ((HAND, (nan, 0, 0)), ('ragdoll/tail', far), ('ragdoll/torso', far),
@@ -253,11 +248,9 @@ class HandlesTest(unittest.TestCase):
         self.mouse.send(Feedback.MOUSE_UP, 'ragdoll/tail', far)
         # In order: when this is pulled, all of the above has been heard.
         self.mouse.drag('ragdoll/left_hand', (at[0], -at[1], at[2]))
-        seen = len(self.client.pokes.all())
-        wait_for(lambda: self.client.step(1) and self.client.pokes.all()[seen:], 'the pull')
+        wait_for(lambda: self.client.step(1) and self.client.told()[seen:], 'the pull')
         self.client.step(20)
-        self.assertEqual({e.body_name for e in self.client.pokes.all()[seen:]},
-                         {'ragdoll/left_hand'})
+        self.assertEqual({e.body_name for e in self.client.told()[seen:]}, {'ragdoll/left_hand'})
         self.mouse.let_go('ragdoll/left_hand', at)
 
     def test_handles_follow_the_body_and_the_scene(self):
@@ -281,10 +274,10 @@ class HandlesTest(unittest.TestCase):
         wait_for(lambda: there() and any(p.name == 'ragdoll/head' for u in self.updates.all()[seen:]
                                          for p in u.poses), 'the handle back at the head')
         # Two bodies have all of theirs, many have the tips of their limbs.
-        self.assertTrue(self.load(path='two').success)
+        self.client.load(path='two')
         wait_for(lambda: 'anna/left_knee' in self.handles(), "the other scene's handles")
         self.assertEqual(len(self.handles()), 2 * len(names))
-        self.assertTrue(self.load(path='crowd').success)
+        self.client.load(path='crowd')
         wait_for(lambda: 'crowd_19/head' in self.handles(), "the crowd's handles")
         self.assertEqual({h.split('/')[1] for h in self.handles()},
                          {'head', 'left_hand', 'right_hand', 'left_foot', 'right_foot'})

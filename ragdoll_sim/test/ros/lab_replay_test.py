@@ -15,10 +15,12 @@ import rosbag
 import roslib.packages
 import rospy
 import rostest
-from client import Client, Recorder, wait_for
+from bags import Recorder
+from client import Client, Inbox, wait_for
 from dynamic_reconfigure.client import Client as Settings
 from geometry_msgs.msg import Vector3, WrenchStamped
-from ragdoll_msgs.srv import Attach, Detach, LoadScene, SetState
+from ragdoll_msgs.msg import FollowedFrame
+from ragdoll_msgs.srv import Attach, Detach, SetState
 from std_msgs.msg import String
 from tf2_ros import TransformBroadcaster, TransformStamped
 
@@ -82,7 +84,6 @@ class LabReplayTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.client = Client(NODE)
-        cls.load = cls.client.service('load_scene', LoadScene)
         cls.restore = cls.client.service('set_state', SetState)
         cls.wrench = rospy.Publisher(NODE + '/wrench', WrenchStamped, queue_size=100)
         wait_for(lambda: cls.wrench.get_num_connections() > 0, 'the node')
@@ -91,7 +92,7 @@ class LabReplayTest(unittest.TestCase):
         self.folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, self.folder)
         self.path = os.path.join(self.folder, 'run.bag')
-        self.assertTrue(self.load(path='fall').success)
+        self.client.load(path='fall')
         self.assertTrue(self.client.call_pause(False).success)
 
     def go(self, steps):
@@ -191,7 +192,7 @@ class LabReplayTest(unittest.TestCase):
         self.push(3)
         self.assertTrue(self.restore(kept).success)
         self.go(60)
-        self.assertTrue(self.load(yaml=HANGING).success)
+        self.client.load(yaml=HANGING)
         self.go(60)
         self.assertTrue(self.client.service('detach', Detach)('right_hand').success)
         self.go(60)
@@ -229,8 +230,9 @@ class LabReplayTest(unittest.TestCase):
                           for name, kind in (('attach', Attach), ('detach', Detach)))
         robot = Robot(['paddle', 'hook'])
         self.addCleanup(robot.stop)
+        heard = Inbox(NODE + '/followed', FollowedFrame)
         recorder = Recorder(self.path, NODE, TOPICS)
-        self.assertTrue(self.load(yaml=PUSHED).success)
+        self.client.load(yaml=PUSHED)
         self.go(100)
         self.assertTrue(self.client.call_reset().success)  # the frames have been heard before
         self.go(100)
@@ -238,6 +240,9 @@ class LabReplayTest(unittest.TestCase):
         self.go(10)  # while the hand is still drawn to its frame
         kept = self.client.call_get().snapshot
         self.assertTrue(attach('right_foot', 'hook').success)
+        run = self.client.call_get().state.run
+        wait_for(lambda: len([m for m in heard.all() if (m.run, m.frame) == (run, 'hook')]) > 4,
+                 'some of how the hook moves')
         self.go(100)
         settings.update_configuration({'gravity_x': 1.5, 'step': 0.002})
         self.go(100)
@@ -262,9 +267,7 @@ class LabReplayTest(unittest.TestCase):
         status, out, _ = replay(self.altered(lambda topic, _: topic != followed))
         self.assertEqual(status, 2, out)
         self.assertIn('paddle, hook of another node, and ~followed was not recorded', out)
-        runs = [m.run for m in told if m.frame == 'hook']
-        longest = [m for m in told if m.frame == 'hook' and m.run == max(runs, key=runs.count)]
-        led = longest[len(longest) // 2]  # it holds a hand, before and after
+        led = [m for m in told if (m.run, m.frame) == (run, 'hook')][2]  # it holds hand and foot
 
         def changed(change):
             def alter(topic, m):

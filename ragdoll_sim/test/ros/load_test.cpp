@@ -6,8 +6,6 @@
 #include <ragdoll_msgs/PokeEvent.h>
 #include <ragdoll_msgs/State.h>
 #include <ros/ros.h>
-#include <std_srvs/SetBool.h>
-#include <std_srvs/Trigger.h>
 
 #include <atomic>
 #include <cstdlib>
@@ -106,16 +104,15 @@ TEST(Load, noPokeIsLostAndThePaceIsKept) {
 
 /// All that were accepted and are not over are there to be ended.
 TEST(Load, pokesAtOnceAllCount) {
-  std_srvs::SetBool pause;
-  pause.request.data = true;
-  ASSERT_TRUE(ros::service::call("/ragdoll/pause", pause) && pause.response.success);
+  ASSERT_TRUE(ragdoll_test::pause(true));
+  std_srvs::Trigger clear;
+  ASSERT_TRUE(ros::service::call("/ragdoll/clear_pokes", clear));  // those that still act
   ragdoll_msgs::Poke call;
   call.request.body_name = "head";
   call.request.force.z = 0.5;
   call.request.duration = ros::Duration(0.1);
   for (int i = 0; i < 200; ++i)
     ASSERT_TRUE(ros::service::call("/ragdoll/poke", call) && call.response.success);
-  std_srvs::Trigger clear;
   ASSERT_TRUE(ros::service::call("/ragdoll/clear_pokes", clear));
   EXPECT_EQ(clear.response.message, "200 pokes ended");
 }

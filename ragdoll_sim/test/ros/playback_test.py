@@ -12,7 +12,8 @@ import unittest
 import roslib.packages
 import rospy
 import rostest
-from client import Client, Inbox, Recorder, position, wait_for
+from bags import Recorder
+from client import Client, Inbox, position, wait_for
 from ragdoll_msgs.msg import FollowedFrame, Model, PokeEvent, State
 from rosgraph_msgs.msg import Log
 from tf2_msgs.msg import TFMessage

@@ -84,9 +84,9 @@ class PokeTest(unittest.TestCase):
         self.assertGreater(hand, 2 * max(moved(p) for p in others))
 
     def test_takes_a_bone_and_tells_the_poke(self):
-        seen = len(self.client.pokes.all())
+        seen = len(self.client.told())
         self.accept('right_forearm', (0, 0, FORCE), duration=SECONDS)
-        event = wait_for(lambda: self.client.pokes.all()[seen:], 'the poke event')[0]
+        event = self.client.told()[seen]
         self.assertEqual(event.body_name, 'ragdoll/right_forearm')
         self.assertEqual((event.step, event.force.z), (0, FORCE))
         n = self.steps(SECONDS)
@@ -148,11 +148,11 @@ class PokeTest(unittest.TestCase):
         self.assert_vector(self.gained(self.client.step(1)), [FORCE * self.h, 0, 0])
 
     def test_a_later_start_waits_for_its_step(self):
-        seen = len(self.client.pokes.all())
+        seen = len(self.client.told())
         later = rospy.Time.now() + rospy.Duration(5.0)
         self.accept('head', (FORCE, 0, 0), start=later.to_sec(), duration=SECONDS)
         left = (later - rospy.Time.now()).to_sec()
-        event = wait_for(lambda: self.client.pokes.all()[seen:], 'the poke event')[0]
+        event = self.client.told()[seen]
         self.assertGreaterEqual(event.step, self.steps(left))
         self.assertLessEqual(event.step, self.steps(5.0))
         self.assert_vector(self.gained(self.client.step(event.step)), [0, 0, 0])
@@ -179,7 +179,7 @@ class PokeTest(unittest.TestCase):
         ]
         wait_for(lambda: self.buffer.can_transform('another_world', 'island', rospy.Time(0)),
                  'the frame island')
-        seen = len(self.client.pokes.all())
+        seen = len(self.client.told())
         for args, kwargs, words in cases:
             answer = self.client.poke(*args, duration=1.0, **kwargs)
             self.assertFalse(answer.success, args)
@@ -188,7 +188,7 @@ class PokeTest(unittest.TestCase):
         after = self.client.step(30)
         self.client.restart()
         self.assertEqual(bits(after), bits(self.client.step(30)))
-        self.assertEqual(len(self.client.pokes.all()), seen)
+        self.assertEqual(len(self.client.told()), seen)
 
 
 if __name__ == '__main__':

@@ -10,8 +10,7 @@ import rostest
 import yaml
 from client import LIMIT, Client, Inbox, bits, wait_for
 from dynamic_reconfigure.client import Client as Settings
-from ragdoll_msgs.msg import Model
-from ragdoll_msgs.srv import LoadScene, SetState
+from ragdoll_msgs.srv import SetState
 from rosgraph_msgs.msg import Log
 
 YAML = '''
@@ -26,40 +25,29 @@ class ScenesTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.client = Client()
-        cls.models = Inbox('/ragdoll/model', Model)
         cls.log = Inbox('/rosout', Log)
-        cls.call_load = cls.client.service('load_scene', LoadScene)
         cls.call_set = cls.client.service('set_state', SetState)
 
     def setUp(self):
-        self.load(path='fall')
+        self.client.load(path='fall')
         self.client.restart()
-
-    def load(self, **scene):
-        answer = self.call_load(**scene)
-        self.assertTrue(answer.success, answer.status_message)
-        return answer
 
     def names(self):
         return [r.name for r in self.client.states.all()[-1].ragdolls]
 
     def test_loads_by_name_package_or_text(self):
-        self.load(path='package://ragdoll_sim/scenes/two.yaml')
+        self.client.load(path='package://ragdoll_sim/scenes/two.yaml')
         wait_for(lambda: self.names() == ['anna', 'ben'], 'the states of two')
-        seen = len(self.models.all())
-        self.load(yaml=YAML)
-        model = wait_for(lambda: self.models.all()[seen:], 'the model')[-1]
-        self.assertEqual([r.name for r in model.ragdolls], ['anna', 'ben'])
+        self.client.load(yaml=YAML)
+        self.assertEqual([r.name for r in self.client.model.ragdolls], ['anna', 'ben'])
         before = self.client.at(0)
         after = self.client.step(100)  # pause survives
         self.assertEqual(before.ragdolls[1].positions[0].z, after.ragdolls[1].positions[0].z)
 
     def test_a_model_loads_as_the_scene_that_it_is_of(self):
-        seen = len(self.models.all())
-        self.load(path='stairs')
-        model = wait_for(lambda: self.models.all()[seen:], 'the model')[-1]
+        self.client.load(path='stairs')
         expected = bits(self.client.step(50))
-        self.load(yaml=model.scene_yaml)
+        self.client.load(yaml=self.client.model.scene_yaml)
         self.assertEqual(bits(self.client.step(50)), expected)
 
     def test_the_log_says_what_the_checks_found(self):
@@ -67,7 +55,7 @@ class ScenesTest(unittest.TestCase):
             return [m for m in self.log.all()
                     if m.level == level and all(word in m.msg for word in words)]
 
-        self.load(yaml=YAML + 'self_collision: true')
+        self.client.load(yaml=YAML + 'self_collision: true')
         wait_for(lambda: said(Log.INFO, "self collision of 'human'", 'share a particle: ',
                               'overlap in the rest pose: ',
                               'left_shoulder-right_shoulder with neck-head'), 'the pairs left out')
@@ -76,7 +64,7 @@ class ScenesTest(unittest.TestCase):
       model:
         particles: {a: {position: [0, 0, 0], mass: 1}, b: {position: [0, 0, 1], mass: 1}}
         sticks: [[a, b, 1.5]]""")
-        answer = self.load(yaml=doll)
+        answer = self.client.load(yaml=doll)
         self.assertIn('b by 250 mm', answer.status_message)
         wait_for(lambda: said(Log.WARN, 'b by 250 mm'), 'the warning')
 
@@ -100,7 +88,7 @@ class ScenesTest(unittest.TestCase):
         self.client.restart()
         self.client.step(30)
         for scene, words in cases:
-            answer = self.call_load(**scene)
+            answer = self.client.call_load(**scene)
             self.assertFalse(answer.success, scene)
             for word in words:
                 self.assertIn(word, answer.status_message)
@@ -122,14 +110,14 @@ class ScenesTest(unittest.TestCase):
         self.assertEqual(bits(self.client.at(60)), bits(kept.state))
         self.assertEqual(bits(self.client.step(200)), expected)
         # It also fits the same scene loaded anew.
-        self.load(path='fall')
+        self.client.load(path='fall')
         self.assertTrue(self.call_set(kept.snapshot).success)
         self.assertEqual(bits(self.client.step(200)), expected)
 
     def test_settings_during_a_load_are_of_one_of_the_two_scenes(self):
         settings = Settings('/ragdoll', timeout=LIMIT)
         self.client.call_pause(False)
-        seen, stop = len(self.models.all()), threading.Event()
+        seen, stop = len(self.client.models.all()), threading.Event()
         sent = []
 
         def turn_gravity():
@@ -140,14 +128,15 @@ class ScenesTest(unittest.TestCase):
         thread.start()
         try:
             for i in range(100):
-                self.load(**({'yaml': YAML} if i % 2 else {'path': 'fall'}))
+                answer = self.client.call_load(**({'yaml': YAML} if i % 2 else {'path': 'fall'}))
+                self.assertTrue(answer.success, answer.status_message)
             after = len(sent)
             wait_for(lambda: len(sent) > after + 1, 'the last setting')
         finally:
             stop.set()
             thread.join()
         down = {('anna', 'ben'): 0.0, ('ragdoll',): -9.81}
-        for model in self.models.all()[seen:]:
+        for model in self.client.models.all()[seen:]:
             names = tuple(r.name for r in model.ragdolls)
             scene = yaml.safe_load(model.scene_yaml)
             self.assertEqual(len(scene['ragdolls']), len(names))
@@ -168,7 +157,7 @@ class ScenesTest(unittest.TestCase):
             self.assertFalse(answer.success)
             self.assertIn(word, answer.status_message)
         self.assertEqual(self.client.call_get().state.step, 10)
-        self.load(path='stairs')
+        self.client.load(path='stairs')
         answer = self.call_set(kept)
         self.assertFalse(answer.success)
         self.assertIn('another scene', answer.status_message)

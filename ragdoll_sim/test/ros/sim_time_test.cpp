@@ -8,8 +8,6 @@
 #include <ragdoll_msgs/Step.h>
 #include <ros/ros.h>
 #include <rosgraph_msgs/Clock.h>
-#include <std_srvs/SetBool.h>
-#include <std_srvs/Trigger.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <string>
@@ -20,6 +18,8 @@ namespace {
 
 using ragdoll_msgs::State;
 using ragdoll_test::Inbox;
+using ragdoll_test::pause;
+using ragdoll_test::reset;
 using ragdoll_test::waitFor;
 
 class SimTime : public ::testing::Test {
@@ -28,27 +28,22 @@ class SimTime : public ::testing::Test {
     ASSERT_TRUE(waitFor([] { return ros::service::exists("/ragdoll/step", false); }));
     ASSERT_TRUE(states_.connected());
   }
-  static bool pause(bool data) {
-    std_srvs::SetBool call;
-    call.request.data = data;
-    return ros::service::call("/ragdoll/pause", call) && call.response.success;
-  }
-  static bool reset() {
-    std_srvs::Trigger call;
-    return ros::service::call("/ragdoll/reset", call) && call.response.success;
-  }
   static std::uint64_t step(std::uint32_t steps) {
     ragdoll_msgs::Step call;
     call.request.steps = steps;
     EXPECT_TRUE(ros::service::call("/ragdoll/step", call) && call.response.success);
     return call.response.step;
   }
-  /// Ticks until the state has seen `seconds` of this clock; false if it does not follow.
-  bool runClock(double from, double seconds) {
+  /// Ticks for so many seconds of this clock. A running simulation is waited for, as it does not
+  /// make up for more than a second; false if it does not follow.
+  bool runClock(double from, double seconds, bool running = true) {
     if (!clock_) clock_ = ros::NodeHandle().advertise<rosgraph_msgs::Clock>("/clock", 10);
     if (!waitFor([] { return clock_.getNumSubscribers() > 0; })) return false;
+    if (!waitFor([this] { return states_.last() != nullptr; })) return false;
+    const double begin = states_.last()->time;
     rosgraph_msgs::Clock now;
     for (double t = 0; t <= seconds; t += 0.01) {
+      if (running && !waitFor([&] { return states_.last()->time > begin + t - 0.2; })) return false;
       now.clock.fromSec(from + t);
       clock_.publish(now);
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -104,11 +99,12 @@ TEST_F(SimTime, saysThatItWaits) {
 TEST_F(SimTime, followsTheClock) {
   ASSERT_TRUE(pause(true));
   ASSERT_TRUE(reset());
-  runClock(100, 0.2);
+  ASSERT_TRUE(runClock(100, 0.2, false));
+  ASSERT_TRUE(waitFor([&] { return states_.last()->step == 0; }));
   ASSERT_TRUE(pause(false));
   Inbox<tf2_msgs::TFMessage> tf("/tf");
   ASSERT_TRUE(tf.connected());
-  runClock(100.2, 2);
+  ASSERT_TRUE(runClock(100.2, 2));
   ASSERT_TRUE(waitFor([&] { return states_.last()->header.stamp.toSec() > 102.15; }));
   Inbox<ragdoll_msgs::Metrics> metrics("/ragdoll/metrics");
   EXPECT_TRUE(waitFor([&] { return metrics.last() && !metrics.last()->waiting; }));
@@ -124,8 +120,9 @@ TEST_F(SimTime, followsTheClock) {
 }
 
 TEST_F(SimTime, goesOnWhenTheClockIsSetBack) {
-  const double before = states_.last() ? states_.last()->time : 0;
-  runClock(10, 1);
+  ASSERT_TRUE(waitFor([&] { return states_.last() != nullptr; }));
+  const double before = states_.last()->time;
+  ASSERT_TRUE(runClock(10, 1));
   EXPECT_TRUE(waitFor([&] { return states_.last() && states_.last()->time > before + 0.8; }));
 }
 

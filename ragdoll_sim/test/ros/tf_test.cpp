@@ -1,10 +1,9 @@
 // /tf: the whole tree in every message, no stamp twice, frames where ~state says the particles are.
 #include <gtest/gtest.h>
+#include <ragdoll_msgs/GetState.h>
 #include <ragdoll_msgs/Model.h>
 #include <ragdoll_msgs/State.h>
 #include <ros/ros.h>
-#include <std_srvs/SetBool.h>
-#include <std_srvs/Trigger.h>
 #include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
@@ -19,6 +18,8 @@
 namespace {
 
 using ragdoll_test::Inbox;
+using ragdoll_test::pause;
+using ragdoll_test::reset;
 using ragdoll_test::waitFor;
 
 const std::map<std::string, std::string> kParents{{"pelvis", "world"},
@@ -45,17 +46,6 @@ std::map<std::string, std::string> expectedTree() {
     for (const auto& [child, parent] : kParents)
       tree[ragdoll + child] = parent == "world" ? parent : ragdoll + parent;
   return tree;
-}
-
-bool pause(bool data) {
-  std_srvs::SetBool call;
-  call.request.data = data;
-  return ros::service::call("/ragdoll/pause", call) && call.response.success;
-}
-
-bool reset() {
-  std_srvs::Trigger call;
-  return ros::service::call("/ragdoll/reset", call) && call.response.success;
 }
 
 class Tf : public ::testing::Test {
@@ -126,6 +116,8 @@ TEST_F(Tf, framesAreWhereTheParticlesAre) {
   Inbox<ragdoll_msgs::State> states("/ragdoll/state");
   ASSERT_TRUE(waitFor([&] { return states.size() >= 50 && models.size() > 0; }));
   ASSERT_TRUE(pause(true));
+  ragdoll_msgs::GetState get;
+  ASSERT_TRUE(ros::service::call("/ragdoll/get_state", get));
   // Paused, the state stays; a frame that is stamped later shows it.
   const ros::Time paused = ros::Time::now() + ros::Duration(0.1);
   tf2_ros::Buffer buffer;
@@ -140,7 +132,7 @@ TEST_F(Tf, framesAreWhereTheParticlesAre) {
         t = buffer.lookupTransform("world", frame, ros::Time(0));
         return t.header.stamp > paused;
       })) << frame;
-      const auto& at = states.last()->ragdolls[r].positions[p];
+      const auto& at = get.response.state.ragdolls[r].positions[p];
       EXPECT_NEAR(t.transform.translation.x, at.x, 1e-9) << frame;
       EXPECT_NEAR(t.transform.translation.y, at.y, 1e-9) << frame;
       EXPECT_NEAR(t.transform.translation.z, at.z, 1e-9) << frame;

@@ -3,15 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <ctime>
 #include <future>
 #include <limits>
 #include <memory>
 #include <string>
 #include <thread>
 
+#include "../support/worlds.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/ros/simulation.h"
-#include "../support/worlds.h"
 
 namespace {
 
@@ -21,8 +23,8 @@ using ragdoll::Simulation;
 using ragdoll::Vec3;
 using ragdoll::World;
 
-constexpr double kStep = 0.001;            ///< [s]
-constexpr std::uint64_t kLong = 30000;     ///< of ~step: half a minute if they were paced
+constexpr double kStep = 0.001;             ///< [s]
+constexpr std::uint64_t kLong = 30000;      ///< of ~step: half a minute if they were paced
 constexpr std::size_t kMostPokes = 100000;  ///< docs/ros_api.md
 
 /// Weightless particles of 1 kg, of one body each.
@@ -105,6 +107,26 @@ TEST(World, aSettingOrAnotherHoldWakesWhatSleeps) {
   EXPECT_NEAR(world.state().v(2, 0), -kStep, 1e-12);
 }
 
+TEST(World, stepsCostNoMoreForPokesThatAreToCome) {
+  constexpr std::uint64_t kSteps = 500;
+  // [s] of the processor: a poke ends and one begins in each step; others come later.
+  const auto cost = [](std::uint64_t later) {
+    World world(particles(1));
+    for (std::uint64_t i = 0; i < kSteps; ++i) world.replay(push(world, i, 0.001));
+    for (std::uint64_t i = 0; i < later; ++i) world.replay(push(world, kSteps + i, 0.001));
+    const std::clock_t begin = std::clock();
+    for (std::uint64_t i = 0; i < kSteps; ++i) world.advance();
+    const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    const double speed = 0.001 * static_cast<double>(kSteps) * kStep;  // F t = m v
+    EXPECT_NEAR(world.state().v(0, 0), speed, 1e-9 * speed);
+    EXPECT_EQ(world.clearPokes(), later + 1);  // and the last one, which is looked at in a step
+    return seconds;
+  };
+  const double few = cost(0), many = cost(kMostPokes - kSteps);
+  EXPECT_LT(many, 20 * few);  // a look at each of them in each step would be 1e4 times as much
+  std::printf("%.2g s with 0, %.2g s with %zu pokes to come\n", few, many, kMostPokes - kSteps);
+}
+
 class Paused : public ::testing::Test {
  protected:
   Paused() : simulation_(World(particles(1)), options()) {}
@@ -151,7 +173,8 @@ TEST_F(Paused, aJumpThatFailsLeavesALongStepAlone) {
     EXPECT_THROW(simulation_.jump([&](World& world) {
       failed = world.state().step;
       throw Error("", "no snapshot");
-    }), Error);
+    }),
+                 Error);
     ASSERT_NO_THROW(last = steps.get());
   }
 }

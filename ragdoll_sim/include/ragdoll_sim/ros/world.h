@@ -154,6 +154,7 @@ class World {
   void followFrames();
   void checkToCome(std::uint64_t step) const;
   void checkRoom(std::size_t pokes) const;
+  void beginPokes();
   void gatherPokes();
   void addPulls();
   void sortPokes();
@@ -175,7 +176,8 @@ class World {
   std::shared_ptr<const Bytes> beginning_;
 
   std::vector<Pin> start_pins_;
-  std::vector<Accepted> pokes_;  ///< acting and to come, streams apart
+  std::vector<Accepted> pokes_;              ///< that act, streams apart
+  std::multimap<double, Accepted> to_come_;  ///< by Poke::start [s]
   std::size_t max_pokes_ = 100000;
   std::uint64_t next_order_ = 1;
   std::vector<Stream> streams_;
