@@ -1,6 +1,7 @@
 #include "ragdoll_sim/core/detect.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -10,11 +11,12 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kMaxAdvances = 64;   ///< of one sweep; grazing paths converge slowly
-constexpr double kTouch = 1e-4;    ///< [m] a sweep stops this far from the surface
-constexpr double kFlat = 1e-3;     ///< [m] a stick lies flat where its gap varies by less
-constexpr double kEnd = 0.02;      ///< a stick's touch nearer to an end is the end particle's own
-constexpr int kSectionSteps = 32;  ///< golden-section steps along a stick: 1e-7 of its length
+constexpr int kMaxAdvances = 64;    ///< of one sweep; grazing paths converge slowly
+constexpr double kTouch = 1e-4;     ///< [m] a sweep stops this far from the surface
+constexpr double kFlat = 1e-3;      ///< [m] a stick lies flat where its gap varies by less
+constexpr double kEnd = 0.02;       ///< a stick's touch nearer to an end is the end particle's own
+constexpr double kRounding = 1e-9;  ///< of a place along a stick
+constexpr int kSectionSteps = 32;   ///< golden-section steps along a stick: 1e-7 of its length
 
 Vec3 halfExtent(const Obstacle& o, const Eigen::Matrix3d& R) {
   return (R.cwiseAbs() * o.half).array() + o.radius;
@@ -95,10 +97,11 @@ struct Axis {
   double gap(double t) const { return signedDistanceValue(obstacle, at(t)) - radius(t); }
 };
 
-/// Nearest place to the obstacle by golden sections: the gap is convex along the axis.
-double nearest(const Axis& axis) {
+/// Nearest place between lo and hi by golden sections: the gap is convex along the axis.
+double nearestBetween(const Axis& axis, double lo, double hi) {
   constexpr double kGolden = 0.6180339887498949;
-  double lo = 0, hi = 1, t1 = 1 - kGolden, t2 = kGolden, f1 = axis.gap(t1), f2 = axis.gap(t2);
+  double t1 = hi - kGolden * (hi - lo), t2 = lo + kGolden * (hi - lo);
+  double f1 = axis.gap(t1), f2 = axis.gap(t2);
   for (int i = 0; i < kSectionSteps; ++i) {
     if (f1 <= f2) {
       hi = t2, t2 = t1, f2 = f1, t1 = hi - kGolden * (hi - lo), f1 = axis.gap(t1);
@@ -107,6 +110,52 @@ double nearest(const Axis& axis) {
     }
   }
   return 0.5 * (lo + hi);
+}
+
+/// Where |u + t v| - taper t is least between lo and hi.
+double leastOf(const Vec3& u, const Vec3& v, double taper, double lo, double hi) {
+  const double v2 = v.squaredNorm(), left = v2 - taper * taper;
+  if (left <= 0) return taper > 0 ? hi : lo;
+  const double foot = -u.dot(v) / v2;
+  const double beside = (u + foot * v).norm();
+  return std::clamp(foot + taper * beside / std::sqrt(left * v2), lo, hi);
+}
+
+/// Nearest place to the obstacle. Planes apart, an obstacle is what is within a radius of a core: a
+/// box, a line (capsule) or a point (sphere). Where the axis passes from one side of it to the next
+/// cuts it into pieces that look at one face, edge or corner each.
+double nearest(const Axis& axis) {
+  const Obstacle& o = axis.obstacle;
+  const Vec3 v = axis.b - axis.a;
+  const double taper = axis.rb - axis.ra;
+  if (o.type == ObstacleSpec::Type::kPlane) return v.z() < taper ? 1 : 0;
+  std::array<double, 8> cut;
+  int cuts = 0;
+  cut[cuts++] = 0;
+  for (int k = 0; k < 3; ++k)
+    for (const double face : {-o.half[k], o.half[k]}) {
+      const double t = (face - axis.a[k]) / v[k];
+      if (o.half[k] == 0 || !(t > 0 && t < 1)) continue;  // v_k = 0 among them
+      int i = cuts++;
+      for (; cut[i - 1] > t; --i) cut[i] = cut[i - 1];
+      cut[i] = t;
+    }
+  cut[cuts] = 1;
+  for (int i = 0; i < cuts; ++i) {
+    const double lo = cut[i], hi = cut[i + 1];
+    const Vec3 middle = axis.at(0.5 * (lo + hi));
+    const Vec3 outside = (middle.cwiseAbs().array() >= o.half.array()).cast<double>();
+    double t;
+    if (outside.isZero(0)) {
+      t = nearestBetween(axis, lo, hi);
+      if (axis.gap(hi) <= axis.gap(t)) t = hi;
+    } else {
+      const Vec3 face = middle.cwiseMax(-o.half).cwiseMin(o.half);
+      t = leastOf((axis.a - face).cwiseProduct(outside), v.cwiseProduct(outside), taper, lo, hi);
+    }
+    if (hi - t > kRounding) return t;  // the gap is convex: it grows from here on
+  }
+  return 1;
 }
 
 /// How far the axis stays within `band` of its nearest place `t`, towards `end` (0 or 1).

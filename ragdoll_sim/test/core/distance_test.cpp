@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
+
+#include "ragdoll_sim/core/detect.h"
 
 namespace ragdoll {
 namespace {
@@ -55,6 +58,32 @@ TEST(Distance, CentresAndSurfacesHaveANormal) {
             1);
   EXPECT_EQ(signedDistance(obstacle(Type::kBox, Vec3::Ones(), 0), Vec3(1, 0, 0)).normal,
             Vec3::UnitX());
+}
+
+TEST(Distance, OfAStickIsItsNearestPlaces) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> uniform(-1.5, 1.5), thickness(0.01, 0.3);
+  constexpr int kPlaces = 2000;
+  for (const Obstacle& o :
+       {obstacle(Type::kPlane, Vec3::Zero(), 0), obstacle(Type::kBox, Vec3(0.5, 0.8, 0.2), 0),
+        obstacle(Type::kSphere, Vec3::Zero(), 0.5), obstacle(Type::kCapsule, Vec3(0, 0, 1), 0.2)}) {
+    for (int i = 0; i < 500; ++i) {
+      Vec3 a(uniform(random), uniform(random), uniform(random));
+      Vec3 b(uniform(random), uniform(random), uniform(random));
+      if (i % 5 == 0) b.z() = a.z();               // along a face
+      if (i % 7 == 0) a.y() = b.y() = o.half.y();  // in a face
+      if (i % 11 == 0) b = -a;                     // through the middle
+      const double ra = thickness(random), rb = i % 3 == 0 ? ra : thickness(random);
+      double least = 1e9;
+      for (int k = 0; k <= kPlaces; ++k) {
+        const double t = static_cast<double>(k) / kPlaces;
+        least = std::min(least, signedDistanceValue(o, a + t * (b - a)) - ra - t * (rb - ra));
+      }
+      const double gap = stickGap(o, a, b, ra, rb);
+      EXPECT_LE(gap, least + 1e-7);
+      EXPECT_GE(gap, least - ((b - a).norm() + std::abs(rb - ra)) / kPlaces);
+    }
+  }
 }
 
 }  // namespace

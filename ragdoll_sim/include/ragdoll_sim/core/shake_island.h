@@ -28,7 +28,7 @@ class ShakeIsland {
   const std::vector<BodyPair>& pressing() const { return s_.pressing; }
 
  private:
-  // Guard.
+  // Guard (shake_island.cpp).
   void guard(double h);
   double explicitStep(double h, int taken);
   double implicitStep(double h);
@@ -37,7 +37,7 @@ class ShakeIsland {
   double energyRise();
   bool isHeld() const;  ///< by something that takes momentum
 
-  // Positions.
+  // Positions (shake_island_contact.cpp).
   void findConstraints(double h);
   double firstDeepPair(double h) const;
   double firstArrival(double h);
@@ -54,7 +54,7 @@ class ShakeIsland {
   bool findMissed(double h);
   double worstViolation() const;
 
-  // Velocities.
+  // Velocities (shake_island_velocity.cpp).
   void finish(double h, bool leapfrog, bool impact);
   void bounce();
   void pushVelocities(bool at_end, bool impact, double h);
