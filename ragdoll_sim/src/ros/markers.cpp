@@ -110,6 +110,7 @@ Marker MarkerPublisher::marker(const std::string& ns, int id, double lifetime) c
 }
 
 void MarkerPublisher::moveBodies(const Snapshot& world, const Posture& posture) {
+  ++drawn_;
   std::vector<geometry_msgs::Point>& ends = message_.markers[0].points;
   ends.clear();
   for (const Ragdoll& r : world.model->ragdolls) {

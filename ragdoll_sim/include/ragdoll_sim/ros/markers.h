@@ -30,6 +30,9 @@ class MarkerPublisher {
   /// Does nothing while nobody listens, and more often than kRate.
   void publish(const Snapshot& world, const Posture& posture);
 
+  /// How often coats were computed.
+  std::size_t drawn() const { return drawn_; }
+
  private:
   void startScene(const Snapshot& world);
   visualization_msgs::Marker marker(const std::string& ns, int id, double lifetime) const;
@@ -49,6 +52,7 @@ class MarkerPublisher {
   std::vector<Pose> shown_obstacles_;
   Simulation::Clock::time_point next_, next_obstacles_;
   visualization_msgs::MarkerArray message_;
+  std::size_t drawn_ = 0;
   std::size_t body_markers_ = 0;  ///< the sticks and the coats, first in message_
 };
 
