@@ -62,11 +62,13 @@ void fill(const Limit& limit, const Vec3& r, const Vec3& w, const double* x, int
   fillWithin(limit.angle, limit.reference, limit.child, r, w, x, first, row);
 }
 
-/// C = -angle(last allowed, child) outside the regions, else 0.
+/// C = -angle(last allowed, child) outside the regions, else 0. Whoever was outside once goes all the
+/// way back, but for a spring.
 void fillReturn(const PlaneLimit& limit, const double* x, int first, LimitRow& row) {
   row.count = 0;
   row.value = 0;
-  if (isAllowed(limit, childInParent(limit, x))) return;
+  if (!row.returns && isAllowed(limit, childInParent(limit, x))) return;
+  row.returns = limit.compliance == 0;
   const Direction reference = returnDirection(limit, row.allowed);
   fillWithin(0, reference, limit.child, valueOf(reference, x), valueOf(limit.child, x), x, first,
              row);

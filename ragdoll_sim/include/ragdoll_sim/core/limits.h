@@ -24,6 +24,7 @@ struct LimitRow {
   std::array<Vec3, kMaxParticles> gradient;  ///< [rad/m]
   double value = 0;                          ///< [rad] C; < 0: violated by that angle
   Vec3 allowed = Vec3::Zero();               ///< planes: the direction to return to
+  bool returns = false;                      ///< hard planes: was outside, on its way back there
   double opening = 0;                        ///< [rad] violated by that much at the start, let be
   double compliance = 0;                     ///< [rad/(N m)]; 0: hard
   double damping = 0;                        ///< [N m s/rad], soft limits only
