@@ -29,6 +29,7 @@ TEST_F(HumanLumped, BalancesWhereTheTableSays) {
   const double trunk = 0.4346 * (1 - 0.4310) * 0.5155;
   EXPECT_NEAR(centre.z() - at("left_leg").z(), expectedHeight(trunk, std::cos(15 * M_PI / 180)),
               kDigits);
+  EXPECT_NEAR(centre.x(), at("left_leg").x(), kDigits);
   EXPECT_NEAR(centre.y(), 0, 1e-15);
   // The trunk's lies on the line from the hip joints to the shoulders, in depth as well.
   const double trunk_depth =
