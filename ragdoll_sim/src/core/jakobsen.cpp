@@ -94,6 +94,7 @@ void stepJakobsen(const Model& model, const Inputs& inputs, double h, Workspace:
   report.contacts = ws.projection.pressing();
   ws.projection.markPressed(ws.pressed, ws.pressing);
   if (!ws.unguarded) guardRelaxation(model, inputs, h, ws, state, report);
+  limitPairEnergy(model, inputs, ws, state, report);
   keepAllowed(model, state);
 }
 

@@ -19,7 +19,7 @@ constexpr double kGain =
     0.25;  ///< of the energy there was: sweeps that work gain less than a third of it
 constexpr double kFreeSpeed = 1.0;  ///< [m/s] of the whole body: gains of less energy are let be
 constexpr double kReportedRise = 1e-6;  ///< [J] less is rounding
-constexpr double kStiff = 1.0;      ///< h sqrt(Omega2): above, sweeps would fail again
+constexpr double kStiff = 1.0;          ///< h sqrt(Omega2): above, sweeps would fail again
 
 class RelaxationGuard {
  public:
@@ -42,12 +42,11 @@ class RelaxationGuard {
   double rise(int i) {
     const Ragdoll& r = model_.ragdolls[i];
     const StickRows& rows = *model_.systemOf(r).direct.rows;
-    ws_.shake.stay =
-        state_.x.middleCols(r.first, rows.n) - ws_.x0.middleCols(r.first, rows.n);
+    ws_.shake.stay = state_.x.middleCols(r.first, rows.n) - ws_.x0.middleCols(r.first, rows.n);
     const Points& moved = ws_.shake.stay;
-    double rise = energyGain(rows, ws_.v0.middleCols(r.first, rows.n),
-                             state_.v.middleCols(r.first, rows.n), moved, model_.gravity,
-                             ws_.shake.energy);
+    double rise =
+        energyGain(rows, ws_.v0.middleCols(r.first, rows.n), state_.v.middleCols(r.first, rows.n),
+                   moved, model_.gravity, ws_.shake.energy);
     if (ws_.forced) rise -= ws_.force.middleCols(r.first, rows.n).cwiseProduct(moved).sum();
     return rise;
   }
@@ -168,30 +167,6 @@ class Tension {
   Eigen::Map<Eigen::VectorXd> multipliers_;
 };
 
-/// Bodies that press on each other can give each other energy, but have no more together: contact
-/// only takes. The surplus goes out of their motion.
-void limitTogether(const Model& model, RelaxationGuard& guard, Workspace::Impl& ws, State& state,
-                   StepReport& report) {
-  if (ws.pressing.empty() || guard.driven()) return;
-  std::vector<int>& bodies = ws.together.head;
-  bodies.clear();
-  bool held = false;
-  for (const BodyPair& pair : ws.pressing) {
-    for (const int i : {pair.first, pair.second}) {
-      held = held || state.asleep[i] || ws.pressed[i] ||
-             !model.systemOf(model.ragdolls[i]).pins.empty();
-      if (!state.asleep[i]) bodies.push_back(i);
-    }
-  }
-  std::sort(bodies.begin(), bodies.end());
-  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
-  double rise = 0;
-  for (const int i : bodies) rise += guard.rise(i);
-  if (!(rise > 0)) return;
-  takeOutOfGroup(model, bodies, held, rise, state);
-  if (rise > kReportedRise) report.limited += static_cast<int>(bodies.size());
-}
-
 }  // namespace
 
 void guardRelaxation(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
@@ -217,7 +192,30 @@ void guardRelaxation(const Model& model, const Inputs& inputs, double h, Workspa
     stepBodyShake(model, inputs, h, ws, state, i, report);
   }
   if (acted && !acts) state.multipliers.clear();
-  limitTogether(model, guard, ws, state, report);
+}
+
+void limitPairEnergy(const Model& model, const Inputs& inputs, Workspace::Impl& ws, State& state,
+                     StepReport& report) {
+  if (ws.pressing.empty()) return;
+  RelaxationGuard guard(model, inputs, ws, state);
+  if (guard.driven()) return;
+  std::vector<int>& bodies = ws.together.head;
+  bodies.clear();
+  bool held = false;
+  for (const BodyPair& pair : ws.pressing) {
+    for (const int i : {pair.first, pair.second}) {
+      held = held || state.asleep[i] || ws.pressed[i] ||
+             !model.systemOf(model.ragdolls[i]).pins.empty();
+      if (!state.asleep[i]) bodies.push_back(i);
+    }
+  }
+  std::sort(bodies.begin(), bodies.end());
+  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+  double rise = 0;
+  for (const int i : bodies) rise += guard.rise(i);
+  if (!(rise > 0)) return;
+  takeOutOfGroup(model, bodies, held, rise, state);
+  if (rise > kReportedRise) report.limited += static_cast<int>(bodies.size());
 }
 
 }  // namespace ragdoll

@@ -16,4 +16,9 @@ namespace ragdoll {
 void guardRelaxation(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
                      State& state, StepReport& report);
 
+/// After that: bodies that press on each other can give each other energy, but have no more
+/// together, as contact only takes. The surplus goes out of their motion. The thesis has one body.
+void limitPairEnergy(const Model& model, const Inputs& inputs, Workspace::Impl& ws, State& state,
+                     StepReport& report);
+
 }  // namespace ragdoll
