@@ -173,6 +173,7 @@ class PokeTest(unittest.TestCase):
             (('head', (nan, 0, 0)), {}, ['force', 'finite']),
             (('head', (0, infinite, 0)), {}, ['force', 'finite']),
             (('head', (0, 0, -infinite)), {}, ['force', 'finite']),
+            (('head', (1e20, 0, 0)), {}, ['force', '1e+20', 'ragdoll/head', 'at most']),
             (('head', (1, 0, 0)), {'point': (0, nan, 0)}, ['reference_point', 'finite']),
             (('head', (1, 0, 0)), {'frame': 'nowhere'}, ['nowhere', 'world', 'ragdoll/head']),
             (('head', (1, 0, 0)), {'frame': 'island'}, ['island', 'world']),

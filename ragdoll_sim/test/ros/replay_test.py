@@ -6,9 +6,10 @@ import unittest
 
 import rospy
 import rostest
-from client import Client, bits, momentum, wait_for
+from client import Client, Inbox, bits, momentum, wait_for
 from geometry_msgs.msg import WrenchStamped
 from ragdoll_msgs.msg import PokeEvent
+from rosgraph_msgs.msg import Log
 
 TIMEOUT = 0.2  # [s] ~wrench_timeout
 WEIGHTLESS = 'package://ragdoll_sim/test/ros/weightless.yaml'
@@ -137,6 +138,23 @@ class ReplayTest(unittest.TestCase):
         event.step = 1000000  # accepted, so that it is known that the first has been heard
         self.replay.publish(event)
         wait_for(lambda: [e for e in self.client.told() if e.step == event.step], 'the poke')
+        self.assertEqual(bits(self.client.step(20)), free)
+
+    def test_a_force_that_no_step_can_follow_is_refused_with_the_largest_that_is_allowed(self):
+        free = bits(self.client.step(20))
+        self.client.restart()
+        log = Inbox('/rosout', Log)
+        event = PokeEvent(step=5, body_name='ragdoll/head')
+        event.force.x = 1e20
+        for topic, send in (('~wrench', lambda: self.push('ragdoll/left_hand', (0, 0, 1e20))),
+                            ('~poke_replay', lambda: self.replay.publish(event))):
+            def refused(topic=topic, send=send):
+                send()  # again and again: the log may not be connected yet, and is throttled
+                return [m.msg for m in log.all()
+                        if m.msg.startswith(topic + ' ignored') and '1e+20' in m.msg]
+            text = wait_for(refused, 'a warning')[0]
+            self.assertIn('ragdoll/', text)
+            self.assertRegex(text, r'at most \d.*e\+\d+ N')
         self.assertEqual(bits(self.client.step(20)), free)
 
 
