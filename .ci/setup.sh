@@ -107,11 +107,14 @@ build_targets() {
 # From here on: a build folder of its own with asserts and the given sanitizers (as -fsanitize has
 # them), which write what they find to files in it. Of `undefined` those are left out that the
 # address sanitizer stands in for and that make Eigen slow to compile. Without the plugins for rviz,
-# which is built without sanitizers and so cannot load them.
+# which is built without sanitizers and so cannot load them. Eigen aligns memory by hand only under
+# the address sanitizer, and a library of ROS (orocos-kdl) brings the same functions of Eigen built
+# without: what one allocates the other frees, so both must leave alignment to malloc.
 use_sanitizers() {
   build="$root/build_$1"
   build_options=(-DCMAKE_BUILD_TYPE=Sanitize -DCMAKE_DISABLE_FIND_PACKAGE_rviz=ON
-    -DCMAKE_CXX_FLAGS="-O1 -g1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS -fsanitize=$2 \
+    -DCMAKE_CXX_FLAGS="-O1 -g1 -fno-omit-frame-pointer -D_GLIBCXX_ASSERTIONS \
+      -DEIGEN_MALLOC_ALREADY_ALIGNED=1 -fsanitize=$2 \
       -fno-sanitize=null,alignment,object-size,pointer-overflow,vptr")
   local options="log_path=$build/reports/$1"
   export RAGDOLL_SANITIZED=$1 RAGDOLL_TIME_LIMIT=2000
