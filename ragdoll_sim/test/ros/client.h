@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <functional>
+#include <map>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -29,16 +30,32 @@ inline bool waitFor(const std::function<bool()>& condition) {
   return false;
 }
 
+/// Over a connection that stays: where each call has its own, roscpp now and then loses the answer
+/// as the server hangs up (https://github.com/ros/ros_comm/issues/1976).
+template <class Service>
+bool call(const std::string& name, Service& service) {
+  static std::mutex mutex;
+  static auto& clients = *new std::map<std::string, ros::ServiceClient>;  // they outlive ROS
+  ros::ServiceClient client;
+  {
+    std::lock_guard<std::mutex> lock(mutex);
+    ros::ServiceClient& known = clients[name];
+    if (!known.isValid()) known = ros::NodeHandle().serviceClient<Service>(name, true);
+    client = known;
+  }
+  return client.call(service);
+}
+
 /// False if it is refused.
 inline bool pause(bool data) {
-  std_srvs::SetBool call;
-  call.request.data = data;
-  return ros::service::call("/ragdoll/pause", call) && call.response.success;
+  std_srvs::SetBool request;
+  request.request.data = data;
+  return call("/ragdoll/pause", request) && request.response.success;
 }
 
 inline bool reset() {
-  std_srvs::Trigger call;
-  return ros::service::call("/ragdoll/reset", call) && call.response.success;
+  std_srvs::Trigger request;
+  return call("/ragdoll/reset", request) && request.response.success;
 }
 
 /// The bytes of everything that is physics.

@@ -59,19 +59,19 @@ class Client : public ::testing::Test {
   static ragdoll_msgs::LoadScene::Response load(const std::string& yaml) {
     ragdoll_msgs::LoadScene call;
     call.request.yaml = yaml;
-    EXPECT_TRUE(ros::service::call("/ragdoll/load_scene", call));
+    EXPECT_TRUE(ragdoll_test::call("/ragdoll/load_scene", call));
     return call.response;
   }
   static State step(std::uint32_t steps) {
     ragdoll_msgs::Step call;
     call.request.steps = steps;
-    EXPECT_TRUE(ros::service::call("/ragdoll/step", call) && call.response.success)
+    EXPECT_TRUE(ragdoll_test::call("/ragdoll/step", call) && call.response.success)
         << call.response.status_message;
     return get().state;
   }
   static ragdoll_msgs::GetState::Response get() {
     ragdoll_msgs::GetState call;
-    EXPECT_TRUE(ros::service::call("/ragdoll/get_state", call));
+    EXPECT_TRUE(ragdoll_test::call("/ragdoll/get_state", call));
     return call.response;
   }
   /// [m/s] the particles' mean velocity along x; needs no masses.
@@ -105,15 +105,15 @@ TEST_F(Client, pokesABodyAndHearsOfIt) {
   call.request.body_name = "torso";
   call.request.force.x = 100;
   call.request.duration = ros::Duration(0.5);
-  ASSERT_TRUE(ros::service::call("/ragdoll/poke", call));
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/poke", call));
   ASSERT_TRUE(call.response.success) << call.response.status_message;
   EXPECT_TRUE(waitFor([&] { return told(events, "anna/torso") != nullptr; }));
   EXPECT_GT(meanVelocity(step(20)), 0.01);
 
   std_srvs::Trigger clear;
-  ASSERT_TRUE(ros::service::call("/ragdoll/clear_pokes", clear) && clear.response.success);
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/clear_pokes", clear) && clear.response.success);
   call.request.body_name = "paw";
-  ASSERT_TRUE(ros::service::call("/ragdoll/poke", call));
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/poke", call));
   EXPECT_FALSE(call.response.success);
   EXPECT_NE(call.response.status_message.find("left_hand"), std::string::npos);
 }
@@ -138,13 +138,13 @@ TEST_F(Client, goesOnFromASnapshotToTheSameBits) {
   step(20);
   ragdoll_msgs::SetState call;
   call.request.snapshot = kept.snapshot;
-  ASSERT_TRUE(ros::service::call("/ragdoll/set_state", call));
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/set_state", call));
   ASSERT_TRUE(call.response.success) << call.response.status_message;
   EXPECT_EQ(bits(get().state), bits(kept.state));
   EXPECT_EQ(bits(step(50)), then);
 
   call.request.snapshot[100] ^= 1;
-  ASSERT_TRUE(ros::service::call("/ragdoll/set_state", call));
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/set_state", call));
   EXPECT_FALSE(call.response.success);
 }
 
@@ -176,7 +176,7 @@ TEST_F(Client, holdsAHandAtAFrameOfItsOwn) {
   attach.request.frame = "gripper";
   ASSERT_TRUE(waitFor([&] {
     tell();
-    return ros::service::call("/ragdoll/attach", attach) && attach.response.success;
+    return ragdoll_test::call("/ragdoll/attach", attach) && attach.response.success;
   })) << attach.response.status_message;
   EXPECT_TRUE(waitFor([&] {
     tell();
@@ -185,7 +185,7 @@ TEST_F(Client, holdsAHandAtAFrameOfItsOwn) {
   }));
   ragdoll_msgs::Detach detach;
   detach.request.body_name = "right_hand";
-  ASSERT_TRUE(ros::service::call("/ragdoll/detach", detach));
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/detach", detach));
   EXPECT_TRUE(detach.response.success) << detach.response.status_message;
 }
 
@@ -200,7 +200,7 @@ TEST_F(Client, replaysAPokeToTheSameBits) {
   call.request.body_name = "left_forearm";
   call.request.force.z = 80;
   call.request.duration = ros::Duration(0.2);
-  ASSERT_TRUE(ros::service::call("/ragdoll/poke", call) && call.response.success);
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/poke", call) && call.response.success);
   ASSERT_TRUE(waitFor([&] { return told(events, "anna/left_forearm") != nullptr; }));
   const ragdoll_msgs::PokeEvent event = *told(events, "anna/left_forearm");
   EXPECT_EQ(event.step, 10u);
@@ -321,7 +321,7 @@ TEST_F(Client, changesGravityAndHearsMeasures) {
   call.request.config.doubles.resize(1);
   call.request.config.doubles[0].name = "gravity_x";
   call.request.config.doubles[0].value = 3;
-  ASSERT_TRUE(ros::service::call("/ragdoll/set_parameters", call));
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/set_parameters", call));
   const State state = step(60);
   EXPECT_NEAR(meanVelocity(state), 3 * state.time, 1e-6);
   EXPECT_TRUE(waitFor([&] { return metrics.last() && metrics.last()->kinetic_energy > 1; }));

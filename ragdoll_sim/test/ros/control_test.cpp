@@ -36,7 +36,7 @@ class Control : public ::testing::Test {
   static ragdoll_msgs::Step::Response step(std::uint32_t steps) {
     ragdoll_msgs::Step call;
     call.request.steps = steps;
-    EXPECT_TRUE(ros::service::call("/ragdoll/step", call));
+    EXPECT_TRUE(ragdoll_test::call("/ragdoll/step", call));
     return call.response;
   }
   /// The published state of that step.

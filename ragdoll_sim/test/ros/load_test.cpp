@@ -106,14 +106,14 @@ TEST(Load, noPokeIsLostAndThePaceIsKept) {
 TEST(Load, pokesAtOnceAllCount) {
   ASSERT_TRUE(ragdoll_test::pause(true));
   std_srvs::Trigger clear;
-  ASSERT_TRUE(ros::service::call("/ragdoll/clear_pokes", clear));  // those that still act
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/clear_pokes", clear));  // those that still act
   ragdoll_msgs::Poke call;
   call.request.body_name = "head";
   call.request.force.z = 0.5;
   call.request.duration = ros::Duration(0.1);
   for (int i = 0; i < 200; ++i)
-    ASSERT_TRUE(ros::service::call("/ragdoll/poke", call) && call.response.success);
-  ASSERT_TRUE(ros::service::call("/ragdoll/clear_pokes", clear));
+    ASSERT_TRUE(ragdoll_test::call("/ragdoll/poke", call) && call.response.success);
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/clear_pokes", clear));
   EXPECT_EQ(clear.response.message, "200 pokes ended");
 }
 

@@ -31,7 +31,7 @@ class SimTime : public ::testing::Test {
   static std::uint64_t step(std::uint32_t steps) {
     ragdoll_msgs::Step call;
     call.request.steps = steps;
-    EXPECT_TRUE(ros::service::call("/ragdoll/step", call) && call.response.success);
+    EXPECT_TRUE(ragdoll_test::call("/ragdoll/step", call) && call.response.success);
     return call.response.step;
   }
   /// Ticks for so many seconds of this clock. A running simulation is waited for, as it does not
@@ -64,13 +64,13 @@ TEST_F(SimTime, servicesAnswerWithoutAClock) {
   poke.request.body_name = "head";
   poke.request.force.x = 1;
   poke.request.duration = ros::Duration(-1);
-  ASSERT_TRUE(ros::service::call("/ragdoll/poke", poke));
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/poke", poke));
   EXPECT_TRUE(poke.response.success) << poke.response.status_message;
   poke.request.reference_frame = "ragdoll/head";
-  ASSERT_TRUE(ros::service::call("/ragdoll/poke", poke));
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/poke", poke));
   EXPECT_TRUE(poke.response.success) << poke.response.status_message;
   poke.request.reference_frame = "nowhere";
-  ASSERT_TRUE(ros::service::call("/ragdoll/poke", poke));
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/poke", poke));
   EXPECT_FALSE(poke.response.success);
   EXPECT_EQ(step(25), 25u);
   EXPECT_TRUE(waitFor([&] { return states_.last() && states_.last()->step == 25; }));

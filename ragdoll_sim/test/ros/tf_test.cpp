@@ -117,7 +117,7 @@ TEST_F(Tf, framesAreWhereTheParticlesAre) {
   ASSERT_TRUE(waitFor([&] { return states.size() >= 50 && models.size() > 0; }));
   ASSERT_TRUE(pause(true));
   ragdoll_msgs::GetState get;
-  ASSERT_TRUE(ros::service::call("/ragdoll/get_state", get));
+  ASSERT_TRUE(ragdoll_test::call("/ragdoll/get_state", get));
   // Paused, the state stays; a frame that is stamped later shows it.
   const ros::Time paused = ros::Time::now() + ros::Duration(0.1);
   tf2_ros::Buffer buffer;
