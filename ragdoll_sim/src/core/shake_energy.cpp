@@ -25,7 +25,9 @@ double ShakeStep::driveSpeed() const {
 }
 
 double ShakeStep::energyRise() {
-  return scratch_.presses.empty() || pin_speed_ > 0 ? 0 : gainedEnergy(driveSpeed());
+  const bool met = !scratch_.presses.empty() || !scratch_.touching.empty() ||
+                   !scratch_.touching_limits.empty();  // these may have given a blow
+  return met && pin_speed_ == 0 ? gainedEnergy(driveSpeed()) : 0;
 }
 
 double ShakeStep::gainedEnergy(double drive) {
@@ -62,7 +64,9 @@ void ShakeStep::limitEnergy(double rise) {
   const double inner = before - rigid;
   const bool held =
       !pins.empty() || std::any_of(scratch_.presses.begin(), scratch_.presses.end(),
-                                   [](const Press& press) { return press.obstacle >= 0; });
+                                   [](const Press& press) { return press.obstacle >= 0; }) ||
+      std::any_of(scratch_.touching.begin(), scratch_.touching.end(),
+                  [](const Contact& contact) { return contact.obstacle >= 0; });
   if (inner > rise) {
     v() += std::sqrt(1 - rise / inner) * (all - v());
   } else if (held) {

@@ -51,6 +51,15 @@ TEST(Extremes, Wedges) { expectKept({"wedge of two planes"}); }
 TEST(Extremes, ClosingWalls) { expectKept({"closing walls"}); }
 TEST(Extremes, OverlapsAtTheStart) { expectKept({"overlapping at the start"}); }
 
+/// Newton's law of impact and friction can give energy together; nothing else pressed in these.
+TEST(Extremes, BlowsOnRoughFloorsThatBounceGiveNoEnergy) {
+  const ExtremeMethod method{"shake", preset("balanced"), true};
+  for (const std::uint32_t seed : {5551u, 7588u, 8347u}) {
+    const Verdict verdict = judge(randomExtreme(seed), method);
+    EXPECT_TRUE(verdict.kept()) << seed << ": " << textOf(verdict);
+  }
+}
+
 TEST(Extremes, ABodyWithNoWayOutKeepsItsJointsAlive) {
   test::World world(humanScene("position: [0, -0.2, 0.13], rpy_deg: [0, -90, 90]",
                                "obstacles: [{type: plane}, {type: box, position: [0, 0, 0], size: [0.1, 0.6, 0.3]}]\n"));
