@@ -54,18 +54,21 @@ void Schur::addLimit(const LimitRow& limit, int source, double compliance, doubl
 void Schur::assemble(const StickRows& c, StickSolver& sticks) {
   const int m = size();
   columns_ = paddedWidth(m);
+  count_ = 3 * c.n;
   A_.setZero(m, columns_);
   free_.resize(m);
-  answer_.resize(1, c.coordinates);
-  const double* mobility = sticks.mobility(c);
+  answers_.resize(m, c.coordinates);
   for (int i = 0; i < m; ++i) {
     const Row& row = rows_[i];
-    std::array<int, 3 * kMaxParticles> at;
-    for (int k = 0; k < 3 * row.count; ++k) at[k] = 3 * row.particle[k / 3] + k % 3;
-    kernels::gatherRows(mobility, c.coordinates, at.data(), row.gradient[0].data(), 3 * row.count,
-                        answer_.data());
-    A_(i, i) = row.along(answer_.data()) + row.compliance;
-    for (int j = i + 1; j < m; ++j) A_(i, j) = A_(j, i) = rows_[j].along(answer_.data());
+    double* answer = answers_.data() + i * c.coordinates;
+    if (row.kind == Row::Kind::kLimit) {
+      sticks.answer(c, row.particle.data(), row.gradient[0].data(), row.count, answer);
+    } else {  // a particle has three rows, at two stages of a pose
+      kernels::gatherRows(sticks.mobility(c, row.particle.data(), row.count), c.coordinates,
+                          row.particle.data(), row.gradient[0].data(), row.count, answer);
+    }
+    A_(i, i) = row.along(answer) + row.compliance;
+    for (int j = i + 1; j < m; ++j) A_(i, j) = A_(j, i) = rows_[j].along(answer);
     free_[i] = 0;
     for (int k = 0; k < row.count; ++k)
       for (int l = 0; l < row.count; ++l)
@@ -123,14 +126,12 @@ bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
   return sweep(rows, blocks_, p.data());
 }
 
-void Schur::move(const StickRows& c, StickSolver& sticks, const Eigen::VectorXd& p, double* out) {
-  force_.setZero(1, c.coordinates);
-  for (int r = 0; r < size(); ++r)
-    for (int k = 0; k < rows_[r].count; ++k)
-      Eigen::Map<Vec3>(force_.data() + 3 * rows_[r].particle[k]) += p[r] * rows_[r].gradient[k];
-  answer_.resize(1, c.coordinates);
-  kernels::multiply(sticks.mobility(c), force_.data(), 3 * c.n, c.coordinates, answer_.data());
-  for (int i = 0; i < 3 * c.n; ++i) out[i] += answer_(0, i);
+void Schur::move(const Eigen::VectorXd& p, double* out) {
+  const int coordinates = static_cast<int>(answers_.cols());
+  moved_.setZero(coordinates);
+  kernels::addWeighted(moved_.data(), answers_.data(), p.data(), size(), coordinates,
+                       moved_.data());
+  for (int i = 0; i < count_; ++i) out[i] += moved_[i];
 }
 
 }  // namespace ragdoll

@@ -228,7 +228,7 @@ void ShakeStep::pressFound(double h, bool leapfrog) {
     }
     const Eigen::VectorXd change = p - scratch_.total;
     scratch_.total = p;
-    schur.move(rows_, body_.start, change, scratch_.dx.data());
+    schur.move(change, scratch_.dx.data());
     if (!satisfySticks() && !relaxAlongNew()) failed_ = true;
     const double now = failed_ ? 0 : worstViolation();
     if (failed_ || now < contact_tolerance_) break;

@@ -125,7 +125,7 @@ void ShakeStep::pressImplicit(double h) {
     }
     const Eigen::VectorXd change = scratch_.p - scratch_.total;
     scratch_.total = scratch_.p;
-    schur.move(rows_, body_.end, change, scratch_.dx.data());
+    schur.move(change, scratch_.dx.data());
     if (!relaxAlongNew()) {
       failed_ = true;
       return;

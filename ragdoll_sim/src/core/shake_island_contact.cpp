@@ -224,8 +224,7 @@ void ShakeIsland::solveRound(bool at_start) {
     ShakeStep& step = steps_[k];
     Schur& schur = step.scratch_.schur;
     if (schur.empty()) continue;
-    StickSolver& sticks = at_start ? step.body_.start : step.body_.end;
-    schur.move(step.rows_, sticks, s_.parts[k], step.scratch_.dx.data());
+    schur.move(s_.parts[k], step.scratch_.dx.data());
     const bool held = (at_start && step.satisfySticks()) || step.relaxAlongNew();
     if (!held) step.failed_ = true;
   }

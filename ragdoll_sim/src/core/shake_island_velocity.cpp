@@ -79,7 +79,7 @@ void ShakeIsland::pushVelocities(bool at_end, bool impact, double h) {
     for (std::size_t k = 0; k < steps_.size(); ++k) {
       ShakeStep& step = steps_[k];
       Schur& schur = step.scratch_.schur;
-      if (!schur.empty()) schur.move(step.rows_, sticksOf(step), s_.parts[k], step.vData());
+      if (!schur.empty()) schur.move(s_.parts[k], step.vData());
     }
   };
   if (!impact || h > 0) {

@@ -82,7 +82,7 @@ void ShakeStep::pushVelocities(StickSolver& sticks, bool impact, double h) {
   schur.assemble(rows_, sticks);
   const auto push = [&] {
     schur.solve(scratch_.b, scratch_.p);
-    schur.move(rows_, sticks, scratch_.p, vData());
+    schur.move(scratch_.p, vData());
   };
   if (!impact || h > 0) {
     // What pressed all the while does so until the blow; it is not for the blow to take that back.

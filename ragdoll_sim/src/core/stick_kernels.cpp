@@ -26,18 +26,19 @@ RAGDOLL_KERNEL(void, addImpulses,
                 int columns, double* out),
                (D, lambda, s, width, rows, columns, out))
 
-RAGDOLL_KERNEL(void, subtractProducts,
-               (const double* K, const double* Z, int s, int m, int columns, double* A),
-               (K, Z, s, m, columns, A))
-
 RAGDOLL_KERNEL(void, spreadSticks,
                (const double* D, const double* rows, int s, int width, int columns, double* K),
                (D, rows, s, width, columns, K))
 
+RAGDOLL_KERNEL(void, pullSticks,
+               (const double* D, const double* WBT, int width, const int* particle, const double* f,
+                int count, double* out),
+               (D, WBT, width, particle, f, count, out))
+
 RAGDOLL_KERNEL(void, gatherRows,
-               (const double* A, int columns, const int* row, const double* f, int rows,
+               (const double* A, int columns, const int* particle, const double* f, int count,
                 double* out),
-               (A, columns, row, f, rows, out))
+               (A, columns, particle, f, count, out))
 
 RAGDOLL_KERNEL(void, addWeighted,
                (const double* base, const double* terms, const double* f, int count, int n,

@@ -32,6 +32,7 @@ StickRows::StickRows(const DirectSystem& d, const Eigen::MatrixXd& masses)
       mass(masses.rowwise().sum()),
       coordinates(paddedWidth(3 * n)),
       spread_W(PaddedRows::Zero(3 * n, coordinates)),
+      WBT(padded(d.BW.transpose())),
       spread_BW(PaddedRows::Zero(s, coordinates)),
       length2(Eigen::VectorXd::Zero(width)),
       inverse_length2(Eigen::VectorXd::Zero(width)) {
@@ -57,7 +58,10 @@ void StickSolver::resize(const StickRows& rows) {
   work_.setZero(rows.width);
   lambda_.setZero(rows.width);
   pose_.setZero(3 * rows.n);
-  valid_ = has_mobility_ = false;
+  across_.setZero(rows.s, rows.coordinates);
+  mobility_.setZero(3 * rows.n, rows.coordinates);
+  has_mobility_.assign(rows.n, 0);
+  valid_ = has_across_ = false;
 }
 
 void StickSolver::setPose(const StickRows& rows, const double* x) {
@@ -68,22 +72,32 @@ void StickSolver::setPose(const StickRows& rows, const double* x) {
   kernels::gram(rows.G.data(), D_.data(), rows.s, rows.width, inverse_.data());
   kernels::invert(inverse_.data(), rows.s, rows.width, kPivotFloor, work_.data());
   valid_ = true;
-  has_mobility_ = false;
+  has_across_ = false;
+  has_mobility_.assign(rows.n, 0);
 }
 
-const double* StickSolver::mobility(const StickRows& rows) {
-  if (has_mobility_) return mobility_.data();
-  const int columns = rows.coordinates;
-  across_.resize(rows.s, columns);
-  answers_.resize(rows.s, columns);
-  mobility_ = rows.spread_W;
-  kernels::spreadSticks(D_.data(), rows.spread_BW.data(), rows.s, rows.width, columns,
-                        across_.data());
-  kernels::multiplyRows(inverse_.data(), across_.data(), rows.s, rows.width, columns,
-                        answers_.data());
-  kernels::subtractProducts(across_.data(), answers_.data(), rows.s, 3 * rows.n, columns,
-                            mobility_.data());
-  has_mobility_ = true;
+void StickSolver::answer(const StickRows& rows, const int* particle, const double* force, int count,
+                         double* out) {
+  if (!has_across_)
+    kernels::spreadSticks(D_.data(), rows.spread_BW.data(), rows.s, rows.width, rows.coordinates,
+                          across_.data());
+  has_across_ = true;
+  kernels::pullSticks(D_.data(), rows.WBT.data(), rows.width, particle, force, count,
+                      lambda_.data());
+  kernels::multiply(inverse_.data(), lambda_.data(), rows.s, rows.width, solved_.data());
+  kernels::gatherRows(rows.spread_W.data(), rows.coordinates, particle, force, count, out);
+  kernels::addWeighted(out, across_.data(), solved_.data(), rows.s, rows.coordinates, out);
+}
+
+const double* StickSolver::mobility(const StickRows& rows, const int* particle, int count) {
+  for (int k = 0; k < count; ++k) {
+    const int i = particle[k];
+    if (has_mobility_[i]) continue;
+    for (int c = 0; c < 3; ++c)
+      answer(rows, &i, Vec3::Unit(c).eval().data(), 1,
+             mobility_.data() + (3 * i + c) * rows.coordinates);
+    has_mobility_[i] = 1;
+  }
   return mobility_.data();
 }
 

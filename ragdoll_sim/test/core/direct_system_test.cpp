@@ -113,12 +113,21 @@ TEST_P(Trunk, MobilityIsWhatForcesDoWithTheSticksAnswering) {
       }
     const Eigen::MatrixXd JW = J * W;
     const Eigen::MatrixXd expected = W - JW.transpose() * (JW * J.transpose()).inverse() * JW;
-    const Eigen::MatrixXd mobility =
-        Eigen::Map<const PaddedRows>(sticks.mobility(rows), 3 * n, rows.coordinates)
-            .leftCols(3 * n);
+    Eigen::MatrixXd mobility(3 * n, 3 * n);
+    for (int i = 0; i < n; ++i)
+      mobility.middleRows(3 * i, 3) =
+          Eigen::Map<const PaddedRows>(sticks.mobility(rows, &i, 1) + 3 * i * rows.coordinates, 3,
+                                       rows.coordinates)
+              .leftCols(3 * n);
     EXPECT_LT((mobility - expected).norm(), 1e-11 * W.norm());
     EXPECT_LT((mobility - mobility.transpose()).norm(), 1e-14 * W.norm());
     EXPECT_LT((J * mobility).norm(), 1e-11 * JW.norm());  // no stick is stretched
+    const std::array<int, 3> particle{5, 0, 2};
+    const Eigen::VectorXd force = Eigen::VectorXd::LinSpaced(9, -1, 2);
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(3 * n), answer(rows.coordinates);
+    for (int k = 0; k < 3; ++k) all.segment(3 * particle[k], 3) = force.segment(3 * k, 3);
+    sticks.answer(rows, particle.data(), force.data(), 3, answer.data());
+    EXPECT_LT((answer.head(3 * n) - expected * all).norm(), 1e-11 * W.norm());
   }
 }
 

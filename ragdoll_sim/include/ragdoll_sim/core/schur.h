@@ -76,8 +76,8 @@ class Schur {
   /// p from b, starting at p. Returns whether it settled.
   bool solve(const Eigen::VectorXd& b, Eigen::VectorXd& p);
 
-  /// out (3 x n, columns) += what the impulses p, and the sticks' answer to them, do.
-  void move(const StickRows& constants, StickSolver& sticks, const Eigen::VectorXd& p, double* out);
+  /// out (3 x n, columns) += what the impulses p do, the sticks answering as at assemble.
+  void move(const Eigen::VectorXd& p, double* out);
 
   double along(int i, const double* x) const { return rows_[i].along(x); }
 
@@ -85,11 +85,13 @@ class Schur {
   friend class JointSchur;
 
   int first_ = 0, columns_ = 0;
+  int count_ = 0;  ///< of the body's coordinates
   std::vector<Row> rows_;
   PaddedRows A_;              ///< rows x padded rows
   Eigen::VectorXd free_, w_;  ///< free_: A's diagonal without the sticks' answer
   std::vector<SchurBlock> blocks_;
-  PaddedRows force_, answer_;  ///< of particles, and their motion; padded coordinates
+  PaddedRows answers_;  ///< motions by unit impulses of the rows, padded coordinates
+  Eigen::VectorXd moved_;
 };
 
 }  // namespace ragdoll

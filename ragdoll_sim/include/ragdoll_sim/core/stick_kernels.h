@@ -42,16 +42,17 @@ void multiplyRows(const double* A, const double* B, int s, int width, int column
 void addImpulses(const double* D, const double* lambda, int s, int width, const double* rows,
                  int columns, double* out);
 
-/// A (m rows of columns, symmetric) -= K^T Z, K and Z: s rows of columns. Works on the blocks at
-/// and right of the diagonal and copies them to the left.
-void subtractProducts(const double* K, const double* Z, int s, int m, int columns, double* A);
-
 /// K (s rows of columns) = rows (s rows of columns, a value for each coordinate xyzxyz...) times
 /// the stick vectors: K_s,3p+c = rows_s,3p+c D_c,s.
 void spreadSticks(const double* D, const double* rows, int s, int width, int columns, double* K);
 
-/// out (columns) = f_k times the k-th of the rows of A (each of columns) that `row` lists.
-void gatherRows(const double* A, int columns, const int* row, const double* f, int rows,
+/// out (width) = minus the rates of the sticks for motions of `count` particles that forces on them
+/// (three values each) bring: - sum d_s . f_k WBT_k,s; WBT: rows of width.
+void pullSticks(const double* D, const double* WBT, int width, const int* particle, const double* f,
+                int count, double* out);
+
+/// out (columns) = the sum of three rows of A for each of `count` particles, times f.
+void gatherRows(const double* A, int columns, const int* particle, const double* f, int count,
                 double* out);
 
 /// out = base + f_i times the i-th of `count` terms, which lie one after the other; n values each

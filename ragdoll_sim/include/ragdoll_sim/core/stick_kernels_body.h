@@ -206,25 +206,6 @@ RAGDOLL_INLINE void addImpulses(const double* D, const double* lambda, int s, in
 }
 
 template <int W>
-RAGDOLL_INLINE void subtractProducts(const double* K, const double* Z, int s, int m, int columns,
-                                     double* A) {
-  for (int i = 0; i < m; ++i)
-    for (int from = i / kLane * kLane; from < columns; from += kChunk<W>)
-      onChunk<W>(
-          columns, from, [&](auto count, int b) __attribute__((always_inline)) {
-            constexpr int blocks = decltype(count)::value;
-            typename Vector<W>::Lanes sum[blocks];
-            for (int c = 0; c < blocks; ++c) sum[c] = lanes<W>(A + i * columns + b + c * W).v;
-            for (int k = 0; k < s; ++k)
-              for (int c = 0; c < blocks; ++c)
-                sum[c] -= K[k * columns + i] * lanes<W>(Z + k * columns + b + c * W).v;
-            for (int c = 0; c < blocks; ++c) lanes<W>(A + i * columns + b + c * W).v = sum[c];
-          });
-  for (int i = kLane; i < m; ++i)
-    for (int j = 0; j < i / kLane * kLane; ++j) A[i * columns + j] = A[j * columns + i];
-}
-
-template <int W>
 RAGDOLL_INLINE void spreadSticks(const double* D, const double* rows, int s, int width, int columns,
                                  double* K) {
   constexpr int kPeriod = 3 * W;
@@ -238,15 +219,28 @@ RAGDOLL_INLINE void spreadSticks(const double* D, const double* rows, int s, int
 }
 
 template <int W>
-RAGDOLL_INLINE void gatherRows(const double* A, int columns, const int* row, const double* f,
-                               int rows, double* out) {
+RAGDOLL_INLINE void pullSticks(const double* D, const double* WBT, int width, const int* particle,
+                               const double* f, int count, double* out) {
+  for (int b = 0; b < width; b += W) {
+    typename Vector<W>::Lanes sum = {};
+    for (int k = 0; k < count; ++k)
+      sum -= lanes<W>(WBT + particle[k] * width + b).v *
+             (f[3 * k] * lanes<W>(D + b).v + f[3 * k + 1] * lanes<W>(D + width + b).v +
+              f[3 * k + 2] * lanes<W>(D + 2 * width + b).v);
+    lanes<W>(out + b).v = sum;
+  }
+}
+
+template <int W>
+RAGDOLL_INLINE void gatherRows(const double* A, int columns, const int* particle, const double* f,
+                               int particles, double* out) {
   onChunks<W>(
       columns, [&](auto count, int b) __attribute__((always_inline)) {
         constexpr int blocks = decltype(count)::value;
         typename Vector<W>::Lanes sum[blocks] = {};
-        for (int k = 0; k < rows; ++k)
+        for (int k = 0; k < 3 * particles; ++k)
           for (int c = 0; c < blocks; ++c)
-            sum[c] += f[k] * lanes<W>(A + row[k] * columns + b + c * W).v;
+            sum[c] += f[k] * lanes<W>(A + (3 * particle[k / 3] + k % 3) * columns + b + c * W).v;
         for (int c = 0; c < blocks; ++c) lanes<W>(out + b + c * W).v = sum[c];
       });
 }

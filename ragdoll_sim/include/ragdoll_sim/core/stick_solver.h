@@ -6,6 +6,8 @@
 #pragma once
 
 #include <algorithm>
+#include <cstdint>
+#include <vector>
 
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/core/stick_kernels.h"
@@ -28,6 +30,7 @@ struct StickRows {
   Eigen::VectorXd mass;             ///< [kg] n, its row sums: what gravity pulls at
   int coordinates;                  ///< padded 3 n
   PaddedRows spread_W;              ///< 3n x coordinates: W times the identity of x, y and z
+  PaddedRows WBT;                   ///< n x width
   PaddedRows spread_BW;             ///< s x coordinates: each value of BW three times
   double largest_row = 0;           ///< [1/kg] largest row sum of absolute_G
   Eigen::VectorXd length2;          ///< [m^2] width, zero beyond the last stick
@@ -48,9 +51,14 @@ class StickSolver {
   /// (J W J^T)^-1, s rows of width.
   const double* inverse() const { return inverse_.data(); }
 
-  /// [1/kg] W - W J^T (J W J^T)^-1 J W, 3n rows of coordinates: how forces on the particles move
-  /// them with the sticks answering. Worked out when asked for, once per pose.
-  const double* mobility(const StickRows& rows);
+  /// [1/kg] out (coordinates) = (W - W J^T (J W J^T)^-1 J W) force: how a force on `count`
+  /// particles (three values each) moves all of them with the sticks answering.
+  void answer(const StickRows& rows, const int* particle, const double* force, int count,
+              double* out);
+
+  /// Answers to unit forces along x, y and z, three rows of coordinates for each particle; only
+  /// those asked for are there. Worked out once per pose.
+  const double* mobility(const StickRows& rows, const int* particle, int count);
 
   /// lambda <- (J W J^T)^-1 lambda; width values.
   void solve(const StickRows& rows, double* lambda) {
@@ -71,9 +79,10 @@ class StickSolver {
 
  private:
   PaddedRows D_, inverse_, moved_, rates_;
-  PaddedRows mobility_, across_, answers_;  ///< across: J W; answers: (J W J^T)^-1 J W
+  PaddedRows mobility_, across_;            ///< across: J W
+  std::vector<std::uint8_t> has_mobility_;  ///< of the particles
   Eigen::VectorXd solved_, work_, lambda_, pose_;
-  bool valid_ = false, has_mobility_ = false;
+  bool valid_ = false, has_across_ = false;
 };
 
 }  // namespace ragdoll
