@@ -12,7 +12,7 @@ import roslib.packages
 import rospy
 import rosservice
 import rostest
-from client import Client, wait_for
+from client import LIMIT, Client, wait_for
 from page import NODE, column, of_node, table
 from ragdoll_msgs.msg import Model
 
@@ -66,7 +66,7 @@ class ApiTest(unittest.TestCase):
         for name, kind in column('Parameters read at the start').items():
             key = name[len(NODE) + 1:]
             rospy.set_param('/wrong_%s/%s' % (key, key), [1, 2])
-            run = subprocess.run([program, '__name:=wrong_' + key], timeout=30,
+            run = subprocess.run([program, '__name:=wrong_' + key], timeout=LIMIT,
                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                  universal_newlines=True)
             self.assertEqual(run.returncode, 1, run.stdout)
@@ -74,8 +74,9 @@ class ApiTest(unittest.TestCase):
                 {'number': 'a number'}.get(kind, kind), defaults[name].split(':')[0]), run.stdout)
 
     def test_settings(self):
-        settings = dynamic_reconfigure.client.Client(NODE, timeout=30)
-        there = {NODE + '/' + p['name']: p for p in settings.get_parameter_descriptions(timeout=30)}
+        settings = dynamic_reconfigure.client.Client(NODE, timeout=LIMIT)
+        there = {NODE + '/' + p['name']: p
+                 for p in settings.get_parameter_descriptions(timeout=LIMIT)}
         told = column('Settings that change while it runs')
         self.assertEqual(set(there), set(told))
         ranges = column('Settings that change while it runs', 2)
@@ -108,8 +109,8 @@ class ApiTest(unittest.TestCase):
         program = roslib.packages.find_node('ragdoll_sim', 'state_to_markers')[0]
         for name in told['parameter']:
             key = name[len(relay) + 1:]
-            run = subprocess.run([program, '__name:=wrong_relay', '_%s:=nonsense' % key], timeout=30,
-                                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            run = subprocess.run([program, '__name:=wrong_relay', '_%s:=nonsense' % key],
+                                 timeout=LIMIT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                                  universal_newlines=True)
             self.assertEqual(run.returncode, 1, run.stdout)
             self.assertIn('/wrong_relay/' + key, run.stdout)

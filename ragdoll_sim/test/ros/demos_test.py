@@ -16,7 +16,7 @@ import rosnode
 import rospy
 import rostest
 from bags import contents
-from client import Client, Inbox, wait_for
+from client import LIMIT, Client, Inbox, wait_for
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
@@ -105,8 +105,9 @@ class DemosTest(unittest.TestCase):
             topics = [topic for topic, _, _ in found]
             self.assertEqual(topics.count('/ragdoll/state'), 3 * 60 + 1)
             self.assertEqual((topics.count('/ragdoll/model'), topics.count('/ragdoll/label')), (1, 1))
-            replayed = subprocess.run([lab, 'replay', os.path.join(first, row['bag'])], timeout=60,
-                                      stdout=subprocess.PIPE, universal_newlines=True)
+            replayed = subprocess.run([lab, 'replay', os.path.join(first, row['bag'])],
+                                      timeout=2 * LIMIT, stdout=subprocess.PIPE,
+                                      universal_newlines=True)
             self.assertEqual(replayed.returncode, 0, replayed.stdout)
             self.assertIn('identical in 181 states', replayed.stdout)
 

@@ -10,7 +10,7 @@ import unittest
 import roslib.packages
 import rospy
 import rostest
-from client import Client, wait_for
+from client import LIMIT, Client, wait_for
 
 EXAMPLES = os.path.join(roslib.packages.get_pkg_dir('ragdoll_sim'), 'examples')
 README = os.path.join(roslib.packages.get_pkg_dir('ragdoll'), 'README.md')
@@ -25,8 +25,8 @@ class ExamplesTest(unittest.TestCase):
     def assert_pokes(self, command):
         client = Client()
         seen = len(client.pokes.all())
-        run = subprocess.run(command, timeout=60, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                             universal_newlines=True)
+        run = subprocess.run(command, timeout=2 * LIMIT, stdout=subprocess.PIPE,
+                             stderr=subprocess.STDOUT, universal_newlines=True)
         self.assertEqual(run.returncode, 0, run.stdout)
         self.assertIn('ragdoll/head: (100, 0, 0) N', run.stdout)
         event = wait_for(lambda: client.pokes.all()[seen:], 'the poke')[0]

@@ -16,6 +16,7 @@ import roslib.packages
 import rospy
 import rostest
 from bags import contents
+from client import LIMIT
 
 SECONDS, RATE = 3, 60
 SCRIPT = os.path.join(roslib.packages.get_pkg_dir('ragdoll_sim'), 'scripts', 'fall_dataset.py')
@@ -38,7 +39,8 @@ class FallDatasetTest(unittest.TestCase):
         run = subprocess.run(
             [sys.executable, SCRIPT, '--falls', str(falls), '--seed', str(seed), '--seconds',
              str(SECONDS), '--rate', str(RATE), '--out', out, '__name:=fall_dataset_' + name],
-            timeout=120, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
+            timeout=4 * LIMIT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            universal_newlines=True)
         self.assertEqual(run.returncode, status, run.stdout)
         return out, run.stdout
 
@@ -90,7 +92,7 @@ class FallDatasetTest(unittest.TestCase):
         self.assertAlmostEqual(float(row['end_head_height']),
                                states[-1].ragdolls[0].positions[names.index('head')].z)
         lab = roslib.packages.find_node('ragdoll_sim', 'ragdoll_lab')[0]
-        replayed = subprocess.run([lab, 'replay', path], stdout=subprocess.PIPE, timeout=60,
+        replayed = subprocess.run([lab, 'replay', path], stdout=subprocess.PIPE, timeout=2 * LIMIT,
                                   universal_newlines=True)
         self.assertEqual(replayed.returncode, 0, replayed.stdout)
 
@@ -106,7 +108,7 @@ class FallDatasetTest(unittest.TestCase):
             out = os.path.join(self.folder, 'uneven')
             run = subprocess.run(
                 [sys.executable, SCRIPT, '--falls', '1', '--rate', str(rate), '--out', out],
-                timeout=60, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                timeout=2 * LIMIT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                 universal_newlines=True)
             self.assertEqual(run.returncode, 1, run.stdout)
             for word in ['--rate %d' % rate] + words:

@@ -16,7 +16,7 @@ import roslib.packages
 import rospy
 import rostest
 from bags import Recorder
-from client import Client, Inbox, wait_for
+from client import LIMIT, Client, Inbox, wait_for
 from dynamic_reconfigure.client import Client as Settings
 from geometry_msgs.msg import Vector3, WrenchStamped
 from ragdoll_msgs.msg import FollowedFrame
@@ -41,7 +41,7 @@ obstacles:
 def replay(path):
     """(exit status, stdout, stderr)"""
     program = roslib.packages.find_node('ragdoll_sim', 'ragdoll_lab')[0]
-    run = subprocess.run([program, 'replay', path], timeout=120, stdout=subprocess.PIPE,
+    run = subprocess.run([program, 'replay', path], timeout=4 * LIMIT, stdout=subprocess.PIPE,
                          stderr=subprocess.PIPE, universal_newlines=True)
     return run.returncode, run.stdout, run.stderr
 
@@ -181,7 +181,7 @@ class LabReplayTest(unittest.TestCase):
         self.assertEqual(status, 1, out)
 
     def test_what_changes_a_run_begins_another(self):
-        settings = Settings(NODE, timeout=30)
+        settings = Settings(NODE, timeout=LIMIT)
         recorder = Recorder(self.path, NODE, TOPICS)
         self.assertTrue(self.client.call_reset().success)
         self.assertTrue(self.client.poke('head', (60, 20, 0), duration=2).success)
@@ -225,7 +225,7 @@ class LabReplayTest(unittest.TestCase):
         self.assertRegex(last, 'cannot be replayed: none of its [0-9]+ states can be compared')
 
     def test_what_follows_frames_of_others_is_identical(self):
-        settings = Settings(NODE, timeout=30)
+        settings = Settings(NODE, timeout=LIMIT)
         attach, detach = (self.client.service(name, kind)
                           for name, kind in (('attach', Attach), ('detach', Detach)))
         robot = Robot(['paddle', 'hook'])

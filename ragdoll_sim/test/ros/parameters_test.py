@@ -8,6 +8,7 @@ import unittest
 import roslib.packages
 import rospy
 import rostest
+from client import LIMIT
 
 CASES = [
     ('publish_rate', '0', ['[0.001, 1000]']),
@@ -31,7 +32,7 @@ class ParametersTest(unittest.TestCase):
         program = roslib.packages.find_node('ragdoll_sim', 'ragdoll_node')[0]
         for i, (name, value, words) in enumerate(CASES):
             run = subprocess.run(
-                [program, '__name:=wrong_%d' % i, '_%s:=%s' % (name, value)], timeout=30,
+                [program, '__name:=wrong_%d' % i, '_%s:=%s' % (name, value)], timeout=LIMIT,
                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
             self.assertEqual(run.returncode, 1, run.stdout)
             for word in ['/wrong_%d/%s' % (i, name)] + words:

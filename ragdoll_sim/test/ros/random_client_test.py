@@ -50,7 +50,7 @@ class RandomClientTest(unittest.TestCase):
         cls.client.call_get = cls.persistent('get_state', GetState)
         cls.client.call_poke = cls.persistent('poke', Poke)
         cls.client.call_step = cls.persistent('step', Step)
-        cls.settings = dynamic_reconfigure.client.Client('/ragdoll', timeout=30)
+        cls.settings = dynamic_reconfigure.client.Client('/ragdoll', timeout=LIMIT)
         cls.wrench = rospy.Publisher('/ragdoll/wrench', WrenchStamped, queue_size=100)
         cls.replay = rospy.Publisher('/ragdoll/poke_replay', PokeEvent, queue_size=100)
         cls.handle = rospy.Publisher('/ragdoll/handles/feedback', InteractiveMarkerFeedback,

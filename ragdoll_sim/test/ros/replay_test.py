@@ -35,14 +35,18 @@ class ReplayTest(unittest.TestCase):
         self.h = self.client.step(1).time
         self.start = self.client.restart()
 
-    def push(self, frame, force, torque=(0, 0, 0)):
+    def publish(self, frame, force, torque=(0, 0, 0)):
         message = WrenchStamped()
         message.header.frame_id = frame
         w = message.wrench
         w.force.x, w.force.y, w.force.z = force
         w.torque.x, w.torque.y, w.torque.z = torque
-        before = self.client.call_get().snapshot
         self.wrench.publish(message)
+
+    def push(self, frame, force, torque=(0, 0, 0)):
+        """A wrench that is not refused."""
+        before = self.client.call_get().snapshot
+        self.publish(frame, force, torque)
         # What acts is part of the snapshot.
         wait_for(lambda: self.client.call_get().snapshot != before, 'the wrench')
 
@@ -146,7 +150,7 @@ class ReplayTest(unittest.TestCase):
         log = Inbox('/rosout', Log)
         event = PokeEvent(step=5, body_name='ragdoll/head')
         event.force.x = 1e20
-        for topic, send in (('~wrench', lambda: self.push('ragdoll/left_hand', (0, 0, 1e20))),
+        for topic, send in (('~wrench', lambda: self.publish('ragdoll/left_hand', (0, 0, 1e20))),
                             ('~poke_replay', lambda: self.replay.publish(event))):
             def refused(topic=topic, send=send):
                 send()  # again and again: the log may not be connected yet, and is throttled

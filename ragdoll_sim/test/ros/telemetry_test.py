@@ -6,7 +6,7 @@ import unittest
 
 import rospy
 import rostest
-from client import Client, Inbox, position, wait_for
+from client import LIMIT, Client, Inbox, position, wait_for
 from dynamic_reconfigure.client import Client as Settings
 from ragdoll_msgs.msg import Metrics, Model
 from sensor_msgs.msg import JointState
@@ -17,7 +17,7 @@ class TelemetryTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.client = Client()
-        cls.settings = Settings('/ragdoll', timeout=30)
+        cls.settings = Settings('/ragdoll', timeout=LIMIT)
 
     def setUp(self):
         self.client.load(path='fall')
@@ -148,7 +148,7 @@ class TelemetryTest(unittest.TestCase):
         wait_for(lambda: rate() < 31, 'two seconds of thirty a second')
 
     def test_settings_are_the_scenes(self):
-        config = self.settings.get_configuration(timeout=30)
+        config = self.settings.get_configuration(timeout=LIMIT)
         self.assertEqual((config['gravity_x'], config['gravity_y'], config['gravity_z']),
                          (0, 0, -9.81))
         self.assertAlmostEqual(config['step'], self.client.step(1).time)
