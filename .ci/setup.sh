@@ -84,9 +84,13 @@ is_newest() {
 
 # Configures the tree as one catkin project and builds the given targets.
 build_targets() {
-  local cache="$build/CMakeCache.txt" built="$build/devel/.built-$*"
+  local cache="$build/CMakeCache.txt" built="$build/devel/.built-$*" options="$build/options"
   if [ -f "$cache" ] && ! grep -qxF "CMAKE_HOME_DIRECTORY:INTERNAL=$root" "$cache"; then
     say "$(basename "$build")/ belongs to another folder, building anew"
+    rm -rf "$build"
+  fi
+  if [ -f "$options" ] && [ "$(cat "$options")" != "${build_options[*]}" ]; then
+    say "$(basename "$build")/ was configured with other options, building anew"
     rm -rf "$build"
   fi
   is_newest "$built" && return
@@ -96,6 +100,7 @@ build_targets() {
     cmake -S "$root" -B "$build" -G Ninja "${build_options[@]}" \
       -DPYTHON_EXECUTABLE=/usr/bin/python3 >"$build/configure.log" 2>&1 ||
       { tail -n 30 "$build/configure.log" >&2; return 1; }
+    echo "${build_options[*]}" >"$options"
   fi
   touch "$build/now"
   # The filter leaves out what is done in every build and changes nothing.
