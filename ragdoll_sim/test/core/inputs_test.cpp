@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <set>
 #include <vector>
 
@@ -128,6 +129,22 @@ TEST(Poke, ThatNumbersCannotFollowIsRefusedWithTheLargestAllowed) {
   scene.pokes[0].body = "ab";  // whose moment counts, too
   scene.pokes[0].point = Vec3(0, 1000, 0);
   EXPECT_THROW(buildModel(scene), Error);
+}
+
+TEST(Poke, WhoseSquareOverflowsIsRefusedWithTheLargestAllowed) {
+  Scene scene = sceneOf(oneStick(1, 3));
+  PokeSpec spec;
+  spec.body = "a";
+  spec.force = Vec3(0, 0, 1e308);
+  scene.pokes = {spec};
+  char most[40];  // 4 kg at 1e10 m/s after a step
+  std::snprintf(most, sizeof most, "at most %.3g N", 1e10 * 4 / scene.solver.step);
+  try {
+    buildModel(scene);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_THAT(e.what(), HasSubstr(most));
+  }
 }
 
 TEST(FindBody, ListsWhatThereIs) {
