@@ -26,6 +26,8 @@ void ShakeStep::guard(double h) {
   double left = h;
   int taken = 0;
   bool guarded = way != Way::kExplicit;
+  // Obstacles that squeeze a body leave no solution, and smaller steps do not find one.
+  const auto most = [&] { return overlap_ > kSqueezed ? 1 : driven_ ? kMaxDriven : kMaxSubsteps; };
   while (left > 1e-9 * h) {
     sub = std::min(sub, left);
     save();
@@ -36,7 +38,8 @@ void ShakeStep::guard(double h) {
       const double rise = failed_ ? 0 : energyRise();
       const bool can_halve = sub > 1.01 * h / (overlap_ > kSqueezed ? 1 : kMaxSubsteps);
       const bool outgrown = can_halve && !isSoft(sub) && sub * std::sqrt(stiffness()) > 2 * kStable;
-      failed_ = failed_ || outgrown ||
+      const bool jumped = 0.5 * sub > 0.99 * h / most() && tensionJumped(took);
+      failed_ = failed_ || outgrown || jumped ||
                 (can_halve && rise > kRedoRise && rise > kRedoRise * kineticEnergy());
       if (!failed_ && rise > 0) limitEnergy(rise);
     } else {
@@ -50,17 +53,15 @@ void ShakeStep::guard(double h) {
         sub = left;
         continue;
       }
-      // Obstacles that squeeze a body leave no solution, and smaller steps do not find one.
-      const double most = overlap_ > kSqueezed ? 1 : driven_ ? kMaxDriven : kMaxSubsteps;
       if (way == Way::kExplicit) {
         sub *= 0.5;
-        if (sub < 0.99 * h / most) {
+        if (sub < 0.99 * h / most()) {
           way = Way::kImplicit;
           sub = left;
         }
       } else {
         sub *= 0.25;
-        if (sub < 0.99 * h / (most == kMaxSubsteps ? kMaxPieces : most)) {
+        if (sub < 0.99 * h / (most() == kMaxSubsteps ? kMaxPieces : most())) {
           if (squeezed_ == Squeezed::kAll || overlap_ < kTouching)
             way = Way::kRigid;
           else
@@ -93,8 +94,17 @@ bool ShakeStep::isSoft(double h) {
   return 2 * most * rows_.largest_row * h * h < kStable * kStable;
 }
 
-double ShakeStep::stiffness() {
-  const Eigen::Map<const Eigen::VectorXd> m(multipliers(), rows_.s);
+bool ShakeStep::tensionJumped(double h) {
+  if (isSoft(h / kJump)) return false;
+  const double now = stiffness();
+  return h * std::sqrt(now) > kJump * kStable &&
+         now > 4 * stiffnessOf(scratch_.saved_multipliers.data());
+}
+
+double ShakeStep::stiffness() { return stiffnessOf(multipliers()); }
+
+double ShakeStep::stiffnessOf(const double* multipliers) {
+  const Eigen::Map<const Eigen::VectorXd> m(multipliers, rows_.s);
   scratch_.residual.setZero(rows_.width);
   scratch_.residual.head(rows_.s) = 2 * m.cwiseAbs();
   scratch_.correction.resize(rows_.width);

@@ -55,6 +55,7 @@ class ShakeStep {
   static constexpr double kProgress = 0.8;  ///< of the last round's violation: more is no progress
   static constexpr int kMaxSearches = 3;    ///< for contacts that others push the body into
   static constexpr double kStable = 1.0;    ///< h sqrt(Omega2) of a substep; 2: edge of stability
+  static constexpr double kJump = 0.5;      ///< of kStable, for tension that jumps
   static constexpr int kMaxSubsteps = 16;   ///< above, one implicit step is cheaper
   /// Of the kinetic energy (1 J at least): a substep that gains more is done again at half.
   static constexpr double kRedoRise = 1e-3;
@@ -91,6 +92,12 @@ class ShakeStep {
   double explicitStep(double h);
   /// Omega2 [1/s^2], a bound: largest row sum of |G| |2 m|, m the multipliers of the last motion.
   double stiffness();
+  /// The same of other multipliers, per h^2.
+  double stiffnessOf(const double* multipliers);
+  /// Whether the tension in a substep of h has more than doubled its frequency, as at the start, in
+  /// a blow or under a new force, and holds it above kJump: nothing had said so before, and
+  /// leapfrog's energy rises by what its frequency's square does.
+  bool tensionJumped(double h);
   /// Whether a coarser bound, at a fraction of the cost, shows that h is stable.
   bool isSoft(double h);
   void save();
