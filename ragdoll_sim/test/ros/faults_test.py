@@ -139,7 +139,8 @@ class FaultsTest(unittest.TestCase):
         wait_for(lambda: client.states.all()[-1].step > first.step + 500, 'states')
         before = node.resident()
         wait_for(lambda: client.states.all()[-1].step > first.step + 2000, 'states')
-        self.assertLess(node.resident() - before, 20e6)
+        if 'RAGDOLL_SANITIZED' not in os.environ:  # sanitizers keep what is freed
+            self.assertLess(node.resident() - before, 20e6)
         keeps_pace(lambda: client.call_get().state.time)
         self.assertEqual(node.end()[0], 0)
         for subscriber in deaf:
