@@ -189,8 +189,10 @@ double ShakeStep::rigidStep(double h) {
     if (!scratch_.dx.allFinite()) continue;
     findConstraints(h);
     double deepest = 0;
-    for (const Contact& c : scratch_.contacts)
-      deepest = std::max(deepest, std::min(0.0, c.gap_start) - gapAt(c, scratch_.dx.data()));
+    for (const Contact& c : scratch_.contacts) {
+      const double gap = gapAt(c, scratch_.dx.data()) + c.offset - c.found;  // none of it may stay
+      deepest = std::max(deepest, std::min(0.0, c.gap_start) - gap);
+    }
     if (deepest < kTouchDepth) break;
   }
   if (!scratch_.dx.allFinite()) {
