@@ -39,8 +39,9 @@ struct Rest {
 };
 
 Rest restOf(bool pressed, bool hung) {
+  if (hung) return {kHungSpeed, kHungTime};  // a wall that it touches does not hold a swing
   if (pressed) return {kStillSpeed, kQuietTime};
-  return {hung ? kHungSpeed : kFloatSpeed, kHungTime};
+  return {kFloatSpeed, kHungTime};
 }
 
 /// Applies `pass` to pairs until it passes nothing on any more.

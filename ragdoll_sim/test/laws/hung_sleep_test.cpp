@@ -75,6 +75,29 @@ TEST_P(HungSleep, ASlowSwingGoesOnAtItsTurningPoint) {
   EXPECT_LT(least, -0.0195);
 }
 
+TEST_P(HungSleep, AWallThatItTouchesAtItsTurningPointDoesNotEndASwing) {
+  // Gravity presses it to the wall all the time; a period is 2 pi / sqrt(0.1) = 19.9 s.
+  Scene scene = pendulum(0.1);
+  scene.gravity = Vec3(0, 0.02, -0.1);
+  ObstacleSpec wall = floorPlane();
+  wall.pose.position = Vec3(0, 0.05, 0);
+  wall.normal = -Vec3::UnitY();
+  scene.obstacles = {wall};
+  SkeletonSpec stick = *scene.ragdolls[0].skeleton;
+  for (ParticleSpec& p : stick.particles) p.radius = 0.05;
+  scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(stick);
+  World world(scene);
+  int contacts = 0;
+  double least = 1;
+  for (int i = 0; i < 2000; ++i) {
+    contacts += world.steps(1).contacts;
+    ASSERT_FALSE(world.state.asleep[0]) << "at " << world.state.time << " s";
+    least = std::min(least, world.x(1).x());
+  }
+  EXPECT_GT(contacts, 1000);
+  EXPECT_LT(least, -0.098);
+}
+
 TEST_P(HungSleep, APokeWakesIt) {
   World world(hangingStill());
   ASSERT_TRUE(everAsleep(world, 300));

@@ -1,12 +1,14 @@
 // Sleeping: a body at rest costs nothing until something disturbs it.
 //
 // A body falls asleep when none of its particles has moved faster than a speed for a time:
-//   what lies on something   kStillSpeed for kQuietTime; friction holds it
-//   what hangs from pins     kHungSpeed for kHungTime: nothing but its own balance holds it, and at
-//                            its turning points a swing is slow, too. Of one of period T that time
-//                            shows the fastest if T <= 2 kHungTime; of a slower one a part of
-//                            sin(pi kHungTime / T), so that of T = 10 s swings of less than 0.3 mm
-//                            are ended, of a minute's less than 1 cm
+//   what lies on something   kStillSpeed for kQuietTime. Whether friction holds it is not asked:
+//                            what slides or tips as slowly as that stops, too
+//   what hangs from pins     kHungSpeed for kHungTime, also where it touches something: nothing but
+//                            its own balance need hold it, and at its turning points a swing is
+//                            slow, too. Of one of period T that time shows the fastest if
+//                            T <= 2 kHungTime; of a slower one a part of sin(pi kHungTime / T), so
+//                            that of T = 10 s swings of less than 0.3 mm are ended, of a minute's
+//                            less than 1 cm
 //   what floats              kFloatSpeed for kHungTime: what drifts, however slowly, goes on
 // Nothing but damping makes a hung body hang still: `damping` its swing about the pin, and its spin
 // if there is one pin; `joint_damping` the motion of its limbs. The sweeps of `jakobsen` drive a
