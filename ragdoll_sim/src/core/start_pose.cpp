@@ -38,6 +38,7 @@ class Corrector {
       limit.cos_angle = std::cos(limit.angle);
     }
     skeleton.plane_limits.clear();
+    skeleton.lumped = false;  // sticks alone take too long to hold a flat group flat
     for (std::vector<Stick>* sticks : {&skeleton.sticks, &skeleton.hidden_sticks})
       for (Stick& k : *sticks) k.length = std::max((x_.col(k.a) - x_.col(k.b)).norm(), kMinLength);
     std::vector<std::string> known;  // those of the model itself have been told
@@ -57,8 +58,7 @@ class Corrector {
         limits_.prepare(alone_, state_, x_, kLongStep);
       }
       const System& s = alone_.systems[0];
-      s.lumped ? relaxSticks(s.relaxed, x_.data())
-               : relaxCoupledSticks(s.coupled, s.relaxed_BW, s.relaxed_G, x_);
+      relaxCoupledSticks(s.coupled, s.relaxed_BW, s.relaxed_G, x_);
       limits_.sweep(alone_, x_);
     }
     return isRight(kInside + kThere);  // limits that leave no room
@@ -148,8 +148,9 @@ void correctStart(const RagdollSpec& spec, Model& model, int ragdoll) {
     return;
   }
   throw Error(spec.where + ".place",
-              told + ", and the pins leave no way to correct it; place it within the limits, or pin "
-                     "fewer particles");
+              told + (pins.empty() ? ", and no pose near it keeps all limits; place it within them"
+                                   : ", and the pins leave no way to correct it; place it within "
+                                     "the limits, or pin fewer particles"));
 }
 
 }  // namespace ragdoll
