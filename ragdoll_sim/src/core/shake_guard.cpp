@@ -27,7 +27,7 @@ void ShakeStep::guard(double h) {
   int taken = 0;
   bool guarded = way != Way::kExplicit;
   // Obstacles that squeeze a body leave no solution, and smaller steps do not find one.
-  const auto most = [&] { return overlap_ > kSqueezed ? 1 : driven_ ? kMaxDriven : kMaxSubsteps; };
+  const auto most = [&] { return isSqueezed() ? 1 : driven_ ? kMaxDriven : kMaxSubsteps; };
   while (left > 1e-9 * h) {
     sub = std::min(sub, left);
     save();
@@ -36,7 +36,7 @@ void ShakeStep::guard(double h) {
     if (way == Way::kExplicit) {
       took = explicitStep(sub);
       const double rise = failed_ ? 0 : energyRise();
-      const bool can_halve = sub > 1.01 * h / (overlap_ > kSqueezed ? 1 : kMaxSubsteps);
+      const bool can_halve = sub > 1.01 * h / (isSqueezed() ? 1 : kMaxSubsteps);
       const bool outgrown = can_halve && !isSoft(sub) && sub * std::sqrt(stiffness()) > 2 * kStable;
       const bool jumped = 0.5 * sub > 0.99 * h / most() && tensionJumped(took);
       failed_ = failed_ || outgrown || jumped ||
@@ -79,6 +79,18 @@ void ShakeStep::guard(double h) {
   report_.unresolved += squeezed_ != Squeezed::kNo;
   report_.limited += limited_;
   if (guarded || limited_) makeAffine();  // rigid velocities carry what is off it along
+}
+
+bool ShakeStep::isSqueezed() const {
+  if (overlap_ <= kSqueezed) return false;
+  const std::vector<Contact>& all = scratch_.contacts;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].gap_start > -kTouching) continue;
+    if (all[i].count == 4) return true;
+    for (std::size_t j = 0; j < all.size(); ++j)
+      if (all[j].gap_start < kTouching && all[i].normal.dot(all[j].normal) < 0) return true;
+  }
+  return false;
 }
 
 double ShakeStep::explicitStep(double h) {

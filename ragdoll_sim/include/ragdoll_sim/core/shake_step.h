@@ -205,8 +205,11 @@ class ShakeStep {
   bool addLimits(double margin, double h, ShakeScratch::Role role);
   /// Rows of the Schur complement that are the body's own.
   int ownRows() const { return scratch_.own_rows; }
+  /// Whether what overlaps at the step's start, by more than sound steps leave, leaves no direction
+  /// to open in: it presses from opposite sides, or is a body.
+  bool isSqueezed() const;
   /// Whether a step that fails means that the overlap at its start cannot open.
-  bool hasNoWayOut() const { return squeezed_ == Squeezed::kNo && overlap_ > kSqueezed; }
+  bool hasNoWayOut() const { return squeezed_ == Squeezed::kNo && isSqueezed(); }
   /// Solves for the constraints found.
   void pressFound(double h, bool leapfrog);
   /// Position stage: dx so that no contact and no limit is violated and every stick has its length.

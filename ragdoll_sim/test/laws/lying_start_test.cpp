@@ -1,0 +1,58 @@
+// A body that begins on its back on a floor with a foot where the joints do not allow it: the first
+// steps draw it in, through the floor.
+#include <gtest/gtest.h>
+
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/worlds.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+/// A foot placed 90 degrees past the limit of the knee: more than steps put right, rigid ones
+/// follow.
+const Vec3 kPastTheKnee(0.4964, -0.0864, 0.4776);
+
+Scene lying(const Vec3& foot) {
+  Scene scene = parseScene(R"(
+ragdolls: [{model: human, position: [0, 0, 0.13], rpy_deg: [0, -90, 0]}]
+obstacles: [{type: plane, friction: 0.6}]
+)");
+  scene.ragdolls[0].place = {{"right_foot", foot}};
+  return scene;
+}
+
+TEST(LyingStart, RigidStepsDoNotSinkIn) {
+  World world(lying(kPastTheKnee));
+  int rigid = 0;
+  double early = 0;  // [m] of the first second: what the start brings
+  for (int i = 0; i < 600; ++i) {
+    rigid += world.steps(1).rigid;
+    const double deep = maxPenetration(world.model, world.state);
+    if (i < 120) early = std::max(early, deep);
+    ASSERT_LT(deep, early + 1e-4) << "at " << world.state.time << " s";
+  }
+  EXPECT_GT(rigid, 0);  // or the scene does not show what it is for
+  RecordProperty("deepest_mm", std::to_string(1e3 * early));
+}
+
+TEST(LyingStart, WhatOverlapsOneFloorComesOutAndTheJointsWithIt) {
+  for (const Vec3& foot :
+       {kPastTheKnee, Vec3(0.4964, -0.0864, 0.6076), Vec3(0.1584, -0.1546, 0.4504)}) {
+    World world(lying(foot));
+    double deepest = 0;  // [m]
+    for (int i = 0; i < 240; ++i) {
+      world.steps(1);
+      deepest = std::max(deepest, maxPenetration(world.model, world.state));
+    }
+    EXPECT_LT(deepest, 0.015) << foot.transpose();
+    EXPECT_LT(maxPenetration(world.model, world.state), 1e-5) << foot.transpose();
+    EXPECT_LT(maxLimitViolation(world.model, world.state), 1e-3) << foot.transpose();
+    EXPECT_LT(maxStickError(world.model, world.state), 1e-6) << foot.transpose();
+  }
+}
+
+}  // namespace
+}  // namespace ragdoll
