@@ -178,6 +178,8 @@ bool ShakeStep::findMissed(double h) {
   for (std::size_t i = 0; i < scratch_.missed.size(); ++i) {
     Contact& c = scratch_.missed[i];
     startContact(c, i < obstacles ? step_ : h);
+    if (i < obstacles)  // what overlaps opens in a part of a step by a part of it
+      c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - kRecoverySpeed * h));
     if (gapAt(c, scratch_.dx.data()) >= (i < obstacles ? -kMissed : -kMissedPair)) continue;
     scratch_.contacts.push_back(c);
     scratch_.contact_role.push_back(ShakeScratch::kForced);
