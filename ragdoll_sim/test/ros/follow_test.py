@@ -137,6 +137,7 @@ class FollowTest(unittest.TestCase):
                 self.assertIn(word, answer.status_message)
         # None of the ragdolls' own frames, of this scene or another; the rest is counted.
         self.scene(FLOATING.replace('name: ragdoll', 'name: other'))
+        self.robot.period = 0.1  # [s] each frame is a message
         self.robot.frames.update({'more_%02d' % i: (0, 0, 0) for i in range(30)})
 
         def message():
