@@ -24,10 +24,28 @@ double ShakeStep::driveSpeed() const {
   return speed;
 }
 
-double ShakeStep::energyRise() {
-  const bool met = !scratch_.presses.empty() || !scratch_.touching.empty() ||
-                   !scratch_.touching_limits.empty();  // these may have given a blow
-  return met && pin_speed_ == 0 ? gainedEnergy(driveSpeed()) : 0;
+bool ShakeStep::isSmooth() const {
+  const auto held = [this](const LimitRow& limit) {
+    return limit.compliance == 0 && std::abs(limit.before) < touching_angle_;
+  };
+  const auto holds = [&](const Press& press) {
+    return std::any_of(scratch_.limits.begin(), scratch_.limits.end(), [&](const LimitRow& limit) {
+      return press.a == -1 - limit.limit && held(limit);
+    });
+  };
+  return scratch_.touching.empty() &&
+         std::all_of(scratch_.touching_limits.begin(), scratch_.touching_limits.end(), held) &&
+         std::all_of(scratch_.presses.begin(), scratch_.presses.end(), holds);
+}
+
+double ShakeStep::energyRise(bool smooth) {
+  return pin_speed_ == 0 ? gainedEnergy(smooth ? 0 : driveSpeed()) : 0;
+}
+
+bool ShakeStep::isLargeSwing(double change) {
+  if (change == 0) return false;
+  const double fall = rows_.mass.sum() * model_.gravity.norm() * rows_.scale;  // of 1 m
+  return std::abs(change) > kRedoSwing * (kineticEnergy() + fall);
 }
 
 double ShakeStep::gainedEnergy(double drive) {

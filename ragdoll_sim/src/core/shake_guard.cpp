@@ -35,13 +35,16 @@ void ShakeStep::guard(double h) {
     double took = 0;
     if (way == Way::kExplicit) {
       took = explicitStep(sub);
-      const double rise = failed_ ? 0 : energyRise();
+      const bool smooth = !failed_ && isSmooth();
+      const double rise = failed_ || (smooth && !swings(took)) ? 0 : energyRise(smooth);
       const bool can_halve = sub > 1.01 * h / (isSqueezed() ? 1 : kMaxSubsteps);
       const bool outgrown = can_halve && !isSoft(sub) && sub * std::sqrt(stiffness()) > 2 * kStable;
       const bool jumped = 0.5 * sub > 0.99 * h / most() && tensionJumped(took);
-      failed_ = failed_ || outgrown || jumped ||
-                (can_halve && rise > kRedoRise && rise > kRedoRise * kineticEnergy());
-      if (!failed_ && rise > 0) limitEnergy(rise);
+      const bool much = smooth ? isLargeSwing(rise)
+                               : rise > kRedoRise && rise > kRedoRise * kineticEnergy();
+      failed_ = failed_ || outgrown || jumped || (can_halve && much);
+      const bool swing = smooth && !(much && !scratch_.presses.empty());  // it comes back
+      if (!failed_ && rise > 0 && !swing) limitEnergy(rise);
     } else {
       guarded = true;
       took = way == Way::kImplicit ? implicitStep(sub) : rigidStep(sub);
@@ -104,6 +107,10 @@ bool ShakeStep::isSoft(double h) {
   const double most =
       Eigen::Map<const Eigen::VectorXd>(multipliers(), rows_.s).cwiseAbs().maxCoeff();
   return 2 * most * rows_.largest_row * h * h < kStable * kStable;
+}
+
+bool ShakeStep::swings(double h) {
+  return !isSoft(h / kSwing) && h * std::sqrt(stiffness()) > kSwing * kStable;
 }
 
 bool ShakeStep::tensionJumped(double h) {

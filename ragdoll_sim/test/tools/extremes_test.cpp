@@ -70,6 +70,29 @@ TEST(Extremes, TensionThatComesAtOnceGivesNoEnergy) {
   }
 }
 
+/// Tension that goes, with limbs that swing through: leapfrog's second term falls to the velocities.
+TEST(Extremes, TensionThatGoesGivesNoEnergy) {
+  const ExtremeMethod method{"shake", preset("balanced"), true};
+  for (const std::uint32_t seed : {32774u, 45815u}) {
+    const Verdict verdict = judge(randomExtreme(seed), method);
+    EXPECT_TRUE(verdict.kept()) << seed << ": " << textOf(verdict);
+    EXPECT_LT(verdict.energy_rise, 2e-3) << seed;
+  }
+}
+
+/// Limits that hold are no contact: what leapfrog's energy swings by there comes back by itself.
+TEST(Extremes, TheEnergyLimiterLeavesAFreeBodyAlone) {
+  Scene scene = loadScene("weightless");
+  scene.solver = preset("balanced");
+  test::World world(scene);
+  int held = 0;
+  for (int i = 0; i < 360; ++i) {
+    ASSERT_EQ(world.steps(1).limited, 0) << i;
+    held += !world.state.presses.empty();
+  }
+  EXPECT_GT(held, 100);  // or the scene does not show what it is for
+}
+
 TEST(Extremes, ABodyWithNoWayOutKeepsItsJointsAlive) {
   test::World world(humanScene("position: [0, -0.2, 0.13], rpy_deg: [0, -90, 90]",
                                "obstacles: [{type: plane}, {type: box, position: [0, 0, 0], size: [0.1, 0.6, 0.3]}]\n"));

@@ -56,9 +56,13 @@ class ShakeStep {
   static constexpr int kMaxSearches = 3;    ///< for contacts that others push the body into
   static constexpr double kStable = 1.0;    ///< h sqrt(Omega2) of a substep; 2: edge of stability
   static constexpr double kJump = 0.5;      ///< of kStable, for tension that jumps
+  static constexpr double kSwing = 0.2;     ///< of kStable: below, leapfrog's energy hardly swings
   static constexpr int kMaxSubsteps = 16;   ///< above, one implicit step is cheaper
   /// Of the kinetic energy (1 J at least): a substep that gains more is done again at half.
   static constexpr double kRedoRise = 1e-3;
+  /// The same of a smooth motion, whose energy should neither rise nor fall, in kinetic energy and
+  /// a fall of 1 m together: limbs that turn back have none of the first.
+  static constexpr double kRedoSwing = 3e-4;
 
   /// Which overlaps have no way out and may stay as they are: those above kSqueezed, or all.
   enum class Squeezed { kNo, kDeep, kAll };
@@ -98,6 +102,8 @@ class ShakeStep {
   /// a blow or under a new force, and holds it above kJump: nothing had said so before, and
   /// leapfrog's energy rises by what its frequency's square does.
   bool tensionJumped(double h);
+  /// Whether the tension in a substep of h is enough for leapfrog's energy to swing with it.
+  bool swings(double h);
   /// Whether a coarser bound, at a fraction of the cost, shows that h is stable.
   bool isSoft(double h);
   void save();
@@ -143,9 +149,12 @@ class ShakeStep {
   /// drives it at
   /// `drive` [m/s] can have given it.
   double gainedEnergy(double drive);
-  /// [J] the same for explicit steps: an error of the contact solution, since contact only takes.
-  /// 0 where nothing pressed.
-  double energyRise();
+  /// [J] the same for explicit steps; 0 while pins move.
+  double energyRise(bool smooth);
+  /// Whether the present substep met nothing but limits that pressed all the while: its energy
+  /// stays but for leapfrog's swing, which is not for the limiter to take.
+  bool isSmooth() const;
+  bool isLargeSwing(double change);
   /// [J] that soft limits gave to the motion: less than at its start is stored in them.
   double releasedEnergy();
   /// Takes the rise out of the motion within the body, which leaves its momentum; out of the whole
