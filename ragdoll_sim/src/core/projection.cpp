@@ -125,6 +125,17 @@ void ContactProjection::markPressed(std::vector<std::uint8_t>& pressed,
   }
 }
 
+void ContactProjection::addPairForces(int first, int n, double h, Points& force) const {
+  for (const ProjectedContact& p : contacts_) {
+    if (p.contact.other < 0 || p.lambda_n <= 0) continue;
+    const Vec3 pressed = (p.lambda_n * p.contact.normal + p.lambda_t) / (h * h);
+    for (int k = 0; k < p.contact.count; ++k) {
+      const int column = p.contact.particle[k];
+      if (column >= first && column < first + n) force.col(column) += p.contact.weight[k] * pressed;
+    }
+  }
+}
+
 int ContactProjection::pressing() const {
   return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
                                         [](const ProjectedContact& p) { return p.lambda_n > 0; }));

@@ -167,6 +167,33 @@ class Tension {
   Eigen::Map<Eigen::VectorXd> multipliers_;
 };
 
+/// While it lives, what others gave a body in the sweeps, and got from it, acts on it as a force:
+/// its step alone does not see them, and momentum stays.
+class PairForces {
+ public:
+  PairForces(int i, int first, int n, double h, Workspace::Impl& ws) : ws_(ws), was_(ws.forced) {
+    const auto has = [i](const BodyPair& pair) { return pair.first == i || pair.second == i; };
+    acts_ = std::any_of(ws.pressing.begin(), ws.pressing.end(), has);
+    if (!acts_) return;
+    if (!was_) ws_.force.setZero(3, ws.x0.cols());
+    force_ = ws_.force;
+    ws_.projection.addPairForces(first, n, h, ws_.force);
+    ws_.forced = true;
+    if (!ws_.force.allFinite()) ws_.force = force_;
+  }
+  ~PairForces() {
+    if (acts_) ws_.force = force_;
+    ws_.forced = was_;
+  }
+  PairForces(const PairForces&) = delete;
+  PairForces& operator=(const PairForces&) = delete;
+
+ private:
+  Workspace::Impl& ws_;
+  bool was_, acts_ = false;
+  Points force_;
+};
+
 }  // namespace
 
 void guardRelaxation(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
@@ -189,6 +216,7 @@ void guardRelaxation(const Model& model, const Inputs& inputs, double h, Workspa
     state.x.middleCols(r.first, n) = ws.x0.middleCols(r.first, n);
     state.v.middleCols(r.first, n) = ws.v0.middleCols(r.first, n);
     ws.pressed[k] = 0;
+    const PairForces given(i, r.first, n, h, ws);
     stepBodyShake(model, inputs, h, ws, state, i, report);
   }
   if (acted && !acts) state.multipliers.clear();

@@ -40,8 +40,8 @@ void ShakeStep::guard(double h) {
       const bool can_halve = sub > 1.01 * h / (isSqueezed() ? 1 : kMaxSubsteps);
       const bool outgrown = can_halve && !isSoft(sub) && sub * std::sqrt(stiffness()) > 2 * kStable;
       const bool jumped = 0.5 * sub > 0.99 * h / most() && tensionJumped(took);
-      const bool much = smooth ? isLargeSwing(rise)
-                               : rise > kRedoRise && rise > kRedoRise * kineticEnergy();
+      const bool much =
+          smooth ? isLargeSwing(rise) : rise > kRedoRise && rise > kRedoRise * kineticEnergy();
       failed_ = failed_ || outgrown || jumped || (can_halve && much);
       const bool swing = smooth && !(much && !scratch_.presses.empty());  // it comes back
       if (!failed_ && rise > 0 && !swing) limitEnergy(rise);

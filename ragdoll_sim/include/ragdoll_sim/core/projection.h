@@ -37,6 +37,9 @@ class ContactProjection {
   void bounce(Points& v) const;
   /// pressed: per ragdoll, by an obstacle; pressing: bodies on each other.
   void markPressed(std::vector<std::uint8_t>& pressed, std::vector<BodyPair>& pressing) const;
+  /// Adds the mean forces [N] of other bodies on the one with n columns from `first` on, in a step
+  /// of h [s], to those of all (3 x N).
+  void addPairForces(int first, int n, double h, Points& force) const;
   int pressing() const;  ///< contacts with lambda_n > 0
 
  private:
