@@ -42,10 +42,12 @@ double ShakeStep::energyRise(bool smooth) {
   return pin_speed_ == 0 ? gainedEnergy(smooth ? 0 : driveSpeed()) : 0;
 }
 
+double ShakeStep::swingScale() {
+  return kineticEnergy() + rows_.mass.sum() * model_.gravity.norm() * rows_.scale;
+}
+
 bool ShakeStep::isLargeSwing(double change) {
-  if (change == 0) return false;
-  const double fall = rows_.mass.sum() * model_.gravity.norm() * rows_.scale;  // of 1 m
-  return std::abs(change) > kRedoSwing * (kineticEnergy() + fall);
+  return change != 0 && std::abs(change) > kRedoSwing * swingScale();
 }
 
 double ShakeStep::gainedEnergy(double drive) {

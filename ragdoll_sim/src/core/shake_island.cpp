@@ -84,12 +84,11 @@ void ShakeIsland::guard(double h) {
     if (way == Way::kExplicit) {
       took = explicitStep(sub, taken);
       const bool can_halve = sub > 1.01 * h / ShakeStep::kMaxSubsteps;
-      const double rise = failed() ? 0 : energyRise();
-      double energy = 0;
-      for (ShakeStep& step : steps_) energy += step.kineticEnergy();
-      failed_ = failed_ || (can_halve && sub * stiffest() > 2 * ShakeStep::kStable) ||
-                (can_halve && rise > ShakeStep::kRedoRise && rise > ShakeStep::kRedoRise * energy);
-      if (!failed() && rise > 0) {
+      const bool smooth = !failed() && isSmooth();
+      const double rise = failed() || (smooth && !swings(took)) ? 0 : energyRise(smooth);
+      failed_ = failed_ || (can_halve && (sub * stiffest() > 2 * ShakeStep::kStable ||
+                                          tensionJumped(took) || isLarge(rise, smooth)));
+      if (!failed() && rise > 0 && !smooth) {
         takeOutOfGroup(model_, bodies_, isHeld(), rise, state_);
         limited = limited || rise > kReportedRise;
       }
@@ -131,15 +130,34 @@ void ShakeIsland::stepAlone(double h) {
   ++report_.unresolved;
 }
 
-double ShakeIsland::energyRise() {
-  bool pressed = !s_.known.empty();
+bool ShakeIsland::isSmooth() const {
+  return s_.known.empty() && s_.touching.empty() &&
+         std::all_of(steps_.begin(), steps_.end(),
+                     [](const ShakeStep& step) { return step.isSmooth(); });
+}
+
+bool ShakeIsland::swings(double h) {
+  return std::any_of(steps_.begin(), steps_.end(), [h](ShakeStep& step) { return step.swings(h); });
+}
+
+bool ShakeIsland::tensionJumped(double h) {
+  return std::any_of(steps_.begin(), steps_.end(),
+                     [h](ShakeStep& step) { return step.tensionJumped(h); });
+}
+
+bool ShakeIsland::isLarge(double rise, bool smooth) {
+  double energy = 0;
+  for (ShakeStep& step : steps_) energy += smooth ? step.swingScale() : step.kineticEnergy();
+  if (smooth) return std::abs(rise) > ShakeStep::kRedoSwing * energy;
+  return rise > ShakeStep::kRedoRise && rise > ShakeStep::kRedoRise * energy;
+}
+
+double ShakeIsland::energyRise(bool smooth) {
   double rise = 0;
   for (ShakeStep& step : steps_) {
     if (step.pin_speed_ > 0) return 0;
-    pressed = pressed || !step.scratch_.presses.empty();
+    rise += step.gainedEnergy(smooth ? 0 : step.driveSpeed());
   }
-  if (!pressed) return 0;
-  for (ShakeStep& step : steps_) rise += step.gainedEnergy(step.driveSpeed());
   return rise;
 }
 

@@ -70,6 +70,25 @@ TEST(Extremes, TensionThatComesAtOnceGivesNoEnergy) {
   }
 }
 
+/// The same of two that hang side by side, so near that they take their steps as one.
+TEST(Extremes, TensionThatComesAtOnceGivesNoEnergyToBodiesAsOne) {
+  Scene scene = randomExtreme(12554).scene;
+  scene.solver = preset("balanced");
+  scene.ragdoll_collision = true;
+  scene.ragdolls.push_back(scene.ragdolls[0]);
+  scene.ragdolls[0].name = "a";
+  scene.ragdolls[1].name = "b";
+  scene.ragdolls[1].pose.position.x() += 0.566;
+  ASSERT_EQ(scene.pins.size(), 1u);
+  scene.pins.push_back(scene.pins[0]);
+  scene.pins[0].particle = "a/" + scene.pins[0].particle;
+  scene.pins[1].particle = "b/" + scene.pins[1].particle;
+  const Model model = buildModel(scene);
+  WatchedRun run(model);
+  for (int i = 0; i < 3; ++i) run.step();
+  EXPECT_LT(run.summary().max_energy_rise, 2e-3 * kineticEnergy(model, run.state()));
+}
+
 /// Tension that goes, with limbs that swing through: leapfrog's second term falls to the velocities.
 TEST(Extremes, TensionThatGoesGivesNoEnergy) {
   const ExtremeMethod method{"shake", preset("balanced"), true};

@@ -34,7 +34,13 @@ class ShakeIsland {
   double implicitStep(double h);
   void stepAlone(double h);
   bool failed() const;
-  double energyRise();
+  // As those of a body (shake_step.h), for all together.
+  bool isSmooth() const;
+  bool swings(double h);
+  bool tensionJumped(double h);
+  double energyRise(bool smooth);
+  /// Whether a substep that gained so much is to be done again at half.
+  bool isLarge(double rise, bool smooth);
   bool isHeld() const;  ///< by something that takes momentum
 
   // Positions (shake_island_contact.cpp).

@@ -154,7 +154,9 @@ class ShakeStep {
   /// Whether the present substep met nothing but limits that pressed all the while: its energy
   /// stays but for leapfrog's swing, which is not for the limiter to take.
   bool isSmooth() const;
+  /// Whether a smooth substep whose energy changed so much is to be done again at half.
   bool isLargeSwing(double change);
+  double swingScale();  ///< [J] kinetic energy and a fall of 1 m
   /// [J] that soft limits gave to the motion: less than at its start is stored in them.
   double releasedEnergy();
   /// Takes the rise out of the motion within the body, which leaves its momentum; out of the whole
