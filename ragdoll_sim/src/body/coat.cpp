@@ -100,9 +100,9 @@ void Coat::update(const Posture& posture) {
     }
     shapes_[1].points = x.leftCols(skeleton.named);
   } else if (impl_->rigid) {
-    impl_->rigid->pose(x, &posture.parts[impl_->first_part], shapes_[0].mesh);
+    impl_->rigid->pose(x, posture.parts.data() + impl_->first_part, shapes_[0].mesh);
   } else if (impl_->skin) {
-    impl_->skin->deform(x, &posture.parts[impl_->first_part], Blend::kDualQuaternion,
+    impl_->skin->deform(x, posture.parts.data() + impl_->first_part, Blend::kDualQuaternion,
                         shapes_[0].mesh);
   }
 }

@@ -75,10 +75,9 @@ void FrameTracker::reset(const State& state) {
   now_.x = state.x;
   for (const Body& body : bodies_) {
     const auto x = state.x.middleCols(body.first_particle, body.rest->cols());
-    Follower{
-        *body.tree, *body.rest, x, &previous_.parts[body.first_part], &now_.parts[body.first_part],
-        true}
-        .followAll();
+    const Quat* before = previous_.parts.data() + body.first_part;
+    Quat* now = now_.parts.data() + body.first_part;
+    Follower{*body.tree, *body.rest, x, before, now, true}.followAll();
   }
   place(now_);
   previous_ = now_;
@@ -90,10 +89,9 @@ void FrameTracker::update(const State& state) {
   now_.x = state.x;
   for (const Body& body : bodies_) {
     const auto x = state.x.middleCols(body.first_particle, body.rest->cols());
-    Follower{
-        *body.tree, *body.rest, x, &previous_.parts[body.first_part], &now_.parts[body.first_part],
-        false}
-        .followAll();
+    const Quat* before = previous_.parts.data() + body.first_part;
+    Quat* now = now_.parts.data() + body.first_part;
+    Follower{*body.tree, *body.rest, x, before, now, false}.followAll();
   }
   place(now_);
 }

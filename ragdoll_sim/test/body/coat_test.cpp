@@ -109,11 +109,21 @@ TEST(Coat, StandsOnItsFeetAndFacesForward) {
 }
 
 TEST(Coat, AnySkeletonHasOne) {
-  const Model model = modelOf(tripod());
-  FrameTracker tracker(model);
-  for (const CoatKind kind :
-       {CoatKind::kSticks, CoatKind::kBoxes, CoatKind::kCapsules, CoatKind::kSkin})
-    EXPECT_FALSE(Coat(kind, model, tracker, 0).shapes().empty());
+  Skeleton alone;
+  alone.name = "alone";
+  alone.rest.setZero(3, 1);
+  alone.radius.setConstant(1, 0.1);
+  alone.particles = {"p"};
+  alone.named = 1;
+  for (const Skeleton& skeleton : {tripod(), alone}) {
+    const Model model = modelOf(skeleton);
+    FrameTracker tracker(model);
+    tracker.reset(stateOf(skeleton.rest));
+    tracker.update(stateOf(skeleton.rest));
+    for (const CoatKind kind :
+         {CoatKind::kSticks, CoatKind::kBoxes, CoatKind::kCapsules, CoatKind::kSkin})
+      EXPECT_FALSE(Coat(kind, model, tracker, 0).shapes().empty());
+  }
 }
 
 TEST(Coat, ObstaclesHaveTheirMeasures) {
