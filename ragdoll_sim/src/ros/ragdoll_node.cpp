@@ -1,6 +1,7 @@
 // The node: reads the parameters, starts the simulation, the publisher and the services, and waits.
 #include <ros/ros.h>
 
+#include <atomic>
 #include <csignal>
 #include <memory>
 
@@ -42,6 +43,31 @@ ragdoll::Simulation::Options pace(const ragdoll::Parameters& parameters) {
   return options;
 }
 
+/// SIGINT and SIGTERM end the node, but while it starts they wait: a publisher that ROS hands out
+/// as it shuts down ends the process (SIGTRAP) at its first message. The second signal does not wait,
+/// as the start may: for a master that is gone.
+class Signals {
+ public:
+  Signals() {
+    for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, take);
+  }
+  /// False if a signal came before.
+  static bool defer() {
+    deferred_ = true;
+    return !taken_;
+  }
+  static void release() {
+    deferred_ = false;
+    if (taken_) ros::requestShutdown();
+  }
+
+ private:
+  static void take(int) {
+    if (taken_.exchange(true) || !deferred_) ros::requestShutdown();
+  }
+  static inline std::atomic<bool> deferred_{false}, taken_{false};
+};
+
 /// /use_sim_time for as long as this node is the clock; left alone where someone has set it before.
 class SimTime {
  public:
@@ -65,11 +91,12 @@ class SimTime {
 }  // namespace
 
 int main(int argc, char** argv) {
-  ros::init(argc, argv, "ragdoll");
-  std::signal(SIGTERM, [](int) { ros::requestShutdown(); });  // ends as at Ctrl-C
+  ros::init(argc, argv, "ragdoll", ros::init_options::NoSigintHandler);
+  const Signals signals;
   ros::NodeHandle nh("~");
   try {
     const ragdoll::Parameters parameters = ragdoll::readParameters(nh);
+    if (!signals.defer()) return 0;
     // Whoever starts after this follows the clock that this node is going to publish.
     const SimTime sim_time(parameters.publish_clock);
     const ragdoll::RosClock clock(parameters.publish_clock);
@@ -89,6 +116,7 @@ int main(int argc, char** argv) {
     if (clock.own()) ticks = std::make_unique<ragdoll::ClockPublisher>(nh, simulation, clock);
     ros::AsyncSpinner spinner(kCallbackThreads);
     spinner.start();
+    signals.release();
     while (ros::ok() && !ros::isShuttingDown()) ros::WallDuration(kPoll).sleep();
     simulation.end();  // else ROS would wait for a call that waits for its steps
     ros::waitForShutdown();

@@ -13,6 +13,7 @@ import threading
 import time
 import unittest
 from xmlrpc.client import ServerProxy
+from xmlrpc.server import SimpleXMLRPCServer
 
 import roslib.packages
 import rosbag
@@ -90,6 +91,26 @@ class Roscore:
     def kill(self):
         self.process.kill()
         self.process.wait()
+
+
+class Relay:
+    """A master in front of another: before it passes on a call of registering, it does something."""
+
+    def __init__(self, master, before):
+        self.master, self.before, self.lock = ServerProxy(master), before, threading.Lock()
+        self.server = SimpleXMLRPCServer(('127.0.0.1', 0), logRequests=False)
+        self.server.register_instance(self)
+        self.uri = 'http://127.0.0.1:%d' % self.server.server_address[1]
+        threading.Thread(target=self.server.serve_forever, daemon=True).start()
+
+    def _dispatch(self, method, arguments):
+        if method in ('registerPublisher', 'registerService'):
+            self.before(arguments[1])
+        return getattr(self.master, method)(*arguments)
+
+    def end(self):
+        self.server.shutdown()
+        self.server.server_close()
 
 
 def free_port():
@@ -209,6 +230,22 @@ class FaultsTest(unittest.TestCase):
         status, seconds = node.end()
         print('interrupted in mid-step: ended after %.3f s' % seconds)
         self.assertEqual(status, 0)
+
+    def test_interrupted_while_it_starts_it_ends_by_itself(self):
+        for how in (signal.SIGINT, signal.SIGTERM):
+            for last in ('parameter_descriptions', 'model', 'clock', 'pause'):
+                registered = []
+
+                def before(name):
+                    again = name in registered  # a signal may end a call, which is then repeated
+                    registered.append(name)
+                    if name.split('/')[-1] == last and not again:
+                        node.process.send_signal(how)
+                        time.sleep(0.3)  # until ROS has seen that it is to end; it looks every 0.1 s
+                relay = Relay(os.environ['ROS_MASTER_URI'], before)
+                self.addCleanup(relay.end)
+                node = self.start('starting', master=relay.uri, publish_clock='true')
+                self.assertEqual(node.process.wait(LIMIT), 0, registered)
 
     def test_interrupted_in_a_long_call_it_ends_by_itself(self):
         node = self.start('stepping', scene='crowd', start_paused='true')
