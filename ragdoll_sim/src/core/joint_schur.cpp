@@ -13,11 +13,11 @@ struct JointSchur::View {
   const Schur::Row& row(int i) const { return joint.row(i); }
   double matrix(int i, int j) const {
     return sum(i, [&](const Schur& s, int side) {
-      return s.A_(joint.rows_[i].row[side], joint.rows_[j].row[side]);
+      return s.now_.A(joint.rows_[i].row[side], joint.rows_[j].row[side]);
     });
   }
   double free(int i) const {
-    return sum(i, [&](const Schur& s, int side) { return s.free_[joint.rows_[i].row[side]]; });
+    return sum(i, [&](const Schur& s, int side) { return s.now_.free[joint.rows_[i].row[side]]; });
   }
   double rate(int i) const {
     return b[i] + sum(i, [&](const Schur& s, int side) { return s.w_[joint.rows_[i].row[side]]; });
@@ -27,8 +27,8 @@ struct JointSchur::View {
       const int body = joint.rows_[i].body[side];
       if (body < 0) continue;
       Schur& s = *joint.bodies_[body];
-      kernels::addWeighted(s.w_.data(), s.A_.data() + joint.rows_[i].row[side] * s.columns_, step,
-                           count, s.columns_, s.w_.data());
+      kernels::addWeighted(s.w_.data(), s.now_.A.data() + joint.rows_[i].row[side] * s.columns_,
+                           step, count, s.columns_, s.w_.data());
     }
   }
 

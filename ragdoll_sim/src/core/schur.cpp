@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "ragdoll_sim/core/schur_sweeps.h"
@@ -16,8 +17,10 @@ Vec3 anyTangent(const Vec3& n) {
 }  // namespace
 
 void Schur::start(int first) {
+  if (assembled_) std::swap(now_, before_);
+  assembled_ = false;
   first_ = first;
-  rows_.clear();
+  now_.rows.clear();
 }
 
 void Schur::addContact(const Contact& c, int source, int begin, int end) {
@@ -25,7 +28,7 @@ void Schur::addContact(const Contact& c, int source, int begin, int end) {
   const std::array<Vec3, 3> directions{c.normal, t1, t2};
   const int used = c.friction > 0 ? 3 : 1;
   for (int d = 0; d < used; ++d) {
-    Row& row = rows_.emplace_back();
+    Row& row = now_.rows.emplace_back();
     row.kind = d == 0 ? Row::Kind::kNormal : Row::Kind::kTangent;
     row.source = source;
     row.count = end - begin;
@@ -39,7 +42,7 @@ void Schur::addContact(const Contact& c, int source, int begin, int end) {
 }
 
 void Schur::addLimit(const LimitRow& limit, int source, double compliance, double least) {
-  Row& row = rows_.emplace_back();
+  Row& row = now_.rows.emplace_back();
   row.kind = Row::Kind::kLimit;
   row.source = source;
   row.count = limit.count;
@@ -51,30 +54,76 @@ void Schur::addLimit(const LimitRow& limit, int source, double compliance, doubl
   }
 }
 
+bool Schur::findKnown() {
+  const auto same = [](const Row& a, const Row& b) {
+    return a.count == b.count && (a.kind == Row::Kind::kLimit) == (b.kind == Row::Kind::kLimit) &&
+           std::equal(a.particle.begin(), a.particle.begin() + a.count, b.particle.begin()) &&
+           std::memcmp(a.gradient.data(), b.gradient.data(), a.count * sizeof(Vec3)) == 0;
+  };
+  known_.assign(size(), -1);
+  if (before_.pose.size() != now_.pose.size() || before_.pose != now_.pose) return false;
+  auto next = before_.rows.begin();
+  int found = 0;
+  for (int i = 0; i < size(); ++i) {
+    const auto row = std::find_if(next, before_.rows.end(),
+                                  [&](const Row& other) { return same(other, now_.rows[i]); });
+    if (row == before_.rows.end()) continue;
+    known_[i] = static_cast<int>(row - before_.rows.begin());
+    next = row + 1;
+    ++found;
+  }
+  return found == size() && before_.rows.size() == now_.rows.size();
+}
+
 void Schur::assemble(const StickRows& c, StickSolver& sticks) {
   const int m = size();
   columns_ = paddedWidth(m);
   count_ = 3 * c.n;
-  A_.setZero(m, columns_);
-  free_.resize(m);
-  answers_.resize(m, c.coordinates);
-  for (int i = 0; i < m; ++i) {
-    const Row& row = rows_[i];
-    double* answer = answers_.data() + i * c.coordinates;
-    if (row.kind == Row::Kind::kLimit) {
-      sticks.answer(c, row.particle.data(), row.gradient[0].data(), row.count, answer);
-    } else {  // a particle has three rows, at two stages of a pose
-      kernels::gatherRows(sticks.mobility(c, row.particle.data(), row.count), c.coordinates,
-                          row.particle.data(), row.gradient[0].data(), row.count, answer);
-    }
-    A_(i, i) = row.along(answer) + row.compliance;
-    for (int j = i + 1; j < m; ++j) A_(i, j) = A_(j, i) = rows_[j].along(answer);
-    free_[i] = 0;
-    for (int k = 0; k < row.count; ++k)
-      for (int l = 0; l < row.count; ++l)
-        free_[i] += c.spread_W(3 * row.particle[k], 3 * row.particle[l]) *
-                    row.gradient[k].dot(row.gradient[l]);
+  now_.pose = Eigen::Map<const Eigen::VectorXd>(sticks.pose(), count_);
+  assembled_ = true;
+  const auto ownAnswer = [&](int i) {
+    return now_.rows[i].along(now_.answers.data() + i * c.coordinates) + now_.rows[i].compliance;
+  };
+  if (findKnown()) {
+    std::swap(now_.A, before_.A);
+    std::swap(now_.answers, before_.answers);
+    std::swap(now_.free, before_.free);
+    for (int i = 0; i < m; ++i) now_.A(i, i) = ownAnswer(i);
+    return;
   }
+  now_.A.setZero(m, columns_);
+  now_.free.resize(m);
+  now_.answers.resize(m, c.coordinates);
+  for (int i = 0; i < m; ++i) {
+    const int known = known_[i];
+    double* answer = now_.answers.data() + i * c.coordinates;
+    if (known >= 0) {
+      now_.answers.row(i) = before_.answers.row(known);
+      now_.free[i] = before_.free[known];
+    } else {
+      findAnswer(c, sticks, i);
+    }
+    now_.A(i, i) = ownAnswer(i);
+    for (int j = i + 1; j < m; ++j)
+      now_.A(i, j) = now_.A(j, i) =
+          known >= 0 && known_[j] >= 0 ? before_.A(known, known_[j]) : now_.rows[j].along(answer);
+  }
+}
+
+void Schur::findAnswer(const StickRows& c, StickSolver& sticks, int i) {
+  const Row& row = now_.rows[i];
+  double* answer = now_.answers.data() + i * c.coordinates;
+  if (row.kind == Row::Kind::kLimit) {
+    sticks.answer(c, row.particle.data(), row.gradient[0].data(), row.count, answer);
+  } else {  // a particle has three rows, at two stages of a pose
+    kernels::gatherRows(sticks.mobility(c, row.particle.data(), row.count), c.coordinates,
+                        row.particle.data(), row.gradient[0].data(), row.count, answer);
+  }
+  now_.free[i] = 0;
+  for (int k = 0; k < row.count; ++k)
+    for (int l = 0; l < row.count; ++l)
+      now_.free[i] += c.spread_W(3 * row.particle[k], 3 * row.particle[l]) *
+                      row.gradient[k].dot(row.gradient[l]);
 }
 
 namespace {
@@ -121,15 +170,15 @@ RAGDOLL_KERNEL(bool, sweep, (OneBody<1> & rows, const std::vector<SchurBlock>& b
 bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
   w_.setZero(columns_);
   w_.head(size()) = b;
-  OneBody<1> rows{rows_, A_.data(), columns_, free_, w_.data()};
+  OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free, w_.data()};
   findBlocks(rows, blocks_);
   return sweep(rows, blocks_, p.data());
 }
 
 void Schur::move(const Eigen::VectorXd& p, double* out) {
-  const int coordinates = static_cast<int>(answers_.cols());
+  const int coordinates = static_cast<int>(now_.answers.cols());
   moved_.setZero(coordinates);
-  kernels::addWeighted(moved_.data(), answers_.data(), p.data(), size(), coordinates,
+  kernels::addWeighted(moved_.data(), now_.answers.data(), p.data(), size(), coordinates,
                        moved_.data());
   for (int i = 0; i < count_; ++i) out[i] += moved_[i];
 }

@@ -102,7 +102,7 @@ LimitAngles::Pose& ShakeStep::anglesAfter() {
 }
 
 void ShakeStep::gather(double h, bool leapfrog) {
-  Schur& schur = scratch_.schur;
+  Schur& schur = body_.schur;
   schur.start(ragdoll_.first);
   scratch_.contact_row.assign(scratch_.contacts.size(), -1);
   for (std::size_t i = 0; i < scratch_.contacts.size(); ++i) {
@@ -212,17 +212,21 @@ bool ShakeStep::addLimits(double margin, double h, ShakeScratch::Role role) {
 }
 
 void ShakeStep::pressFound(double h, bool leapfrog) {
-  Schur& schur = scratch_.schur;
+  Schur& schur = body_.schur;
   gather(h, leapfrog);
   scratch_.total.setZero(schur.size());
   if (schur.empty()) return;
+  fillGaps(h);
+  if (!anyCloses()) return;
   schur.assemble(rows_, body_.start);
   Eigen::VectorXd& p = scratch_.p;
   recall(h);
   double violation = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    fillGaps(h);
-    if (round > 0) p = scratch_.total;
+    if (round > 0) {
+      fillGaps(h);
+      p = scratch_.total;
+    }
     scratch_.b -= schur.matrix() * scratch_.total;
     if (!schur.solve(scratch_.b, p) && hasNoWayOut()) {
       failed_ = true;
@@ -244,7 +248,7 @@ void ShakeStep::press(double h, bool leapfrog) {
     scratch_.presses.clear();
     return;
   }
-  Schur& schur = scratch_.schur;
+  Schur& schur = body_.schur;
   scratch_.free_dx = scratch_.dx;
   scratch_.free_lambda = scratch_.lambda;
   for (int search = 0;; ++search) {
@@ -304,11 +308,11 @@ Press ShakeStep::keyOf(const Schur::Row& row) const {
 
 void ShakeStep::recall(double h) {
   Eigen::VectorXd& p = scratch_.p;
-  p.setZero(scratch_.schur.size());
+  p.setZero(body_.schur.size());
   if (scratch_.presses.empty()) return;
   const Press* last = nullptr;
   for (int i = 0; i < ownRows(); ++i) {
-    const Schur::Row& row = scratch_.schur.row(i);
+    const Schur::Row& row = body_.schur.row(i);
     if (row.kind != Schur::Row::Kind::kTangent) last = lastPress(keyOf(row));
     if (!last) continue;
     if (row.kind == Schur::Row::Kind::kLimit)
@@ -323,7 +327,7 @@ void ShakeStep::remember(double h) {
   scratch_.presses.clear();
   bool pressed = false;  // the contact whose friction follows
   for (int i = 0; i < ownRows(); ++i) {
-    const Schur::Row& row = scratch_.schur.row(i);
+    const Schur::Row& row = body_.schur.row(i);
     const double force = scratch_.total[i] / (h * h);
     if (row.kind == Schur::Row::Kind::kLimit) {
       if (force == 0) continue;
@@ -342,7 +346,7 @@ void ShakeStep::remember(double h) {
 
 void ShakeStep::fillGaps(double h) {
   const double share = h / step_;
-  Schur& schur = scratch_.schur;
+  Schur& schur = body_.schur;
   scratch_.b.resize(ownRows());
   const LimitAngles::Pose& angles = anglesAfter();
   for (int i = 0; i < ownRows(); ++i) {
@@ -359,6 +363,12 @@ void ShakeStep::fillGaps(double h) {
           schur.along(i, scratch_.dx.data()) - row.direction.dot(share * c.surface_motion);
     }
   }
+}
+
+bool ShakeStep::anyCloses() const {
+  for (int i = 0; i < ownRows(); ++i)
+    if (body_.schur.row(i).kind != Schur::Row::Kind::kTangent && scratch_.b[i] < 0) return true;
+  return false;
 }
 
 double ShakeStep::worstViolation() {

@@ -105,7 +105,7 @@ bool ShakeStep::solveImplicit(double h) {
 
 void ShakeStep::pressImplicit(double h) {
   if (scratch_.contacts.empty() && scratch_.limits.empty()) return;
-  Schur& schur = scratch_.schur;
+  Schur& schur = body_.schur;
   forceNear();
   gather(h, false);
   scratch_.total.setZero(schur.size());

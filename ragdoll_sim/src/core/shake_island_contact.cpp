@@ -88,7 +88,7 @@ int ShakeIsland::addRows(const Contact& c, int source) {
   std::array<int, 2> slot{slotOf(c.ragdoll), slotOf(c.other)}, row{-1, -1};
   for (int side = 0; side < 2; ++side) {
     if (slot[side] < 0) continue;
-    Schur& schur = s_.bodies[slot[side]].schur;
+    Schur& schur = steps_[slot[side]].body_.schur;
     row[side] = schur.size();
     schur.addContact(c, source, 2 * side, 2 * side + 2);
   }
@@ -100,7 +100,7 @@ void ShakeIsland::gather(double h, bool leapfrog) {
   s_.joint.clear();
   for (ShakeStep& step : steps_) {
     step.gather(h, leapfrog);
-    s_.joint.addBody(step.scratch_.schur);
+    s_.joint.addBody(step.body_.schur);
   }
   s_.row.assign(s_.pairs.size(), -1);
   s_.forced.resize(s_.pairs.size(), 0);
@@ -222,7 +222,7 @@ void ShakeIsland::solveRound(bool at_start) {
   s_.total = s_.p;
   for (std::size_t k = 0; k < steps_.size(); ++k) {
     ShakeStep& step = steps_[k];
-    Schur& schur = step.scratch_.schur;
+    Schur& schur = step.body_.schur;
     if (schur.empty()) continue;
     schur.move(s_.parts[k], step.scratch_.dx.data());
     const bool held = (at_start && step.satisfySticks()) || step.relaxAlongNew();
@@ -237,7 +237,7 @@ bool ShakeIsland::pressFound(double h) {
   const int size = s_.joint.size();
   s_.total.setZero(size);
   for (ShakeStep& step : steps_) {
-    Schur& schur = step.scratch_.schur;
+    Schur& schur = step.body_.schur;
     step.scratch_.total.setZero(schur.size());
     if (!schur.empty()) schur.assemble(step.rows_, step.body_.start);
   }
@@ -307,14 +307,14 @@ void ShakeIsland::pressImplicit(double h) {
   };
   gather(h, false);
   s_.total.setZero(s_.joint.size());
-  for (ShakeStep& step : steps_) step.scratch_.total.setZero(step.scratch_.schur.size());
+  for (ShakeStep& step : steps_) step.scratch_.total.setZero(step.body_.schur.size());
   double violation = worst();
   bool done = violation < ShakeStep::kContactTolerance;
   for (int round = 0; round < kMaxImplicitRounds && !done; ++round) {
     gather(h, false);
     if (s_.joint.size() != s_.total.size()) break;  // planes that changed their mind
     for (ShakeStep& step : steps_) {
-      Schur& schur = step.scratch_.schur;
+      Schur& schur = step.body_.schur;
       step.body_.end.setPose(step.rows_, ws_.x1.data() + 3 * step.ragdoll_.first);
       if (!schur.empty()) schur.assemble(step.rows_, step.body_.end);
     }

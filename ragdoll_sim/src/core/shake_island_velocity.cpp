@@ -38,7 +38,7 @@ void ShakeIsland::pushVelocities(bool at_end, bool impact, double h) {
   s_.joint.clear();
   for (ShakeStep& step : steps_) {
     step.gatherTouching(h);
-    s_.joint.addBody(step.scratch_.schur);
+    s_.joint.addBody(step.body_.schur);
   }
   const int own = s_.joint.size();
   for (std::size_t i = 0; i < s_.touching.size(); ++i) addRows(s_.touching[i], static_cast<int>(i));
@@ -48,7 +48,7 @@ void ShakeIsland::pushVelocities(bool at_end, bool impact, double h) {
     return at_end ? step.body_.end : step.body_.start;
   };
   for (ShakeStep& step : steps_)
-    if (!step.scratch_.schur.empty()) step.scratch_.schur.assemble(step.rows_, sticksOf(step));
+    if (!step.body_.schur.empty()) step.body_.schur.assemble(step.rows_, sticksOf(step));
   const auto push = [&](bool blow) {
     s_.b.resize(size);
     s_.p.setZero(size);
@@ -78,7 +78,7 @@ void ShakeIsland::pushVelocities(bool at_end, bool impact, double h) {
     s_.joint.split(s_.p, s_.parts);
     for (std::size_t k = 0; k < steps_.size(); ++k) {
       ShakeStep& step = steps_[k];
-      Schur& schur = step.scratch_.schur;
+      Schur& schur = step.body_.schur;
       if (!schur.empty()) schur.move(s_.parts[k], step.vData());
     }
   };

@@ -78,7 +78,7 @@ void ShakeStep::releaseSprings(double h) {
 void ShakeStep::pushVelocities(StickSolver& sticks, bool impact, double h) {
   if (scratch_.touching.empty() && scratch_.touching_limits.empty()) return;
   gatherTouching(h);
-  Schur& schur = scratch_.schur;
+  Schur& schur = body_.schur;
   schur.assemble(rows_, sticks);
   const auto push = [&] {
     schur.solve(scratch_.b, scratch_.p);
@@ -98,7 +98,7 @@ void ShakeStep::pushVelocities(StickSolver& sticks, bool impact, double h) {
 }
 
 void ShakeStep::gatherTouching(double h) {
-  Schur& schur = scratch_.schur;
+  Schur& schur = body_.schur;
   schur.start(ragdoll_.first);
   for (std::size_t i = 0; i < scratch_.touching.size(); ++i)
     schur.addContact(scratch_.touching[i], static_cast<int>(i));
@@ -114,7 +114,7 @@ void ShakeStep::gatherTouching(double h) {
 }
 
 void ShakeStep::fillRates() {
-  const Schur& schur = scratch_.schur;
+  const Schur& schur = body_.schur;
   scratch_.b.resize(ownRows());
   for (int i = 0; i < ownRows(); ++i) {
     const Schur::Row& row = schur.row(i);
@@ -126,14 +126,14 @@ void ShakeStep::fillRates() {
 
 void ShakeStep::holdArriving() {
   for (int i = 0; i < ownRows(); ++i)
-    if (arrivesNow(scratch_.schur.row(i))) {
-      scratch_.schur.hold(i);
+    if (arrivesNow(body_.schur.row(i))) {
+      body_.schur.hold(i);
       scratch_.warm[i] = 0;
     }
 }
 
 void ShakeStep::fillBlow() {
-  Schur& schur = scratch_.schur;
+  Schur& schur = body_.schur;
   fillRates();
   for (int i = 0; i < ownRows(); ++i) {
     const Schur::Row& row = schur.row(i);

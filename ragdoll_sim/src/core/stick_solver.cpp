@@ -57,6 +57,7 @@ void StickSolver::resize(const StickRows& rows) {
   solved_.setZero(rows.width);
   work_.setZero(rows.width);
   lambda_.setZero(rows.width);
+  ones_.setOnes(rows.width);
   pose_.setZero(3 * rows.n);
   across_.setZero(rows.s, rows.coordinates);
   mobility_.setZero(3 * rows.n, rows.coordinates);
@@ -76,12 +77,16 @@ void StickSolver::setPose(const StickRows& rows, const double* x) {
   has_mobility_.assign(rows.n, 0);
 }
 
-void StickSolver::answer(const StickRows& rows, const int* particle, const double* force, int count,
-                         double* out) {
+void StickSolver::findAcross(const StickRows& rows) {
   if (!has_across_)
     kernels::spreadSticks(D_.data(), rows.spread_BW.data(), rows.s, rows.width, rows.coordinates,
                           across_.data());
   has_across_ = true;
+}
+
+void StickSolver::answer(const StickRows& rows, const int* particle, const double* force, int count,
+                         double* out) {
+  findAcross(rows);
   kernels::pullSticks(D_.data(), rows.WBT.data(), rows.width, particle, force, count,
                       lambda_.data());
   kernels::multiply(inverse_.data(), lambda_.data(), rows.s, rows.width, solved_.data());
@@ -93,9 +98,12 @@ const double* StickSolver::mobility(const StickRows& rows, const int* particle, 
   for (int k = 0; k < count; ++k) {
     const int i = particle[k];
     if (has_mobility_[i]) continue;
-    for (int c = 0; c < 3; ++c)
-      answer(rows, &i, Vec3::Unit(c).eval().data(), 1,
-             mobility_.data() + (3 * i + c) * rows.coordinates);
+    findAcross(rows);
+    pulls_ = -(D_.leftCols(rows.s).array().rowwise() * rows.WBT.row(i).head(rows.s).array());
+    kernels::multiplyPoints(pulls_.data(), inverse_.data(), rows.s, rows.width, rates_.data());
+    mobility_.middleRows<3>(3 * i) = rows.spread_W.middleRows<3>(3 * i);
+    kernels::addImpulses(rates_.data(), ones_.data(), rows.s, rows.width, across_.data(),
+                         rows.coordinates, mobility_.data() + 3 * i * rows.coordinates);
     has_mobility_[i] = 1;
   }
   return mobility_.data();

@@ -36,6 +36,7 @@ class Schur {
 
   struct Row {
     enum class Kind { kLimit, kNormal, kTangent };
+    Row() {}  // leaves the arrays as they are
     Kind kind;
     int source;  ///< index of its contact or limit
     int count;
@@ -64,13 +65,14 @@ class Schur {
   /// The part of a contact that its particles begin ... end - 1, this body's, have in it.
   void addContact(const Contact& contact, int source, int begin, int end);
   void addLimit(const LimitRow& limit, int source, double compliance, double least = 0);
-  bool empty() const { return rows_.empty(); }
-  int size() const { return static_cast<int>(rows_.size()); }
-  const Row& row(int i) const { return rows_[i]; }
-  void hold(int i, bool held = true) { rows_[i].held = held; }
-  auto matrix() const { return A_.leftCols(size()); }
+  bool empty() const { return now_.rows.empty(); }
+  int size() const { return static_cast<int>(now_.rows.size()); }
+  const Row& row(int i) const { return now_.rows[i]; }
+  void hold(int i, bool held = true) { now_.rows[i].held = held; }
+  auto matrix() const { return now_.A.leftCols(size()); }
 
-  /// A at the pose of `sticks`.
+  /// A at the pose of `sticks`. What the assembly before has of the same rows at the same pose
+  /// serves again: velocities at a step's end and positions from there on have most in common.
   void assemble(const StickRows& constants, StickSolver& sticks);
 
   /// p from b, starting at p. Returns whether it settled.
@@ -79,19 +81,32 @@ class Schur {
   /// out (3 x n, columns) += what the impulses p do, the sticks answering as at assemble.
   void move(const Eigen::VectorXd& p, double* out);
 
-  double along(int i, const double* x) const { return rows_[i].along(x); }
+  double along(int i, const double* x) const { return now_.rows[i].along(x); }
 
  private:
   friend class JointSchur;
 
+  struct Assembly {
+    std::vector<Row> rows;
+    Eigen::VectorXd pose;
+    PaddedRows A;          ///< rows x padded rows
+    PaddedRows answers;    ///< motions by unit impulses of the rows, padded coordinates
+    Eigen::VectorXd free;  ///< A's diagonal without the sticks' answer
+  };
+
+  /// known_ <- the row of the assembly before that each one is, -1: none. In the same order, as the
+  /// bits of A depend on it. Whether all are the same.
+  bool findKnown();
+  /// Of row i: its answer, and its part of the diagonal without the sticks.
+  void findAnswer(const StickRows& constants, StickSolver& sticks, int i);
+
   int first_ = 0, columns_ = 0;
   int count_ = 0;  ///< of the body's coordinates
-  std::vector<Row> rows_;
-  PaddedRows A_;              ///< rows x padded rows
-  Eigen::VectorXd free_, w_;  ///< free_: A's diagonal without the sticks' answer
+  Assembly now_, before_;
+  bool assembled_ = false;  ///< now_
+  std::vector<int> known_;
   std::vector<SchurBlock> blocks_;
-  PaddedRows answers_;  ///< motions by unit impulses of the rows, padded coordinates
-  Eigen::VectorXd moved_;
+  Eigen::VectorXd w_, moved_;
 };
 
 }  // namespace ragdoll

@@ -15,11 +15,12 @@ namespace ragdoll {
 /// Values in State::multipliers of one body.
 inline int multiplierCount(const StickRows& rows) { return 2 * rows.s + 1; }
 
-/// Sticks at the step's start and end, and limits; kept from step to step so that what is known of
-/// the end serves at the next start.
+/// Sticks at the step's start and end, limits and rows; kept from step to step so that what is
+/// known of the end serves at the next start.
 struct ShakeBody {
   StickSolver start, end;
   LimitAngles angles;
+  Schur schur;
 };
 
 /// Scratch shared by all bodies.
@@ -45,7 +46,6 @@ struct ShakeScratch {
   std::vector<Press> presses;                ///< of the last motion
   Points v1;
   RungeKuttaScratch stages;
-  Schur schur;
 };
 
 }  // namespace ragdoll

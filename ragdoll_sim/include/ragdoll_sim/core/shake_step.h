@@ -234,6 +234,8 @@ class ShakeStep {
   void recall(double h);
   void remember(double h);
   void fillGaps(double h);
+  /// Whether any row's gap is closed at the present dx: else nothing presses.
+  bool anyCloses() const;
   double worstViolation();
 
   // What is reached in time (shake_arrival.cpp).

@@ -47,6 +47,8 @@ class StickSolver {
   /// very pose already.
   void setPose(const StickRows& rows, const double* x);
 
+  /// Coordinates of the pose, 3 n.
+  const double* pose() const { return pose_.data(); }
   const double* D() const { return D_.data(); }
   /// (J W J^T)^-1, s rows of width.
   const double* inverse() const { return inverse_.data(); }
@@ -78,10 +80,14 @@ class StickSolver {
   void projectVelocities(const StickRows& rows, double* v);
 
  private:
+  /// across_ at this pose.
+  void findAcross(const StickRows& rows);
+
   PaddedRows D_, inverse_, moved_, rates_;
-  PaddedRows mobility_, across_;            ///< across: J W
+  Points pulls_;                  ///< 3 x s: on the sticks, by unit forces along x, y and z
+  PaddedRows mobility_, across_;  ///< across: J W
   std::vector<std::uint8_t> has_mobility_;  ///< of the particles
-  Eigen::VectorXd solved_, work_, lambda_, pose_;
+  Eigen::VectorXd solved_, work_, lambda_, ones_, pose_;
   bool valid_ = false, has_across_ = false;
 };
 
