@@ -234,11 +234,12 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
                     const SweptObstacle& m, double margin, std::vector<Contact>& contacts) {
   const Ragdoll& r = model.ragdolls[index];
   const Skeleton& s = model.skeletonOf(r);
+  const Eigen::MatrixXd& W = model.systemOf(r).direct.W;
   Contact c;
   bool found;
   for (int i = r.first; i < r.first + s.named; ++i) {
     particleContact(m, x0.col(i), x1.col(i), model.radius[i], margin, c, found);
-    if (!found) continue;
+    if (!found || W(i - r.first, i - r.first) == 0) continue;  // nothing pushes what a pin holds
     c.particle[0] = i;
     c.weight[0] = 1;
     c.count = 1;

@@ -61,18 +61,18 @@ void ShakeStep::predict(const Inputs& inputs, double h) {
 void ShakeStep::begin(const Inputs& inputs, double h) {
   setStep(h);
   if (state_.step % kAffineEvery == 0 || model_.solver.method == Method::kJakobsen) makeAffine();
-  movePins(inputs, h);
+  if (model_.solver.damping > 0) v() *= std::exp(-model_.solver.damping * h);
+  if (model_.solver.joint_damping > 0)
+    dampInnerMotion(model_.skeletonOf(ragdoll_).M, model_.systemOf(ragdoll_).pins,
+                    std::exp(-model_.solver.joint_damping * h), x(), v());
+  movePins(inputs, h);  // what moves them is not damped
   driven_ = pin_speed_ > 0 || obstaclesMove(inputs);
   join(h);
   scratch_.acceleration.noalias() = model_.gravity * system_.gravity;
   if (ws_.forced)
     scratch_.acceleration.noalias() += ws_.force.middleCols(ragdoll_.first, n_) * system_.W;
-  if (model_.solver.damping > 0) v() *= std::exp(-model_.solver.damping * h);
   scratch_.touching.clear();
   scratch_.touching_limits.clear();
-  if (model_.solver.joint_damping > 0)
-    dampInnerMotion(model_.skeletonOf(ragdoll_).M, model_.systemOf(ragdoll_).pins,
-                    std::exp(-model_.solver.joint_damping * h), x(), v());
   scratch_.presses.clear();
   for (const Press& last : state_.presses)
     if (last.ragdoll == index_ && last.other[0] < ragdoll_.first + n_)  // not on another body

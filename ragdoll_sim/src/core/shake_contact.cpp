@@ -27,14 +27,32 @@ void ShakeStep::findConstraints(double h) {
   if (model_.self_collision)
     ws_.pairs.appendSelf(model_, state_.x, ws_.x1, index_, PairSearch::touches(kContactMargin),
                          scratch_.contacts);
+  if (squeezed_ == Squeezed::kThrough) letThrough();
   overlap_ = 0;
   for (Contact& c : scratch_.contacts) {
     overlap_ = std::max(overlap_, -c.gap_start);
     startContact(c, h);
   }
   scratch_.contact_role.assign(scratch_.contacts.size(), ShakeScratch::kIfNear);
-  if (length2_ == rows_.length2.data())  // angles mean nothing before the body is joined
-    addLimits(kLimitMargin, h, ShakeScratch::kIfNear);
+  if (isJoined()) addLimits(kLimitMargin, h, ShakeScratch::kIfNear);
+}
+
+bool ShakeStep::isJoined() const { return length2_ == rows_.length2.data(); }
+
+void ShakeStep::letThrough() {
+  std::vector<Contact>& all = scratch_.contacts;
+  double deepest = 0;
+  for (const Contact& c : all) deepest = std::min(deepest, c.gap_start);
+  scratch_.passed.clear();
+  for (const Contact& c : all)
+    if (c.gap_start < 0.5 * deepest) scratch_.passed.push_back(c.obstacle);
+  all.erase(std::remove_if(all.begin(), all.end(), [&](const Contact& c) { return passes(c); }),
+            all.end());
+}
+
+bool ShakeStep::passes(const Contact& c) const {
+  return squeezed_ == Squeezed::kThrough &&
+         std::count(scratch_.passed.begin(), scratch_.passed.end(), c.obstacle) > 0;
 }
 
 void ShakeStep::startContact(Contact& c, double h) const {
@@ -60,7 +78,7 @@ void ShakeStep::openSlowly(Contact& c, double h, double whole) const {
     c.offset = c.found - (whole - h) / step_ * c.normal.dot(c.surface_motion) -
                std::max({0.0, least, stays});
   if (squeezed_ == Squeezed::kNo) return;
-  if (c.gap_start > (squeezed_ == Squeezed::kAll ? kTouching : -kSqueezed)) return;
+  if (c.gap_start > (squeezed_ >= Squeezed::kAll ? kTouching : -kSqueezed)) return;
   c.surface_motion.setZero();
   scratch_.stay.setZero(3, n_);
   c.offset = std::min(c.offset, c.offset + gapAt(c, scratch_.stay.data()));
@@ -164,7 +182,9 @@ bool ShakeStep::forceViolated() {
 
 bool ShakeStep::findMissed(double h) {
   ws_.x1.middleCols(ragdoll_.first, n_) = x() + scratch_.dx;
-  bool any = addLimits(-kMissed / kLever, step_, ShakeScratch::kForced);
+  // The relaxation leaves sticks off their lengths, too, but not so far.
+  const bool limits = isJoined() || model_.solver.method == Method::kJakobsen;
+  bool any = limits && addLimits(-kMissed / kLever, step_, ShakeScratch::kForced);
   scratch_.missed.clear();
   if (!ws_.obstacles.empty()) {
     appendContacts(model_, ws_.obstacles, state_.x, ws_.x1, index_, 0, scratch_.missed);
@@ -177,6 +197,7 @@ bool ShakeStep::findMissed(double h) {
                          scratch_.missed);
   for (std::size_t i = 0; i < scratch_.missed.size(); ++i) {
     Contact& c = scratch_.missed[i];
+    if (passes(c)) continue;
     startContact(c, i < obstacles ? step_ : h);
     if (i < obstacles)  // what overlaps opens in a part of a step by a part of it
       c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - kRecoverySpeed * h));

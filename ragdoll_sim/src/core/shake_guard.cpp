@@ -65,10 +65,12 @@ void ShakeStep::guard(double h) {
       } else {
         sub *= 0.25;
         if (sub < 0.99 * h / (most() == kMaxSubsteps ? kMaxPieces : most())) {
-          if (squeezed_ == Squeezed::kAll || overlap_ < kTouching)
-            way = Way::kRigid;
-          else
+          if (squeezed_ < Squeezed::kAll && overlap_ >= kTouching)
             squeezed_ = Squeezed::kAll;
+          else if (squeezed_ == Squeezed::kAll && pin_speed_ > 0)
+            squeezed_ = Squeezed::kThrough;
+          else
+            way = Way::kRigid;
           sub = left;
         }
       }

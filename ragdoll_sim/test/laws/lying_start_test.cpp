@@ -11,8 +11,7 @@ namespace {
 
 using namespace test;
 
-/// A foot placed 90 degrees past the limit of the knee: more than steps put right, rigid ones
-/// follow.
+/// A foot placed 90 degrees past the limit of the knee: more than steps put right.
 const Vec3 kPastTheKnee(0.4964, -0.0864, 0.4776);
 
 Scene lying(const Vec3& foot) {
@@ -25,17 +24,16 @@ obstacles: [{type: plane, friction: 0.6}]
 }
 
 TEST(LyingStart, RigidStepsDoNotSinkIn) {
-  World world(lying(kPastTheKnee));
+  Scene scene = lying(kPastTheKnee);
+  scene.solver.method = Method::kJakobsen;  // the others draw the foot in with joints alive
+  World world(scene);
+  ASSERT_EQ(maxPenetration(world.model, world.state), 0);
   int rigid = 0;
-  double early = 0;  // [m] of the first second: what the start brings
   for (int i = 0; i < 600; ++i) {
     rigid += world.steps(1).rigid;
-    const double deep = maxPenetration(world.model, world.state);
-    if (i < 120) early = std::max(early, deep);
-    ASSERT_LT(deep, early + 1e-4) << "at " << world.state.time << " s";
+    ASSERT_LT(maxPenetration(world.model, world.state), 5e-4) << "at " << world.state.time << " s";
   }
   EXPECT_GT(rigid, 0);  // or the scene does not show what it is for
-  RecordProperty("deepest_mm", std::to_string(1e3 * early));
 }
 
 TEST(LyingStart, WhatOverlapsOneFloorComesOutAndTheJointsWithIt) {

@@ -31,7 +31,7 @@ ragdolls: [{name: anna, model: human, position: [0, 0, 2]}]
 pins: [anna/right_hand]
 '''
 PUSHED = '''
-ragdolls: [{name: ragdoll, model: human, position: [0, 0, 0.3], rpy_deg: [0, -90, 0]}]
+ragdolls: [{name: ragdoll, model: human, position: [0.7, 0, 0.3], rpy_deg: [0, -90, 0]}]
 obstacles:
   - {type: plane}
   - {type: box, frame: paddle, position: [0, 0, 0], size: [0.1, 2, 0.6]}

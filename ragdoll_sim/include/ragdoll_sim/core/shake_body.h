@@ -33,6 +33,7 @@ struct ShakeScratch {
   Eigen::VectorXd lengths2, inverse_lengths2;       ///< of sticks that are being joined
   Eigen::VectorXd total;                            ///< impulses so far
   std::vector<Contact> contacts, touching, missed;  ///< near; touching at the step's end
+  std::vector<int> passed;  ///< obstacles that moving pins drag the body through
   std::vector<LimitRow> limits, touching_limits;
   std::vector<int> contact_row, limit_row;  ///< first row of each in the Schur complement, or -1
   int own_rows = 0;                         ///< of them; contacts with other bodies come after

@@ -65,7 +65,8 @@ class ShakeStep {
   static constexpr double kRedoSwing = 3e-4;
 
   /// Which overlaps have no way out and may stay as they are: those above kSqueezed, or all.
-  enum class Squeezed { kNo, kDeep, kAll };
+  /// kThrough: moving pins drag the body through the obstacles that it is in.
+  enum class Squeezed { kNo, kDeep, kAll, kThrough };
 
   auto x() { return state_.x.middleCols(ragdoll_.first, n_); }
   auto v() { return state_.v.middleCols(ragdoll_.first, n_); }
@@ -219,6 +220,11 @@ class ShakeStep {
   /// Whether what overlaps at the step's start, by more than sound steps leave, leaves no direction
   /// to open in: it presses from opposite sides, or is a body.
   bool isSqueezed() const;
+  /// Whether the sticks have their lengths; before that angles mean nothing.
+  bool isJoined() const;
+  /// Takes out the contacts with the obstacles that the body is in.
+  void letThrough();
+  bool passes(const Contact& c) const;  ///< whether it is one of those
   /// Whether a step that fails means that the overlap at its start cannot open.
   bool hasNoWayOut() const { return squeezed_ == Squeezed::kNo && isSqueezed(); }
   /// Solves for the constraints found.
