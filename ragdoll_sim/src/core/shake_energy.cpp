@@ -28,12 +28,11 @@ bool ShakeStep::isSmooth() const {
   const auto held = [this](const LimitRow& limit) {
     return limit.compliance == 0 && std::abs(limit.before) < touching_angle_;
   };
-  const auto holds = [&](const Press& press) {
-    return std::any_of(scratch_.limits.begin(), scratch_.limits.end(), [&](const LimitRow& limit) {
-      return press.a == -1 - limit.limit && held(limit);
-    });
+  const auto holds = [this](const Press& press) {
+    return std::any_of(scratch_.touching_limits.begin(), scratch_.touching_limits.end(),
+                       [&press](const LimitRow& limit) { return press.a == -1 - limit.limit; });
   };
-  return scratch_.touching.empty() &&
+  return located_ == located_before_ && scratch_.touching.empty() &&
          std::all_of(scratch_.touching_limits.begin(), scratch_.touching_limits.end(), held) &&
          std::all_of(scratch_.presses.begin(), scratch_.presses.end(), holds);
 }

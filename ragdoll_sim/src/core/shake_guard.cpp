@@ -135,6 +135,7 @@ double ShakeStep::stiffnessOf(const double* multipliers) {
 }
 
 void ShakeStep::save() {
+  located_before_ = located_;
   scratch_.saved_x = x();
   scratch_.saved_v = v();
   scratch_.saved_multipliers.assign(multipliers(), multipliers() + 2 * rows_.s);

@@ -99,6 +99,13 @@ TEST(Extremes, TensionThatGoesGivesNoEnergy) {
   }
 }
 
+/// A limit that presses too much in a poke, so that it is open at the end, is not one that holds.
+TEST(Extremes, LimitsThatLetGoGiveNoEnergy) {
+  const Verdict verdict = judge(randomExtreme(24283), {"shake", preset("balanced"), true});
+  EXPECT_TRUE(verdict.kept()) << textOf(verdict);
+  EXPECT_LT(verdict.energy_rise, 2e-3);
+}
+
 /// Limits that hold are no contact: what leapfrog's energy swings by there comes back by itself.
 TEST(Extremes, TheEnergyLimiterLeavesAFreeBodyAlone) {
   Scene scene = loadScene("weightless");

@@ -309,6 +309,7 @@ class ShakeStep {
   double touching_ = kTouching;                   ///< [m] a gap smaller than that is closed
   double touching_angle_ = kTouchingAngle;        ///< [rad] likewise
   int located_ = 0;                               ///< arrivals in this step
+  int located_before_ = 0;                        ///< at the present substep's start
   std::uint8_t* arrival_ = nullptr;               ///< role of what firstArrival found
   double overlap_ = 0;             ///< [m] with obstacles, at the start of the present substep
   double pin_speed_ = 0;           ///< [m/s] of pins that move
