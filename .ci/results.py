@@ -89,6 +89,12 @@ def results_of(build, filtered):
     return results or [('%s: no test has run' % os.path.basename(build), 'failed', '')]
 
 
+def run_again(build):
+    """Names of rostests that failed beside others, so that ./test ran them a second time."""
+    path = os.path.join(build, 'Testing', 'again.txt')
+    return open(path).read().split() if os.path.exists(path) else []
+
+
 def main():
     filtered = '--filtered' in sys.argv
     builds = [argument for argument in sys.argv[1:] if argument != '--filtered']
@@ -100,6 +106,8 @@ def main():
             print('FAILED %s\n%s' % (name, re.sub('(?m)^', '    ', message.strip())))
         elif what == 'skipped':
             print('skipped %s' % name)
+    for name in (name for build in builds for name in run_again(build)):
+        print('run a second time, since it failed beside others: %s' % name)
     count = [what for _, what, _ in results].count
     print('%d passed, %d failed' % (count('passed'), count('failed')))
     return 1 if count('failed') else 0
