@@ -8,8 +8,8 @@ namespace {
 
 using namespace test;
 
-constexpr int kFalls = 100;      ///< of each scene
-constexpr double kSeconds = 10;  ///< until a body must be at rest
+constexpr int kFalls = samples(100);  ///< of each scene
+constexpr double kSeconds = 10;       ///< until a body must be at rest
 
 class Falls : public testing::TestWithParam<std::string> {};
 
@@ -25,7 +25,7 @@ TEST_P(Falls, HoldTheBodyTogetherAndEndAtRest) {
 }
 
 TEST_P(Falls, WithLimbsThatTouchKeepTheSame) {
-  constexpr int kSelfFalls = 25;
+  constexpr int kSelfFalls = samples(25);
   std::mt19937 random(2007);
   FallRecord record;
   for (int fall = 0; fall < kSelfFalls; ++fall) {
@@ -42,7 +42,7 @@ TEST_P(Falls, WithLimbsThatTouchKeepTheSame) {
 }
 
 TEST_P(Falls, LieStillWithoutSleep) {
-  constexpr int kAwakeFalls = 25;
+  constexpr int kAwakeFalls = samples(25);
   std::mt19937 random(2007);
   int still = 0;
   double worst = 0;  // [m/s]
@@ -66,7 +66,7 @@ TEST_P(Falls, LieStillWithoutSleep) {
 }
 
 TEST_P(Falls, OfRelaxationAt240HzAnd40SweepsKeepJointsAndEndAtRest) {
-  constexpr int kRelaxedFalls = 25;
+  constexpr int kRelaxedFalls = samples(25);
   std::mt19937 random(2007);
   FallRecord record;
   for (int fall = 0; fall < kRelaxedFalls; ++fall) {

@@ -10,6 +10,7 @@
 #include "../body/frame_law.h"
 #include "ragdoll_sim/core/step.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/samples.h"
 
 namespace ragdoll::test {
 namespace {
@@ -66,7 +67,7 @@ TEST_P(TenMinutes, NoFrameTurnsByMoreThanTheMotionExplains) {
       follow("gravity: [0, 0, 0]\nragdolls: [{model: " + std::string(GetParam().model) +
                  ", angular_velocity: [1.5, 2.0, 0.6]}]\nsolver: {preset: " + GetParam().preset +
                  ", damping: 0.2}\n",
-             600, 150);
+             samples(600), 150);
   EXPECT_LT(record.step, 2.0);
   RecordProperty("share", std::to_string(record.share));
 }

@@ -13,7 +13,7 @@ using namespace test;
 TEST(JointAngles, OfHingesStayInTheRangesThatTheLimitsKeep) {
   std::mt19937 random(7);
   double largest = 0;
-  for (int fall = 0; fall < 40; ++fall) {
+  for (int fall = 0; fall < samples(40); ++fall) {
     World world(randomFall(fall % 2 ? "stairs" : "between_objects", random));
     FrameTracker tracker(world.model);
     tracker.reset(world.state);

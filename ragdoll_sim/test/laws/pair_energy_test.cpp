@@ -7,6 +7,7 @@
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/solver_presets.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/samples.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -40,7 +41,7 @@ Scene thrown(const char* solver, double speed, unsigned seed) {
 TEST_P(PairEnergy, NeverRisesAndMomentumStays) {
   for (const double speed : {3.0, 30.0}) {
     double lost = 0;
-    for (unsigned seed = 0; seed < 60; ++seed) {
+    for (int seed = 0; seed < samples(60); ++seed) {
       World world(thrown(GetParam(), speed, seed));
       const double before = kineticEnergy(world.model, world.state);
       const Vec3 momentum_before = momentum(world.model, world.state);

@@ -12,7 +12,7 @@ constexpr double kSeconds = 10;  ///< until a pile must sleep
 class Piles : public testing::TestWithParam<int> {};
 
 TEST_P(Piles, OfRandomPosesComeToRestAndSleep) {
-  const int bodies = GetParam(), piles = 60 / bodies / bodies;
+  const int bodies = GetParam(), piles = samples(60 / bodies / bodies);
   std::mt19937 random(2007);
   FallRecord record;
   for (int pile = 0; pile < piles; ++pile) addFall(randomPile(bodies, random), kSeconds, record);

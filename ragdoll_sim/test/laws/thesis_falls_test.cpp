@@ -18,7 +18,7 @@ std::vector<double> violations(const SolverSpec& solver, int falls, double secon
   std::mt19937 random(5);
   const auto skeleton = parseScene("ragdolls: [{model: human_thesis}]").ragdolls[0].skeleton;
   std::vector<double> out;
-  for (int fall = 0; fall < falls; ++fall) {
+  for (int fall = 0; fall < samples(falls); ++fall) {
     Scene scene = randomFall(fall % 2 ? "stairs" : "between_objects", random);
     scene.ragdolls[0].skeleton = skeleton;
     scene.solver = solver;

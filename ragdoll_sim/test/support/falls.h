@@ -9,6 +9,7 @@
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/pairs.h"
+#include "support/samples.h"
 #include "support/worlds.h"
 
 namespace ragdoll::test {
