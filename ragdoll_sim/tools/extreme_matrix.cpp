@@ -75,6 +75,8 @@ Matrix runMatrix(const MatrixOptions& options, Progress& progress) {
   for (const Extreme& test : extremeTests(options.quick))
     if (options.tests && (test.group + ": " + test.name).find(options.only) != std::string::npos)
       matrix.rows.push_back({test, std::vector<Verdict>(columns)});
+  if (options.tests && matrix.rows.empty())
+    throw Error("--only", "no test's name contains '" + options.only + "'");
   matrix.random.resize(columns);
   const std::size_t cells = matrix.rows.size() * columns;
   std::vector<Verdict> random(static_cast<std::size_t>(options.random) * columns);

@@ -138,6 +138,9 @@ TEST_F(LabExtremes, EachRunHasItsOwnMarks) {
 
 TEST_F(LabExtremes, SaysWhatIsWrongWithItsOptions) {
   EXPECT_EQ(lab("extremes --random -1").status, 2);
+  const test::Outcome none = lab("extremes --only nowhere --random 1");
+  EXPECT_EQ(none.status, 2);
+  EXPECT_THAT(none.errors, HasSubstr("--only: no test's name contains 'nowhere'"));
   const test::Outcome outcome = lab("extremes --write " + file("doc.md", "nothing"));
   EXPECT_EQ(outcome.status, 2);
   EXPECT_THAT(outcome.errors, HasSubstr("doc.md: has no lines"));
