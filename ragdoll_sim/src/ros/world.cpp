@@ -146,7 +146,7 @@ void World::restart() {
 
 void World::endRun() {
   for (Stream& stream : streams_) {
-    endStream(stream);
+    tellStream(stream);
     stream.first = state_.step;
     for (Poke& poke : stream.pokes) poke.start = state_.time;
   }
@@ -264,7 +264,7 @@ std::size_t World::clear(std::uint64_t order) {
                pokes_.end());
   for (auto i = to_come_.begin(); i != to_come_.end();)
     i = i->second.order < order ? to_come_.erase(i) : std::next(i);
-  for (Stream& s : streams_) endStream(s);
+  for (Stream& s : streams_) tellStream(s);
   streams_.clear();
   pulls_.clear();
   takeActed();
@@ -312,7 +312,7 @@ void World::stream(const std::string& source, std::vector<Poke> pokes, double se
                         [&](const Stream& other) { return other.source == source; });
   pokes_changed_ = true;
   if (s != streams_.end()) {
-    endStream(*s);
+    tellStream(*s);
     streams_.erase(s);
   }
   if (pokes.empty()) return;
@@ -325,9 +325,9 @@ void World::stream(const std::string& source, std::vector<Poke> pokes, double se
                       std::move(pokes)});
 }
 
-void World::endStream(Stream& s) {
+void World::tellStream(const Stream& s) {
   if (s.first == state_.step) return;  // it never acted
-  for (Poke& poke : s.pokes) {
+  for (Poke poke : s.pokes) {          // in a new run the stream itself goes on without an end
     poke.duration = static_cast<double>(state_.step - s.first) * stepLength();
     events_.push_back({s.first, poke, run_});
   }
@@ -355,7 +355,7 @@ void World::gatherPokes() {
       ++i;
       continue;
     }
-    endStream(streams_[i]);
+    tellStream(streams_[i]);
     streams_.erase(streams_.begin() + static_cast<std::ptrdiff_t>(i));
     pokes_changed_ = true;
   }

@@ -90,6 +90,7 @@ TEST_P(HeldApart, WhatALeadReleasesComesBackWithinItsLimits) {
   }
   EXPECT_GT(worst, 0.5);  // the head does not come to the foot within the limits
   setPins(world.model, {});
+  world.workspace = Workspace();
   world.inputs.pins.clear();
   world.steps(240);
   EXPECT_LT(maxLimitViolation(world.model, world.state), 1e-3);

@@ -82,6 +82,26 @@ TEST(World, aReplayMayHaveMorePokesThanANodeAccepts) {
   EXPECT_NEAR(world.state().v(0, 0), impulse, 1e-9 * impulse);
 }
 
+TEST(World, aStreamGoesOnWhenASettingChanges) {
+  World world(particles(1));
+  const Event one = push(world, 0, 2.0);
+  world.stream("wrench", {one.poke}, 1);
+  for (int i = 0; i < 5; ++i) world.advance();
+  const auto scene = std::make_shared<ragdoll::Scene>(*world.scene());
+  scene->gravity.z() = -1;
+  world.configure(world.scene(), scene,
+                  std::make_shared<ragdoll::Model>(ragdoll::buildModel(*scene)));
+  for (int i = 0; i < 20; ++i) world.advance();
+  EXPECT_NEAR(world.state().v(0, 0), 2.0 * 25 * kStep, 1e-12);  // 2 N on 1 kg
+  world.stream("wrench", {}, 1);
+  const std::vector<Event> told = world.takeEvents();
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_EQ(told[0].step, 0u);
+  EXPECT_NEAR(told[0].poke.duration, 5 * kStep, 1e-12);
+  EXPECT_EQ(told[1].step, 5u);
+  EXPECT_NEAR(told[1].poke.duration, 20 * kStep, 1e-12);
+}
+
 TEST(World, aSettingOrAnotherHoldWakesWhatSleeps) {
   ragdoll::Scene scene = particles(1);
   scene.solver.sleep = true;

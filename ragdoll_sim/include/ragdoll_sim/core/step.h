@@ -22,7 +22,8 @@ struct StepReport {
   int unresolved = 0;  ///< ragdolls whose constraints did not converge
 };
 
-/// Scratch memory, sized once; a step allocates nothing after the first few.
+/// Scratch memory of one model, sized once; a step allocates nothing after the first few. Where the
+/// model changes, begin with a new one.
 class Workspace {
  public:
   Workspace();

@@ -159,7 +159,7 @@ class World {
   void addPulls();
   void sortPokes();
   std::size_t clear(std::uint64_t order);
-  void endStream(Stream& stream);
+  void tellStream(const Stream& stream);  ///< what it has done in this run
   Poke rounded(Poke poke, std::uint64_t& first) const;
 
   std::string source_;
