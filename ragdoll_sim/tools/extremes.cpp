@@ -1,7 +1,10 @@
 // ragdoll_lab extremes: the stability matrix, tests x methods, each cell judged by laws.
+#include <cstdint>
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <limits>
+#include <string>
 #include <utility>
 
 #include "arguments.h"
@@ -67,16 +70,20 @@ int extremes(const MatrixOptions& options, const Report& report) {
 int extremesCommand(const Words& words) {
   MatrixOptions options;
   std::string path;
-  int rounds = 0;
+  constexpr int kNotAsked = std::numeric_limits<int>::min();
+  int rounds = kNotAsked;
+  long long seed = 0;
   bool random_only = false;
   CommandLine line{"extremes [options]", kAbout, {}};
   auto add = line.options.add_options();
   add("quick", po::bool_switch(&options.quick), "A part of the tests");
   add("random", po::value(&options.random)->default_value(1000), "Number of random scenes");
   add("random-only", po::bool_switch(&random_only), "Random scenes alone");
-  add("seed", po::value(&options.seed)->default_value(0), "Of the first random scene");
+  add("seed", po::value(&seed)->default_value(0), "Of the first random scene");
   add("only", po::value(&options.only),
-      "Only tests whose name contains this, such as \"step: 0.1\"");
+      "Only tests whose name contains this, such as \"step: 0.1\"; --random 0 leaves out the "
+      "random "
+      "scenes");
   add("method", po::value(&options.method), "Only this one: jakobsen, shake or rk");
   add("guard-cost", po::value(&rounds)->implicit_value(41),
       "Instead: what the step guard costs on shipped scenes, with and without it in turn so many "
@@ -86,8 +93,13 @@ int extremesCommand(const Words& words) {
       "with --random-only its lines <!-- random-only --> and so on, and so for --guard-cost");
   if (!parse(line, words)) return kOk;
   if (options.random < 0) throw Error("--random", "is negative; a number of scenes is expected");
-  if (rounds < 0) throw Error("--guard-cost", "is negative; a number of rounds is expected");
-  if (rounds > 0) {
+  if (seed < 0 || seed > std::numeric_limits<std::uint32_t>::max() - std::int64_t{options.random})
+    throw Error("--seed",
+                std::to_string(seed) + " is none: 0 to 2^32 less the number of scenes is");
+  options.seed = static_cast<std::uint32_t>(seed);
+  if (rounds != kNotAsked) {
+    if (rounds < 1)
+      throw Error("--guard-cost", std::to_string(rounds) + " rounds; at least one is expected");
     const Report report(path, "guard-cost");
     report.write(guardCosts(rounds));
     return kOk;

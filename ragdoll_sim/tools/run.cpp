@@ -6,6 +6,7 @@
 
 #include "arguments.h"
 #include "commands.h"
+#include "quantity.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/io/csv.h"
@@ -14,7 +15,8 @@
 namespace ragdoll::lab {
 namespace {
 
-constexpr double kRounding = 1e-9;  ///< part of a step by which a step may miss its tick
+constexpr double kMostSteps = 1e12;  ///< weeks of computing
+constexpr double kRounding = 1e-9;   ///< part of a step by which a step may miss its tick
 
 struct Options {
   std::string scene;
@@ -67,10 +69,13 @@ int run(const Options& options) {
   for (const std::string& warning : model.warnings) std::cerr << "ragdoll_lab: " << warning << "\n";
   for (const std::string& note : model.notes) std::cerr << "ragdoll_lab: " << note << "\n";
 
+  const double steps = std::ceil(options.seconds / model.solver.step - kRounding);
+  if (steps > kMostSteps)
+    throw Error("--seconds", "asks for more than 1e12 steps of " + timeText(model.solver.step));
+
   TickWriter rows(model, options);
   WatchedRun world(model);
   rows.write(world.state(), world.time());
-  const double steps = std::ceil(options.seconds / model.solver.step - kRounding);
   for (double i = 0; i < steps; ++i) {
     world.step();
     rows.write(world.state(), world.time());

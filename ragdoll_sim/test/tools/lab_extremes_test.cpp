@@ -95,9 +95,9 @@ TEST(ExtremeScenes, ScalingKeepsTheShape) {
 }
 
 TEST(ExtremeText, TablesStandBetweenTheirMarks) {
-  EXPECT_EQ(withTables("a\n<!-- extremes -->\nold\n<!-- /extremes -->\nb\n", "extremes", "new\n",
-                       "f.md"),
-            "a\n<!-- extremes -->\nnew\n\n<!-- /extremes -->\nb\n");
+  EXPECT_EQ(
+      withTables("a\n<!-- extremes -->\nold\n<!-- /extremes -->\nb\n", "extremes", "new\n", "f.md"),
+      "a\n<!-- extremes -->\nnew\n\n<!-- /extremes -->\nb\n");
   try {
     withTables("no marks", "extremes", "new", "f.md");
     FAIL();
@@ -123,10 +123,9 @@ TEST_F(LabExtremes, PrintsTheMatrixAndWritesItIntoADocument) {
 
 TEST_F(LabExtremes, EachRunHasItsOwnMarks) {
   const std::string matrix = "<!-- extremes -->\n| kept |\n<!-- /extremes -->\n";
-  const std::string document =
-      file("doc.md", matrix +
-                         "<!-- random-only -->\n<!-- /random-only -->\n"
-                         "<!-- guard-cost -->\n<!-- /guard-cost -->\n");
+  const std::string document = file("doc.md", matrix +
+                                                  "<!-- random-only -->\n<!-- /random-only -->\n"
+                                                  "<!-- guard-cost -->\n<!-- /guard-cost -->\n");
   ASSERT_EQ(lab("extremes --random-only --random 1 --method shake --write " + document).status, 0);
   ASSERT_EQ(lab("extremes --guard-cost 1 --write " + document).status, 0);
   const std::string written = test::contentOf(document);
@@ -137,7 +136,11 @@ TEST_F(LabExtremes, EachRunHasItsOwnMarks) {
 }
 
 TEST_F(LabExtremes, SaysWhatIsWrongWithItsOptions) {
-  EXPECT_EQ(lab("extremes --random -1").status, 2);
+  for (const char* wrong : {"--random -1", "--seed -1", "--seed 4294967000", "--guard-cost=0"}) {
+    const test::Outcome outcome = lab(std::string("extremes --quick ") + wrong);
+    EXPECT_EQ(outcome.status, 2) << wrong;
+    EXPECT_THAT(outcome.errors, HasSubstr(std::string(wrong).substr(0, 6))) << wrong;
+  }
   const test::Outcome none = lab("extremes --only nowhere --random 1");
   EXPECT_EQ(none.status, 2);
   EXPECT_THAT(none.errors, HasSubstr("--only: no test's name contains 'nowhere'"));
