@@ -21,6 +21,7 @@ from ragdoll_msgs.srv import (Attach, Detach, GetState, LoadScene, Poke, PokeReq
 from visualization_msgs.msg import InteractiveMarkerFeedback
 from xmlrpc.client import ServerProxy
 
+LAST = 0.640625  # [N] of a poke that no other one looks like
 CALLS = int(os.environ.get('RAGDOLL_CALLS', 3000))
 SEED = int(os.environ.get('RAGDOLL_SEED', 20250705))
 GROWTH = 64e6  # [B] of resident memory over all calls; a leak of 1 kB a call would be 100 MB
@@ -203,8 +204,8 @@ class RandomClientTest(unittest.TestCase):
             feedback.pose.position = Point(self.random.choice(bad), self.number(), 0)
             self.handle.publish(feedback)
         # What has been sent is handled before what comes now: a poke that is told.
-        self.replay.publish(PokeEvent(body_name='head', step=5, force=Vector3(x=1)))
-        self.client.pokes.first(lambda m: m.step == 5, 'the last poke')
+        self.replay.publish(PokeEvent(body_name='head', step=5, force=Vector3(x=LAST)))
+        self.client.pokes.first(lambda m: m.force.x == LAST, 'the last poke')
         self.assertEqual(self.client.call_clear().message, '1 poke ended')
         self.assertEqual(self.moment(), before)
 
