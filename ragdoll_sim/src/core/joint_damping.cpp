@@ -17,11 +17,14 @@ RigidMotion rigidMotion(const Eigen::MatrixXd& M, const std::vector<int>& pins,
     motion.drift = v.col(pins[0]);
   }
   if (pins.size() >= 2) return motion;
-  const Points arm = x.colwise() - motion.centre, weighted = arm.lazyProduct(M);
+  const Points arm = x.colwise() - motion.centre;
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   Vec3 angular = Vec3::Zero();
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Vec3 r = arm.col(i), w = weighted.col(i);
+    const Vec3 r = arm.col(i);
+    Vec3 w = Vec3::Zero();
+    for (Eigen::Index j = 0; j < n; ++j)  // a few only are there
+      if (M(j, i) != 0) w += M(j, i) * arm.col(j);
     angular += w.cross(Vec3(v.col(i) - motion.drift));
     inertia += r.dot(w) * Eigen::Matrix3d::Identity() - w * r.transpose();
   }

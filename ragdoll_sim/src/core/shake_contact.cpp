@@ -246,9 +246,9 @@ void ShakeStep::pressFound(double h, bool leapfrog) {
   for (int round = 0; round < kMaxRounds; ++round) {
     if (round > 0) {
       fillGaps(h);
+      scratch_.b -= schur.matrix() * scratch_.total;
       p = scratch_.total;
     }
-    scratch_.b -= schur.matrix() * scratch_.total;
     if (!schur.solve(scratch_.b, p) && hasNoWayOut()) {
       failed_ = true;
       break;
