@@ -205,7 +205,7 @@ void guardRelaxation(const Model& model, const Inputs& inputs, double h, Workspa
   for (std::size_t k = 0; k < model.ragdolls.size(); ++k) {
     const int i = static_cast<int>(k);
     if (state.asleep[k]) continue;
-    if (!guard.failed(i) && !(acted && Tension(model, ws, state, i).isStiff(h))) {
+    if (!(acted && Tension(model, ws, state, i).isStiff(h)) && !guard.failed(i)) {
       if (acted) Tension(model, ws, state, i).forget();
       continue;
     }

@@ -86,6 +86,7 @@ void ShakeStep::end() {
 }
 
 void ShakeStep::makeAffine() {
+  if (model_.skeletonOf(ragdoll_).groups.empty()) return;  // then `affine` is the identity
   x() = (x() * system_.affine.transpose()).eval();
   v() = (v() * system_.affine.transpose()).eval();
 }

@@ -12,6 +12,7 @@ namespace {
 constexpr int kMaxIterations = 40;     ///< of Newton
 constexpr int kMaxRelaxations = 60;    ///< Newton iterations of the projection on sticks alone
 constexpr double kLargestShare = 0.5;  ///< of a stick's length: how far an iteration moves its ends
+constexpr double kSmallShare = 0.49;   ///< below, by a bound, no stick needs to be looked at
 constexpr double kBalance = 1e-9;      ///< of the longest stick: positions against multipliers
 constexpr double kProgress = 0.8;      ///< of the last round's violation: more is no progress
 constexpr int kMaxRounds = 12;         ///< of contacts and sticks in turn
@@ -48,23 +49,36 @@ double ShakeStep::implicitStep(double h) {
 bool ShakeStep::solveImplicit(double h) {
   const int s = rows_.s, n = n_;
   const Eigen::MatrixXd &B = system_.B, &BW = system_.BW, &G = system_.G;
-  const Points free = h * v() + (h * h) * scratch_.acceleration;
+  auto& [free, dx, unbalanced, step, D0, D, impulses, DB, tangent, sides, solved, pulled, system,
+         turn, lambda, stretch, change] = scratch_.implicit;
+  free = h * v() + (h * h) * scratch_.acceleration;
   if (s == 0) {
     scratch_.dx = free;
     scratch_.lambda.setZero(rows_.width);
     return free.allFinite();
   }
-  const double longest =
-      std::sqrt(Eigen::Map<const Eigen::VectorXd>(length2_, rows_.width).maxCoeff());
-  Eigen::VectorXd lambda = Eigen::Map<const Eigen::VectorXd>(multipliers(), s) * (h * h);
+  const Eigen::Map<const Eigen::VectorXd> length2(length2_, s);
+  const double longest = std::sqrt(length2.maxCoeff()), shortest = std::sqrt(length2.minCoeff());
+  const double reach = B.cwiseAbs().rowwise().sum().maxCoeff();  // of a particle's motion, on ends
+  lambda = Eigen::Map<const Eigen::VectorXd>(multipliers(), s) * (h * h);
   if (!lambda.allFinite()) lambda.setZero();
-  Points dx = Points::Zero(3, n);
-  const Eigen::MatrixXd D0 = x() * B.transpose();
-  Eigen::MatrixXd D, DB, tangent(s, s), system, moved;
+  dx.setZero(3, n);
+  D0.noalias() = x() * B.transpose();
+  D = D0;
+  tangent.resize(s, s);
+  stretch.resize(s);
+  change.resize(s);
+  sides.resize(s, n + s);
+  sides << BW, G;
+  Eigen::PartialPivLU<Eigen::MatrixXd> lu(s);
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
-    D = D0 + dx * B.transpose();
-    const Points unbalanced = dx - free - D * lambda.asDiagonal() * BW;
-    Eigen::VectorXd stretch(s);
+    if (iteration > 0) {
+      D.noalias() = dx * B.transpose();
+      D += D0;
+    }
+    impulses = D * lambda.asDiagonal();
+    unbalanced = dx - free;
+    unbalanced.noalias() -= impulses * BW;
     double worst = 0;
     for (int k = 0; k < s; ++k) {
       stretch[k] = 0.5 * (D.col(k).squaredNorm() - length2_[k]);
@@ -81,21 +95,27 @@ bool ShakeStep::solveImplicit(double h) {
     // Only tension stiffens; compression would soften and may leave the tangent indefinite.
     tangent.setIdentity();
     tangent.noalias() -= G * lambda.cwiseMin(0.0).asDiagonal();
-    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(tangent);
-    moved = lu.solve(BW);
-    DB = unbalanced * B.transpose();
-    const Eigen::MatrixXd pulled = lu.solve(DB.transpose()).transpose();  // DB (I - Lambda G)^-1
-    system = lu.solve(G).cwiseProduct(D.transpose() * D);
-    Eigen::VectorXd change(s);
+    lu.compute(tangent);
+    DB.noalias() = unbalanced * B.transpose();
+    solved = lu.solve(sides);
+    const auto moved = solved.leftCols(n);
+    pulled = lu.solve(DB.transpose()).transpose();  // DB (I - Lambda G)^-1
+    system.noalias() = D.transpose() * D;
+    system.array() *= solved.rightCols(s).array();
     for (int k = 0; k < s; ++k) change[k] = -stretch[k] + D.col(k).dot(pulled.col(k));
-    change = system.partialPivLu().solve(change);
-    const Points step = -unbalanced - DB * lambda.cwiseMin(0.0).asDiagonal() * moved +
-                        D * change.asDiagonal() * moved;
+    change = lu.compute(system).solve(change);
+    step = -unbalanced;
+    impulses = DB * lambda.cwiseMin(0.0).asDiagonal();
+    step.noalias() -= impulses * moved;
+    impulses = D * change.asDiagonal();
+    step.noalias() += impulses * moved;
     double share = 1;
-    const Eigen::MatrixXd turn = step * B.transpose();
-    for (int k = 0; k < s; ++k)
-      share = std::min(
-          share, kLargestShare * std::sqrt(length2_[k]) / std::max(1e-300, turn.col(k).norm()));
+    if (!(reach * std::sqrt(step.colwise().squaredNorm().maxCoeff()) < kSmallShare * shortest)) {
+      turn.noalias() = step * B.transpose();
+      for (int k = 0; k < s; ++k)
+        share = std::min(
+            share, kLargestShare * std::sqrt(length2_[k]) / std::max(1e-300, turn.col(k).norm()));
+    }
     if (!(share > 1e-12)) return false;
     dx += share * step;
     lambda += share * change;

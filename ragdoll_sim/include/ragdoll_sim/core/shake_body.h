@@ -23,6 +23,13 @@ struct ShakeBody {
   Schur schur;
 };
 
+/// Of an implicit step, so that not each allocates it anew (shake_implicit.cpp).
+struct ImplicitScratch {
+  Points free, dx, unbalanced, step;
+  Eigen::MatrixXd D0, D, impulses, DB, tangent, sides, solved, pulled, system, turn;
+  Eigen::VectorXd lambda, stretch, change;
+};
+
 /// Scratch shared by all bodies.
 struct ShakeScratch {
   Points dx, acceleration, saved_x, saved_v, stay;
@@ -47,6 +54,7 @@ struct ShakeScratch {
   std::vector<Press> presses;                ///< of the last motion
   Points v1;
   RungeKuttaScratch stages;
+  ImplicitScratch implicit;
 };
 
 }  // namespace ragdoll
