@@ -53,6 +53,12 @@ Scene chainScene(const std::vector<double>& masses, double link, double tilt) {
   return scene;
 }
 
+Scene massRatioChain(double ratio, double tilt) {
+  std::vector<double> masses(6, 1.0);
+  masses.back() = ratio;
+  return chainScene(masses, 0.3, tilt);
+}
+
 void scaleModel(Scene& scene, double length, double mass) {
   for (RagdollSpec& ragdoll : scene.ragdolls) {
     const auto model = ownModel(ragdoll);

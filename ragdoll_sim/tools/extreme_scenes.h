@@ -17,6 +17,11 @@ Scene humanScene(const std::string& start, const std::string& rest);
 /// the origin. tilt [rad]: 0 hangs straight down.
 Scene chainScene(const std::vector<double>& masses, double link, double tilt);
 
+/// Five links of 0.3 m between particles of 1 kg, the last one `ratio` times as heavy; as above.
+Scene massRatioChain(double ratio, double tilt);
+
+constexpr double kMassRatioTilt = 1.2;  ///< [rad] of those that swing
+
 /// The human's model with lengths and masses multiplied; inertias follow.
 void scaleModel(Scene& scene, double length, double mass);
 

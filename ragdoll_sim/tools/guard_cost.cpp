@@ -98,23 +98,38 @@ GuardCost costOf(const std::string& name, const ExtremeMethod& method, int round
   return cost;
 }
 
-/// 10 links of 0.1 kg at 1/60 s, tilted: with nothing below them, and with 100 kg.
-GuardCost loadedChain(const ExtremeMethod& method, int rounds) {
+/// A heavy chain against a light one, both guarded.
+GuardCost costOfLoad(const std::string& name, const Scene& light, const Scene& heavy,
+                     const ExtremeMethod& method, double step, int rounds) {
   std::vector<Model> models;
-  for (const double last : {0.1, 100.0}) {
-    std::vector<double> masses(11, 0.1);
-    masses.back() = last;
-    Scene scene = chainScene(masses, 0.1, 0.5);
+  for (Scene scene : {light, heavy}) {
     scene.solver = method.solver;
-    scene.solver.step = 1.0 / 60;
+    scene.solver.step = step;
     scene.solver.sleep = false;
     models.push_back(buildModel(scene));
   }
-  Runner light(models[0], true), heavy(models[1], true);
-  GuardCost cost = compare(light, heavy, 1.0 / 60, rounds);
-  cost.scene = "100 kg chain";
+  Runner without(models[0], true), with(models[1], true);
+  GuardCost cost = compare(without, with, step, rounds);
+  cost.scene = name;
   cost.method = method.name;
   return cost;
+}
+
+/// 10 links of 0.1 kg at 1/60 s, tilted: with nothing below them, and with 100 kg.
+GuardCost loadedChain(const ExtremeMethod& method, int rounds) {
+  std::vector<double> masses(11, 0.1);
+  const Scene light = chainScene(masses, 0.1, 0.5);
+  masses.back() = 100;
+  return costOfLoad("100 kg chain", light, chainScene(masses, 0.1, 0.5), method, 1.0 / 60, rounds);
+}
+
+/// The matrix's chains of a mass ratio, hung and swung, against those of 1:1.
+void addMassRatios(const ExtremeMethod& method, int rounds, std::vector<GuardCost>& costs) {
+  for (const double ratio : {1e3, 1e4, 1e5, 1e6})
+    for (const double tilt : {0.0, kMassRatioTilt})
+      costs.push_back(costOfLoad(
+          "1:" + shortNumber(ratio) + (tilt > 0 ? ", swung" : ", hung"), massRatioChain(1, tilt),
+          massRatioChain(ratio, tilt), method, method.solver.step, rounds));
 }
 
 }  // namespace
@@ -125,14 +140,16 @@ std::vector<GuardCost> guardCosts(int rounds) {
     for (const char* scene : {"fall", "stairs", "weightless"})
       costs.push_back(costOf(scene, method, rounds));
   for (const ExtremeMethod& method : extremeMethods()) costs.push_back(loadedChain(method, rounds));
+  for (const ExtremeMethod& method : extremeMethods())
+    if (method.is_default) addMassRatios(method, rounds, costs);
   return costs;
 }
 
 std::string toTable(const std::vector<GuardCost>& costs) {
   std::string text =
-      "scene        method      us/step plain  guarded  ratio  steps in which it acted\n";
+      "scene           method      us/step plain  guarded  ratio  steps in which it acted\n";
   for (const GuardCost& c : costs)
-    text += format("%-12s %-10s %14.2f %8.2f %6.3f  %d\n", c.scene.c_str(), c.method.c_str(),
+    text += format("%-15s %-10s %14.2f %8.2f %6.3f  %d\n", c.scene.c_str(), c.method.c_str(),
                    1e6 * c.plain, 1e6 * c.guarded, c.ratio, c.acted);
   return text;
 }

@@ -1,4 +1,4 @@
-// What the step guard costs where it has nothing to do.
+// What the step guard costs where it has nothing to do, and where it acts.
 #pragma once
 
 #include <string>
@@ -14,10 +14,10 @@ struct GuardCost {
   int acted = 0;       ///< steps of one run in which the guard changed something
 };
 
-/// Last, per method, a chain that carries 100 kg (`guarded`) against the same chain without
-/// (`plain`). Before, shipped scenes by every method, with and without the guard in turn, `rounds`
-/// times. The same steps of the same motion stand beside each other, so that what else the machine
-/// does hits both alike.
+/// Shipped scenes by every method, with and without the guard in turn, `rounds` times: the same
+/// steps of the same motion stand beside each other, so that what else the machine does hits both
+/// alike. Then, per method, a chain that carries 100 kg (`guarded`) against the same chain without
+/// (`plain`), and so by the default the matrix's chains of a mass ratio against those of 1:1.
 std::vector<GuardCost> guardCosts(int rounds);
 
 std::string toTable(const std::vector<GuardCost>& costs);

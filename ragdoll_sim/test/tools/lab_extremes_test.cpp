@@ -133,6 +133,7 @@ TEST_F(LabExtremes, EachRunHasItsOwnMarks) {
   EXPECT_THAT(written, HasSubstr("<!-- random-only -->\n\n| method | scenes |"));
   EXPECT_THAT(written, HasSubstr("| shake | 1 | 0 |"));
   EXPECT_THAT(written, HasSubstr("| weightless | shake |"));
+  EXPECT_THAT(written, HasSubstr("| 1:1e+06, swung | shake |"));
 }
 
 TEST_F(LabExtremes, SaysWhatIsWrongWithItsOptions) {
