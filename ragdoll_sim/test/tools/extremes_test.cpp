@@ -10,6 +10,7 @@
 #include "ragdoll_sim/core/solver_presets.h"
 #include "ragdoll_sim/core/workspace.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/samples.h"
 #include "support/worlds.h"
 
 namespace ragdoll::lab {
@@ -139,7 +140,10 @@ TEST(Extremes, ABodyWithNoWayOutKeepsItsJointsAlive) {
 /// What relaxation must keep as well: all but exact lengths and rest, which 10 sweeps do not give.
 TEST(Extremes, RelaxationStaysFiniteGainsNothingAndPassesThroughNothing) {
   const ExtremeMethod method{"jakobsen", preset("thesis"), false};
-  for (Extreme extreme : extremeTests(true)) {
+  const std::vector<Extreme> all = extremeTests(true);
+  const int count = static_cast<int>(all.size()), taken = test::samples(count);
+  for (int k = 0; k < taken; ++k) {
+    Extreme extreme = all[k * count / taken];
     if (extreme.sweeps > 0 || extreme.seconds > 30) continue;
     extreme.laws.rest = false;
     extreme.laws.depth = 0.05;
@@ -188,8 +192,8 @@ TEST(Extremes, RelaxationHoldsAMassRatioOfAThousandOnceTheGuardHasSeenIt) {
 
 TEST(Extremes, RandomScenes) {
   const ExtremeMethod method{"shake", preset("balanced"), true};
-  for (std::uint32_t seed = 0; seed < 40; ++seed) {
-    const Verdict verdict = judge(randomExtreme(seed), method);
+  for (int seed = 0; seed < test::samples(40); ++seed) {
+    const Verdict verdict = judge(randomExtreme(static_cast<std::uint32_t>(seed)), method);
     EXPECT_TRUE(verdict.kept()) << "seed " << seed << ": " << textOf(verdict);
   }
 }
