@@ -155,14 +155,14 @@ struct OneBody {
 namespace body {
 
 template <int W>
-RAGDOLL_INLINE bool sweep(OneBody<1>& rows, const std::vector<SchurBlock>& blocks, double* p) {
+RAGDOLL_INLINE bool sweep(OneBody<1>& rows, std::vector<SchurBlock>& blocks, double* p) {
   OneBody<W> lanes{rows.rows, rows.A, rows.columns, rows.unheld, rows.w};
   return projectedGaussSeidel(lanes, blocks, p);
 }
 
 }  // namespace body
 
-RAGDOLL_KERNEL(bool, sweep, (OneBody<1> & rows, const std::vector<SchurBlock>& blocks, double* p),
+RAGDOLL_KERNEL(bool, sweep, (OneBody<1> & rows, std::vector<SchurBlock>& blocks, double* p),
                (rows, blocks, p))
 
 }  // namespace

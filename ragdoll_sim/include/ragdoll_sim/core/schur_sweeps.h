@@ -45,24 +45,35 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
 
 /// Finds p of w = b + A p (schur.h), starting at p. Rows: size(); rate(i), w of row i, at first b;
 /// push(i, count, step), which adds step[k] times row i + k of A to w. Returns whether it settled.
+///
+/// Once it is known what presses and what slides, each sweep's steps are those of the one before
+/// times a constant. Where that shows, p goes on to where the steps would add up to, as Aitken
+/// extrapolates a sequence [Aitken1926], and the next sweep projects it.
 template <class Rows>
-RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, const std::vector<SchurBlock>& blocks,
-                                         double* p) {
-  constexpr int kMaxIterations = 100;  // most end after 5 to 30
+RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& blocks, double* p) {
+  constexpr int kMaxIterations = 100;  // most end after 5 to 15
   constexpr int kPatience = 20;        // iterations in which the changes have to shrink,
   constexpr double kProgress = 0.9;    // to this share at least
   constexpr double kSettled = 1e-7;    // largest change of an impulse, of the largest impulse
+  constexpr double kConstant = 0.1;    // what two ratios of changes may differ, of 1 less the ratio
+  constexpr double kLeastRatio = 0.2;  // below, the sweeps are as fast themselves
+  constexpr double kMostRatio = 0.95;  // above, impulses may be growing, and would by leaps
+  constexpr double kEndless = 1e-3;    // what the ratio of changes that do not shrink is off 1
+  constexpr int kEndlessSweeps = 4;    // so many of them: impulses grow without end, no solution
   const int m = rows.size();
   for (int i = 0; i < m; ++i)
     if (p[i] != 0) rows.push(i, 1, p + i);
-  double earlier = std::numeric_limits<double>::infinity();
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  double earlier = kUnknown, last_change = kUnknown, last_ratio = 0;
+  int endless = 0;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     double change = 0, largest = 0;
-    for (const SchurBlock& b : blocks) {
+    for (SchurBlock& b : blocks) {
       double* now = p + b.row;
       double step[3] = {0, 0, 0};
+      b.step[0] = b.step[1] = b.step[2] = 0;
       const auto set = [&](int k, double value) {
-        step[k] = value - now[k];
+        b.step[k] = step[k] = value - now[k];
         now[k] = value;
         largest = std::max(largest, std::abs(value) * b.own[k]);
         change = std::max(change, std::abs(step[k]) * b.own[k]);
@@ -89,9 +100,25 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, const std::vector<SchurBloc
       if (step[0] != 0 || step[1] != 0 || step[2] != 0) rows.push(b.row, 3, step);
     }
     if (change <= kSettled * largest) return true;
-    if (iteration % kPatience != kPatience - 1) continue;
-    if (change > kProgress * earlier) return false;  // no solution: impulses grow without end
-    earlier = change;
+    const double ratio = change / last_change;
+    endless = std::abs(ratio - 1) < kEndless ? endless + 1 : 0;
+    if (endless == kEndlessSweeps) return false;
+    if (iteration % kPatience == kPatience - 1) {
+      if (change > kProgress * earlier) return false;
+      earlier = change;
+    }
+    last_change = change;
+    const bool constant = std::abs(ratio - last_ratio) < kConstant * (1 - ratio);
+    last_ratio = ratio;
+    if (!constant || ratio < kLeastRatio || ratio > kMostRatio) continue;
+    if (iteration + 1 == kMaxIterations) break;
+    for (SchurBlock& b : blocks) {
+      const int count = b.has_tangents ? 3 : 1;
+      for (int k = 0; k < count; ++k) p[b.row + k] += b.step[k] *= ratio / (1 - ratio);
+      rows.push(b.row, count, b.step);
+    }
+    last_change = kUnknown;  // the next sweeps' are of another sequence
+    last_ratio = 0;
   }
   return false;
 }
