@@ -1,5 +1,6 @@
 #include "ragdoll_sim/core/schur.h"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -155,24 +156,83 @@ struct OneBody {
 namespace body {
 
 template <int W>
-RAGDOLL_INLINE bool sweep(OneBody<1>& rows, std::vector<SchurBlock>& blocks, double* p) {
+RAGDOLL_INLINE bool sweep(OneBody<1>& rows, std::vector<SchurBlock>& blocks, double* p, int most) {
   OneBody<W> lanes{rows.rows, rows.A, rows.columns, rows.unheld, rows.w};
-  return projectedGaussSeidel(lanes, blocks, p);
+  return projectedGaussSeidel(lanes, blocks, p, most);
 }
 
 }  // namespace body
 
-RAGDOLL_KERNEL(bool, sweep, (OneBody<1> & rows, std::vector<SchurBlock>& blocks, double* p),
-               (rows, blocks, p))
+RAGDOLL_KERNEL(bool, sweep,
+               (OneBody<1> & rows, std::vector<SchurBlock>& blocks, double* p, int most),
+               (rows, blocks, p, most))
 
 }  // namespace
 
 bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
+  OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free, w_.data()};
+  findBlocks(rows, blocks_);
+  return sweepFrom(b, p, kMaxSweeps);
+}
+
+bool Schur::sweepFrom(const Eigen::VectorXd& b, Eigen::VectorXd& p, int most) {
   w_.setZero(columns_);
   w_.head(size()) = b;
   OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free, w_.data()};
-  findBlocks(rows, blocks_);
-  return sweep(rows, blocks_, p.data());
+  return sweep(rows, blocks_, p.data(), most);
+}
+
+bool Schur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
+  constexpr int kBatches = 20;
+  constexpr int kSweeps = 10;        // of a batch: what converges fast is then done
+  constexpr int kMemory = 5;         // batches that are combined
+  constexpr double kWorse = 2;       // a change so much larger than the last: they mislead
+  constexpr double kEndless = 1e-6;  // share by which changes of no end differ
+  const int m = size();
+  // Impulses in units in which all rows yield alike.
+  const Eigen::VectorXd scale = now_.A.leftCols(m).diagonal().cwiseMax(0).cwiseSqrt();
+  Eigen::MatrixXd changes(m, kMemory), results(m, kMemory);  // from batch to batch
+  Eigen::VectorXd change, result, last_change, last_result;
+  int known = 0, next = 0;
+  for (int batch = 0; batch < kBatches; ++batch) {
+    const Eigen::VectorXd before = p;
+    if (sweepFrom(b, p, kSweeps)) return true;
+    result = scale.cwiseProduct(p);
+    change = result - scale.cwiseProduct(before);
+    if (batch > 0 && change.norm() <= kWorse * last_change.norm()) {
+      changes.col(next) = change - last_change;
+      if (changes.col(next).norm() < kEndless * change.norm()) return false;
+      results.col(next) = result - last_result;
+      next = (next + 1) % kMemory;
+      known = std::min(known + 1, kMemory);
+    } else {
+      known = next = 0;
+    }
+    last_change = change;
+    last_result = result;
+    if (known == 0) continue;
+    const Eigen::VectorXd share = changes.leftCols(known).colPivHouseholderQr().solve(change);
+    const Eigen::VectorXd better = result - results.leftCols(known) * share;
+    if (better.allFinite()) putAllowed(better, scale, p);
+  }
+  return false;
+}
+
+void Schur::putAllowed(const Eigen::VectorXd& scaled, const Eigen::VectorXd& scale,
+                       Eigen::VectorXd& p) {
+  const auto put = [&](int i) { p[i] = scale[i] > 0 ? scaled[i] / scale[i] : p[i]; };
+  for (const SchurBlock& block : blocks_) {
+    double* now = p.data() + block.row;
+    put(block.row);
+    now[0] = std::max(block.least, now[0]);
+    if (!block.has_tangents) continue;
+    put(block.row + 1);
+    put(block.row + 2);
+    const double limit = block.friction * now[0], length = std::hypot(now[1], now[2]);
+    if (length <= limit) continue;
+    now[1] *= limit / length;
+    now[2] *= limit / length;
+  }
 }
 
 void Schur::move(const Eigen::VectorXd& p, double* out) {

@@ -129,6 +129,7 @@ void ShakeStep::pressImplicit(double h) {
   forceNear();
   gather(h, false);
   scratch_.total.setZero(schur.size());
+  const bool goes_on = squeezed_ == Squeezed::kNo && model_.solver.method != Method::kJakobsen;
   double violation = worstViolation();
   bool done = violation < contact_tolerance_;
   for (int round = 0; round < kMaxRounds && !done; ++round) {
@@ -139,7 +140,9 @@ void ShakeStep::pressImplicit(double h) {
     fillGaps(h);
     scratch_.p = scratch_.total;
     scratch_.b -= schur.matrix() * scratch_.total;
-    if (!schur.solve(scratch_.b, scratch_.p) && hasNoWayOut()) {
+    const bool settled =
+        schur.solve(scratch_.b, scratch_.p) || (goes_on && schur.solveOn(scratch_.b, scratch_.p));
+    if (!settled && hasNoWayOut()) {
       failed_ = true;
       return;
     }

@@ -79,6 +79,11 @@ class Schur {
   /// p from b, starting at p. Returns whether it settled.
   bool solve(const Eigen::VectorXd& b, Eigen::VectorXd& p);
 
+  /// Goes on, with the same b, where solve gave up at p. Where rows all but contradict each other,
+  /// as those of a limb between two obstacles, sweeps alone would take thousands: Anderson
+  /// acceleration [Walker2011] of batches of them. Returns whether it settled. Allocates.
+  bool solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p);
+
   /// out (3 x n, columns) += what the impulses p do, the sticks answering as at assemble.
   void move(const Eigen::VectorXd& p, double* out);
 
@@ -100,6 +105,10 @@ class Schur {
   bool findKnown();
   /// Of row i: its answer, and its part of the diagonal without the sticks.
   void findAnswer(const StickRows& constants, StickSolver& sticks, int i);
+  /// `most` sweeps from p on.
+  bool sweepFrom(const Eigen::VectorXd& b, Eigen::VectorXd& p, int most);
+  /// p, as allowed, from impulses times the scale; what cannot move stays.
+  void putAllowed(const Eigen::VectorXd& scaled, const Eigen::VectorXd& scale, Eigen::VectorXd& p);
 
   int first_ = 0, columns_ = 0;
   int count_ = 0;  ///< of the body's coordinates

@@ -12,6 +12,8 @@
 
 namespace ragdoll {
 
+constexpr int kMaxSweeps = 100;
+
 /// What can move of the rows, in their order. Rows: size(); row(i), a Schur::Row; matrix(i, j), of
 /// A; free(i), its diagonal without the sticks' answer.
 template <class Rows>
@@ -44,14 +46,16 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
 }
 
 /// Finds p of w = b + A p (schur.h), starting at p. Rows: size(); rate(i), w of row i, at first b;
-/// push(i, count, step), which adds step[k] times row i + k of A to w. Returns whether it settled.
+/// push(i, count, step), which adds step[k] times row i + k of A to w. At most `most` iterations;
+/// most end after 5 to 15. Returns whether it settled.
 ///
 /// Once it is known what presses and what slides, each sweep's steps are those of the one before
 /// times a constant. Where that shows, p goes on to where the steps would add up to, as Aitken
 /// extrapolates a sequence [Aitken1926], and the next sweep projects it.
+/// Fewer than kMaxSweeps are a part of what somebody else extrapolates: then it does not.
 template <class Rows>
-RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& blocks, double* p) {
-  constexpr int kMaxIterations = 100;  // most end after 5 to 15
+RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& blocks, double* p,
+                                         int most = kMaxSweeps) {
   constexpr int kPatience = 20;        // iterations in which the changes have to shrink,
   constexpr double kProgress = 0.9;    // to this share at least
   constexpr double kSettled = 1e-7;    // largest change of an impulse, of the largest impulse
@@ -66,7 +70,7 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& bl
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
   double earlier = kUnknown, last_change = kUnknown, last_ratio = 0;
   int endless = 0;
-  for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
+  for (int iteration = 0; iteration < most; ++iteration) {
     double change = 0, largest = 0;
     for (SchurBlock& b : blocks) {
       double* now = p + b.row;
@@ -100,6 +104,7 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& bl
       if (step[0] != 0 || step[1] != 0 || step[2] != 0) rows.push(b.row, 3, step);
     }
     if (change <= kSettled * largest) return true;
+    if (most < kMaxSweeps) continue;
     const double ratio = change / last_change;
     endless = std::abs(ratio - 1) < kEndless ? endless + 1 : 0;
     if (endless == kEndlessSweeps) return false;
@@ -111,7 +116,7 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& bl
     const bool constant = std::abs(ratio - last_ratio) < kConstant * (1 - ratio);
     last_ratio = ratio;
     if (!constant || ratio < kLeastRatio || ratio > kMostRatio) continue;
-    if (iteration + 1 == kMaxIterations) break;
+    if (iteration + 1 == most) break;
     for (SchurBlock& b : blocks) {
       const int count = b.has_tangents ? 3 : 1;
       for (int k = 0; k < count; ++k) p[b.row + k] += b.step[k] *= ratio / (1 - ratio);
