@@ -23,7 +23,7 @@ RigidMotion rigidMotion(const Eigen::MatrixXd& M, const std::vector<int>& pins,
   for (Eigen::Index i = 0; i < n; ++i) {
     const Vec3 r = arm.col(i);
     Vec3 w = Vec3::Zero();
-    for (Eigen::Index j = 0; j < n; ++j)  // a few only are there
+    for (Eigen::Index j = 0; j < n; ++j)  // M is sparse
       if (M(j, i) != 0) w += M(j, i) * arm.col(j);
     angular += w.cross(Vec3(v.col(i) - motion.drift));
     inertia += r.dot(w) * Eigen::Matrix3d::Identity() - w * r.transpose();

@@ -112,7 +112,9 @@ void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
                         "beyond what the solver can do: some motions were taken with the joints "
                         "frozen; look for huge forces, squeezing obstacles or a too large step");
   if (since_.unresolved > 0)
-    status.mergeSummary(DiagnosticStatus::WARN, "constraints did not converge in some steps");
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "constraints did not converge in some steps; look for obstacles, bodies or "
+                        "pins that leave a body no room, or for a too small tolerance");
   const std::vector<std::string> missing = missing_();
   if (!missing.empty())
     status.mergeSummary(DiagnosticStatus::WARN, "no news from TF of " + joined(missing));

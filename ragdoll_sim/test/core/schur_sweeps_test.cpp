@@ -83,7 +83,7 @@ TEST(SchurSweeps, GoOnToTheEndOfAGeometricSequence) {
     ASSERT_TRUE(rows.solve(p));
     EXPECT_LT((p - A.inverse() * -b).norm(), 1e-5) << coupling;
     const double plain = 2 * std::log(1e-7) / std::log(coupling * coupling);
-    EXPECT_LT(rows.pushes, plain > 40 ? 0.3 * plain : 24) << coupling;
+    EXPECT_LT(rows.pushes, 0.3 * plain) << coupling;
   }
 }
 

@@ -167,7 +167,7 @@ class FaultsTest(unittest.TestCase):
         for subscriber in deaf:
             subscriber.close()
 
-    def test_a_bag_at_full_rate_has_every_step_and_every_poke(self):
+    def test_a_bag_at_full_rate_has_every_poke_and_the_last_state(self):
         node = self.start('recorded', scene='weightless', publish_rate=1000, start_paused='true')
         client = Client(node.name)
         folder = tempfile.mkdtemp()
