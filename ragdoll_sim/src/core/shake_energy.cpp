@@ -74,7 +74,7 @@ double ShakeStep::releasedEnergy() {
   return released;
 }
 
-void ShakeStep::limitEnergy(double rise) {
+bool ShakeStep::limitEnergy(double rise) {
   const double before = kineticEnergy();
   const Points all = v();
   const std::vector<int>& pins = model_.systemOf(ragdoll_).pins;
@@ -92,6 +92,7 @@ void ShakeStep::limitEnergy(double rise) {
     v() *= rigid > 0 ? std::sqrt(std::max(0.0, (before - rise) / rigid)) : 0;
   }  // else v() is the rigid motion now, whose momentum is nobody's to take
   limited_ = limited_ || rise > kReportedRise;
+  return inner > rise || held || rise - inner <= kRedoRise * before;
 }
 
 }  // namespace ragdoll

@@ -40,7 +40,10 @@ double ShakeStep::implicitStep(double h) {
     return 0;
   }
   const double rise = gainedEnergy(driveSpeed());
-  if (rise > 0) limitEnergy(rise);
+  if (rise > 0 && !limitEnergy(rise)) {  // limits turned the whole body: not to be taken out
+    failed_ = true;
+    return 0;
+  }
   for (int s = 0; s < rows_.s; ++s)
     multipliers()[s] = multipliers()[s + rows_.s] = scratch_.lambda[s] / (h * h);
   return h;

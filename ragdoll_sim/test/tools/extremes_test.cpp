@@ -90,6 +90,15 @@ TEST(Extremes, TensionThatComesAtOnceGivesNoEnergyToBodiesAsOne) {
   EXPECT_LT(run.summary().max_energy_rise, 2e-3 * kineticEnergy(model, run.state()));
 }
 
+/// An arm that a poke whirls at 160 m/s against its limits, whose impulses turned the whole body: the
+/// energy of that is not the limiter's to take. It rose by 79 %.
+TEST(Extremes, LimitsThatTurnTheWholeBodyGiveNoEnergy) {
+  const ExtremeMethod method{"shake", preset("balanced"), true};
+  const Verdict verdict = judge(randomExtreme(71131), method);
+  EXPECT_TRUE(verdict.kept()) << textOf(verdict);
+  EXPECT_LT(verdict.energy_rise, 5e-3);
+}
+
 /// Tension that goes, with limbs that swing through: leapfrog's second term falls to the velocities.
 TEST(Extremes, TensionThatGoesGivesNoEnergy) {
   const ExtremeMethod method{"shake", preset("balanced"), true};

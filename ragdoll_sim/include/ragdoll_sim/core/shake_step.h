@@ -161,8 +161,9 @@ class ShakeStep {
   /// [J] that soft limits gave to the motion: less than at its start is stored in them.
   double releasedEnergy();
   /// Takes the rise out of the motion within the body, which leaves its momentum; out of the whole
-  /// motion only where that is not enough and a contact pressed.
-  void limitEnergy(double rise);
+  /// motion only where that is not enough and a contact pressed. Whether all of it is out, or
+  /// nearly.
+  bool limitEnergy(double rise);
 
   // Motion (shake_motion.cpp).
 
