@@ -9,6 +9,8 @@
 namespace ragdoll::lab {
 namespace {
 
+constexpr std::size_t kNamedSeeds = 10;  ///< of scenes that break a law
+
 /// "ok", "-", or the laws that were broken.
 std::string cell(const Verdict& verdict) {
   if (!verdict.tested) return "-";
@@ -72,13 +74,13 @@ std::string toTable(const Matrix& matrix) {
   text += "\nrandom scenes\n";
   for (std::size_t m = 0; m < matrix.methods.size(); ++m) {
     const RandomTally& t = matrix.random[m];
-    text +=
-        format("  %-10s %zu of %d break a law (%s); worst: stretch %.1e, rise %.1e, depth %.1e m",
-               matrix.methods[m].name.c_str(), t.broken.size(), t.scenes, lawCounts(t).c_str(),
-               t.worst.stick_error, t.worst.energy_rise, t.worst.depth);
-    for (std::size_t i = 0; i < std::min<std::size_t>(t.broken.size(), 10); ++i)
+    const std::string laws = t.broken.empty() ? "" : " (" + lawCounts(t) + ")";
+    text += format("  %-10s %zu of %d break a law%s; worst: stretch %.1e, rise %.1e, depth %.1e m",
+                   matrix.methods[m].name.c_str(), t.broken.size(), t.scenes, laws.c_str(),
+                   t.worst.stick_error, t.worst.energy_rise, t.worst.depth);
+    for (std::size_t i = 0; i < std::min<std::size_t>(t.broken.size(), kNamedSeeds); ++i)
       text += format("%s%u", i == 0 ? "; seeds " : ", ", t.broken[i]);
-    text += "\n";
+    text += t.broken.size() > kNamedSeeds ? ", ...\n" : "\n";
   }
   return text;
 }
