@@ -188,7 +188,9 @@ bool Schur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
   constexpr int kMemory = 5;         // batches that are combined
   constexpr double kWorse = 2;       // a change so much larger than the last: they mislead
   constexpr double kEndless = 1e-6;  // share by which changes of no end differ
+  constexpr double kMost = 1e4;      // times as large: of rows that contradict each other, no use
   const int m = size();
+  const Eigen::VectorXd start = p;
   // Impulses in units in which all rows yield alike.
   const Eigen::VectorXd scale = now_.A.leftCols(m).diagonal().cwiseMax(0).cwiseSqrt();
   Eigen::MatrixXd changes(m, kMemory), results(m, kMemory);  // from batch to batch
@@ -201,7 +203,7 @@ bool Schur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
     change = result - scale.cwiseProduct(before);
     if (batch > 0 && change.norm() <= kWorse * last_change.norm()) {
       changes.col(next) = change - last_change;
-      if (changes.col(next).norm() < kEndless * change.norm()) return false;
+      if (changes.col(next).norm() < kEndless * change.norm()) break;
       results.col(next) = result - last_result;
       next = (next + 1) % kMemory;
       known = std::min(known + 1, kMemory);
@@ -215,6 +217,7 @@ bool Schur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
     const Eigen::VectorXd better = result - results.leftCols(known) * share;
     if (better.allFinite()) putAllowed(better, scale, p);
   }
+  if (!(scale.cwiseProduct(p).norm() <= kMost * scale.cwiseProduct(start).norm())) p = start;
   return false;
 }
 

@@ -132,6 +132,7 @@ void ShakeStep::pressImplicit(double h) {
   forceNear();
   gather(h, false);
   scratch_.total.setZero(schur.size());
+  // Bodies that relaxation moves sank in more with it (test/laws/lying_start_test.cpp).
   const bool goes_on = squeezed_ == Squeezed::kNo && model_.solver.method != Method::kJakobsen;
   double violation = worstViolation();
   bool done = violation < contact_tolerance_;

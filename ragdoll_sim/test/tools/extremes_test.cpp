@@ -90,8 +90,8 @@ TEST(Extremes, TensionThatComesAtOnceGivesNoEnergyToBodiesAsOne) {
   EXPECT_LT(run.summary().max_energy_rise, 2e-3 * kineticEnergy(model, run.state()));
 }
 
-/// An arm that a poke whirls at 160 m/s against its limits, whose impulses turned the whole body: the
-/// energy of that is not the limiter's to take. It rose by 79 %.
+/// An arm that a poke whirls at 160 m/s against its limits: impulses that had not settled, 1e7 times too
+/// large, turned the whole body, the energy of which is not the limiter's to take. It rose by 79 %.
 TEST(Extremes, LimitsThatTurnTheWholeBodyGiveNoEnergy) {
   const ExtremeMethod method{"shake", preset("balanced"), true};
   const Verdict verdict = judge(randomExtreme(71131), method);

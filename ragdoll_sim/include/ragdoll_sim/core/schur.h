@@ -81,7 +81,8 @@ class Schur {
 
   /// Goes on, with the same b, where solve gave up at p. Where rows all but contradict each other,
   /// as those of a limb between two obstacles, sweeps alone would take thousands: Anderson
-  /// acceleration [Walker2011] of batches of them. Returns whether it settled. Allocates.
+  /// acceleration [Walker2011] of batches of them. Returns whether it settled; if not, p is as it
+  /// was where it would have grown without bound. Allocates.
   bool solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p);
 
   /// out (3 x n, columns) += what the impulses p do, the sticks answering as at assemble.
