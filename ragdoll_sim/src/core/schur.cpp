@@ -156,35 +156,34 @@ struct OneBody {
 namespace body {
 
 template <int W>
-RAGDOLL_INLINE bool sweep(OneBody<1>& rows, std::vector<SchurBlock>& blocks, double* p, int most) {
+RAGDOLL_INLINE bool sweep(OneBody<1>& rows, std::vector<SchurBlock>& blocks, double* p, bool batch) {
   OneBody<W> lanes{rows.rows, rows.A, rows.columns, rows.unheld, rows.w};
-  return projectedGaussSeidel(lanes, blocks, p, most);
+  return projectedGaussSeidel(lanes, blocks, p, batch);
 }
 
 }  // namespace body
 
 RAGDOLL_KERNEL(bool, sweep,
-               (OneBody<1> & rows, std::vector<SchurBlock>& blocks, double* p, int most),
-               (rows, blocks, p, most))
+               (OneBody<1> & rows, std::vector<SchurBlock>& blocks, double* p, bool batch),
+               (rows, blocks, p, batch))
 
 }  // namespace
 
 bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
   OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free, w_.data()};
   findBlocks(rows, blocks_);
-  return sweepFrom(b, p, kMaxSweeps);
+  return sweepFrom(b, p, false);
 }
 
-bool Schur::sweepFrom(const Eigen::VectorXd& b, Eigen::VectorXd& p, int most) {
+bool Schur::sweepFrom(const Eigen::VectorXd& b, Eigen::VectorXd& p, bool batch) {
   w_.setZero(columns_);
   w_.head(size()) = b;
   OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free, w_.data()};
-  return sweep(rows, blocks_, p.data(), most);
+  return sweep(rows, blocks_, p.data(), batch);
 }
 
 bool Schur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
   constexpr int kBatches = 20;
-  constexpr int kSweeps = 10;        // of a batch: what converges fast is then done
   constexpr int kMemory = 5;         // batches that are combined
   constexpr double kWorse = 2;       // a change so much larger than the last: they mislead
   constexpr double kEndless = 1e-6;  // share by which changes of no end differ
@@ -198,7 +197,7 @@ bool Schur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
   int known = 0, next = 0;
   for (int batch = 0; batch < kBatches; ++batch) {
     const Eigen::VectorXd before = p;
-    if (sweepFrom(b, p, kSweeps)) return true;
+    if (sweepFrom(b, p, true)) return true;
     result = scale.cwiseProduct(p);
     change = result - scale.cwiseProduct(before);
     if (batch > 0 && change.norm() <= kWorse * last_change.norm()) {

@@ -106,8 +106,8 @@ class Schur {
   bool findKnown();
   /// Of row i: its answer, and its part of the diagonal without the sticks.
   void findAnswer(const StickRows& constants, StickSolver& sticks, int i);
-  /// `most` sweeps from p on.
-  bool sweepFrom(const Eigen::VectorXd& b, Eigen::VectorXd& p, int most);
+  /// Sweeps from p on until they settle, or a batch of them. Whether they settled.
+  bool sweepFrom(const Eigen::VectorXd& b, Eigen::VectorXd& p, bool batch);
   /// p, as allowed, from impulses times the scale; what cannot move stays.
   void putAllowed(const Eigen::VectorXd& scaled, const Eigen::VectorXd& scale, Eigen::VectorXd& p);
 

@@ -12,8 +12,6 @@
 
 namespace ragdoll {
 
-constexpr int kMaxSweeps = 100;
-
 /// What can move of the rows, in their order. Rows: size(); row(i), a Schur::Row; matrix(i, j), of
 /// A; free(i), its diagonal without the sticks' answer.
 template <class Rows>
@@ -46,16 +44,17 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
 }
 
 /// Finds p of w = b + A p (schur.h), starting at p. Rows: size(); rate(i), w of row i, at first b;
-/// push(i, count, step), which adds step[k] times row i + k of A to w. At most `most` iterations;
-/// most end after 5 to 15. Returns whether it settled.
+/// push(i, count, step), which adds step[k] times row i + k of A to w. Returns whether it settled.
 ///
 /// Once it is known what presses and what slides, each sweep's steps are those of the one before
 /// times a constant. Where that shows, p goes on to where the steps would add up to, as Aitken
-/// extrapolates a sequence [Aitken1926], and the next sweep projects it.
-/// Fewer than kMaxSweeps are a part of what somebody else extrapolates: then it does not.
+/// extrapolates a sequence [Aitken1926], and the next sweep projects it. batch: a few sweeps as they
+/// are, for who extrapolates from batch to batch.
 template <class Rows>
 RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& blocks, double* p,
-                                         int most = kMaxSweeps) {
+                                         bool batch = false) {
+  constexpr int kBatch = 10;           // iterations of a batch: what converges fast is then done
+  constexpr int kMaxIterations = 100;  // of others: most end after 5 to 15
   constexpr int kPatience = 20;        // iterations in which the changes have to shrink,
   constexpr double kProgress = 0.9;    // to this share at least
   constexpr double kSettled = 1e-7;    // largest change of an impulse, of the largest impulse
@@ -70,6 +69,7 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& bl
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
   double earlier = kUnknown, last_change = kUnknown, last_ratio = 0;
   int endless = 0;
+  const int most = batch ? kBatch : kMaxIterations;
   for (int iteration = 0; iteration < most; ++iteration) {
     double change = 0, largest = 0;
     for (SchurBlock& b : blocks) {
@@ -104,7 +104,7 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& bl
       if (step[0] != 0 || step[1] != 0 || step[2] != 0) rows.push(b.row, 3, step);
     }
     if (change <= kSettled * largest) return true;
-    if (most < kMaxSweeps) continue;
+    if (batch) continue;
     const double ratio = change / last_change;
     endless = std::abs(ratio - 1) < kEndless ? endless + 1 : 0;
     if (endless == kEndlessSweeps) return false;
