@@ -127,9 +127,9 @@ GuardCost loadedChain(const ExtremeMethod& method, int rounds) {
 void addMassRatios(const ExtremeMethod& method, int rounds, std::vector<GuardCost>& costs) {
   for (const double ratio : {1e3, 1e4, 1e5, 1e6})
     for (const double tilt : {0.0, kMassRatioTilt})
-      costs.push_back(costOfLoad(
-          "1:" + shortNumber(ratio) + (tilt > 0 ? ", swung" : ", hung"), massRatioChain(1, tilt),
-          massRatioChain(ratio, tilt), method, method.solver.step, rounds));
+      costs.push_back(costOfLoad("1:" + shortNumber(ratio) + (tilt > 0 ? ", swung" : ", hung"),
+                                 massRatioChain(1, tilt), massRatioChain(ratio, tilt), method,
+                                 method.solver.step, rounds));
 }
 
 }  // namespace

@@ -156,7 +156,8 @@ struct OneBody {
 namespace body {
 
 template <int W>
-RAGDOLL_INLINE bool sweep(OneBody<1>& rows, std::vector<SchurBlock>& blocks, double* p, bool batch) {
+RAGDOLL_INLINE bool sweep(OneBody<1>& rows, std::vector<SchurBlock>& blocks, double* p,
+                          bool batch) {
   OneBody<W> lanes{rows.rows, rows.A, rows.columns, rows.unheld, rows.w};
   return projectedGaussSeidel(lanes, blocks, p, batch);
 }

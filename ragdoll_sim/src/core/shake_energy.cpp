@@ -12,9 +12,7 @@ constexpr double kReportedRise = 1e-6;  ///< [J] less is rounding
 
 }  // namespace
 
-double ShakeStep::kineticEnergy() {
-  return ragdoll::kineticEnergy(rows_, v(), scratch_.energy);
-}
+double ShakeStep::kineticEnergy() { return ragdoll::kineticEnergy(rows_, v(), scratch_.energy); }
 
 double ShakeStep::driveSpeed() const {
   if (!driven_) return 0;
@@ -81,11 +79,11 @@ bool ShakeStep::limitEnergy(double rise) {
   dampInnerMotion(model_.skeletonOf(ragdoll_).M, pins, 0, x(), v());
   const double rigid = kineticEnergy();
   const double inner = before - rigid;
-  const bool held =
-      !pins.empty() || std::any_of(scratch_.presses.begin(), scratch_.presses.end(),
-                                   [](const Press& press) { return press.obstacle >= 0; }) ||
-      std::any_of(scratch_.touching.begin(), scratch_.touching.end(),
-                  [](const Contact& contact) { return contact.obstacle >= 0; });
+  const bool held = !pins.empty() ||
+                    std::any_of(scratch_.presses.begin(), scratch_.presses.end(),
+                                [](const Press& press) { return press.obstacle >= 0; }) ||
+                    std::any_of(scratch_.touching.begin(), scratch_.touching.end(),
+                                [](const Contact& contact) { return contact.obstacle >= 0; });
   if (inner > rise) {
     v() += std::sqrt(1 - rise / inner) * (all - v());
   } else if (held) {

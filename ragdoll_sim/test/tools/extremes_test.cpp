@@ -90,8 +90,9 @@ TEST(Extremes, TensionThatComesAtOnceGivesNoEnergyToBodiesAsOne) {
   EXPECT_LT(run.summary().max_energy_rise, 2e-3 * kineticEnergy(model, run.state()));
 }
 
-/// An arm that a poke whirls at 160 m/s against its limits: impulses that had not settled, 1e7 times too
-/// large, turned the whole body, the energy of which is not the limiter's to take. It rose by 79 %.
+/// An arm that a poke whirls at 160 m/s against its limits: impulses that had not settled, 1e7
+/// times too large, turned the whole body, the energy of which is not the limiter's to take. It
+/// rose by 79 %.
 TEST(Extremes, LimitsThatTurnTheWholeBodyGiveNoEnergy) {
   const ExtremeMethod method{"shake", preset("balanced"), true};
   const Verdict verdict = judge(randomExtreme(71131), method);
@@ -99,7 +100,8 @@ TEST(Extremes, LimitsThatTurnTheWholeBodyGiveNoEnergy) {
   EXPECT_LT(verdict.energy_rise, 5e-3);
 }
 
-/// Tension that goes, with limbs that swing through: leapfrog's second term falls to the velocities.
+/// Tension that goes, with limbs that swing through: leapfrog's second term falls to the
+/// velocities.
 TEST(Extremes, TensionThatGoesGivesNoEnergy) {
   const ExtremeMethod method{"shake", preset("balanced"), true};
   for (const std::uint32_t seed : {32774u, 45815u}) {
@@ -130,8 +132,9 @@ TEST(Extremes, TheEnergyLimiterLeavesAFreeBodyAlone) {
 }
 
 TEST(Extremes, ABodyWithNoWayOutKeepsItsJointsAlive) {
-  test::World world(humanScene("position: [0, -0.2, 0.13], rpy_deg: [0, -90, 90]",
-                               "obstacles: [{type: plane}, {type: box, position: [0, 0, 0], size: [0.1, 0.6, 0.3]}]\n"));
+  test::World world(humanScene(
+      "position: [0, -0.2, 0.13], rpy_deg: [0, -90, 90]",
+      "obstacles: [{type: plane}, {type: box, position: [0, 0, 0], size: [0.1, 0.6, 0.3]}]\n"));
   const int hand = world.model.skeletons[0].particle("left_hand");
   const double overlap = maxPenetration(world.model, world.state);
   int unresolved = 0, rigid = 0;

@@ -24,10 +24,10 @@ struct SchurBlock {
   bool has_tangents = false;  ///< and two rows of friction after it
   double least = 0;           ///< of the first impulse
   double friction = 0;
-  double own[3] = {0, 0, 0};  ///< A's diagonal
-  double across[2] = {0, 0};  ///< of A: first row, tangents
-  double answer = 0;          ///< 1 / own[0]; 0: cannot move
-  double tangent_answer = 0;  ///< of both tangents; 0: cannot move
+  double own[3] = {0, 0, 0};   ///< A's diagonal
+  double across[2] = {0, 0};   ///< of A: first row, tangents
+  double answer = 0;           ///< 1 / own[0]; 0: cannot move
+  double tangent_answer = 0;   ///< of both tangents; 0: cannot move
   double step[3] = {0, 0, 0};  ///< of the impulses, by the last sweep
 };
 

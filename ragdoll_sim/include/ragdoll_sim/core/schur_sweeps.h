@@ -48,8 +48,8 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
 ///
 /// Once it is known what presses and what slides, each sweep's steps are those of the one before
 /// times a constant. Where that shows, p goes on to where the steps would add up to, as Aitken
-/// extrapolates a sequence [Aitken1926], and the next sweep projects it. batch: a few sweeps as they
-/// are, for who extrapolates from batch to batch.
+/// extrapolates a sequence [Aitken1926], and the next sweep projects it. batch: a few sweeps as
+/// they are, for who extrapolates from batch to batch.
 template <class Rows>
 RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& blocks, double* p,
                                          bool batch = false) {
