@@ -74,9 +74,9 @@ TEST_P(HeldApart, JointsStayAliveAndPinsGoWhereTheyAreLed) {
     }
     EXPECT_LE(longest, 2);
     EXPECT_LT(astray, 1e-6);
-    EXPECT_LT(worst_stick,
-              0.1);           // now and then, where pins, limits and floor contradict each other
-    EXPECT_LT(joined, 1e-4);  // but joined again
+    // Now and then pins, limits and floor contradict each other; the sticks are joined again.
+    EXPECT_LT(worst_stick, 0.1);
+    EXPECT_LT(joined, 1e-4);
   }
 }
 
