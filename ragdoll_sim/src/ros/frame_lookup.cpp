@@ -1,5 +1,6 @@
 #include "ragdoll_sim/ros/frame_lookup.h"
 
+#include <ros/console.h>
 #include <ros/this_node.h>
 
 #include <map>
@@ -33,6 +34,28 @@ bool isFinite(const Pose& pose) {
 }
 
 }  // namespace
+
+FrameLookup::FrameLookup(const std::string& world_frame) : world_frame_(world_frame) {
+  node_.setCallbackQueue(&queue_);
+  listener_.emplace(buffer_, node_, false);
+  thread_ = std::thread(&FrameLookup::listen, this);
+}
+
+FrameLookup::~FrameLookup() {
+  ends_ = true;
+  thread_.join();
+}
+
+void FrameLookup::listen() {
+  constexpr double kPatience = 0.01;  // [s] after which it looks whether to end
+  while (!ends_) {
+    try {
+      queue_.callAvailable(ros::WallDuration(kPatience));
+    } catch (const std::exception& e) {
+      ROS_WARN_THROTTLE(1, "/tf ignored: %s", e.what());
+    }
+  }
+}
 
 std::string FrameLookup::normal(const std::string& frame) {
   return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame;

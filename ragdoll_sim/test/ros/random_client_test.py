@@ -14,10 +14,11 @@ import rosgraph
 import rospy
 import rostest
 from client import LIMIT, Client, wait_for
-from geometry_msgs.msg import Point, Vector3, WrenchStamped
+from geometry_msgs.msg import Point, Quaternion, TransformStamped, Vector3, WrenchStamped
 from ragdoll_msgs.msg import PokeEvent
 from ragdoll_msgs.srv import (Attach, Detach, GetState, LoadScene, Poke, PokeRequest, SetState,
                               Step)
+from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import InteractiveMarkerFeedback
 from xmlrpc.client import ServerProxy
 
@@ -57,7 +58,8 @@ class RandomClientTest(unittest.TestCase):
         cls.replay = rospy.Publisher('/ragdoll/poke_replay', PokeEvent, queue_size=100)
         cls.handle = rospy.Publisher('/ragdoll/handles/feedback', InteractiveMarkerFeedback,
                                      queue_size=100)
-        for publisher in (cls.wrench, cls.replay, cls.handle):
+        cls.tf = rospy.Publisher('/tf', TFMessage, queue_size=100)
+        for publisher in (cls.wrench, cls.replay, cls.handle, cls.tf):
             wait_for(publisher.get_num_connections, 'a subscriber of ' + publisher.name)
         node = rosgraph.Master('/test').lookupNode('/ragdoll')
         cls.pid = ServerProxy(node).getPid('/test')[2]
@@ -203,6 +205,13 @@ class RandomClientTest(unittest.TestCase):
             feedback.header.frame_id = self.random.choice(FRAMES)
             feedback.pose.position = Point(self.random.choice(bad), self.number(), 0)
             self.handle.publish(feedback)
+            frame = TransformStamped(child_frame_id=self.random.choice(FRAMES))
+            frame.header.frame_id = self.random.choice(FRAMES)
+            frame.header.stamp = rospy.Time(self.random.choice([0, 1, 2**32 - 1]), 999999999)
+            frame.transform.translation = Vector3(*self.triple())
+            frame.transform.rotation = self.random.choice(
+                [Quaternion(w=1), Quaternion(*(self.number() for _ in range(4)))])
+            self.tf.publish(TFMessage([frame]))
         # What has been sent is handled before what comes now: a poke that is told.
         self.replay.publish(PokeEvent(body_name='head', step=5, force=Vector3(x=LAST)))
         self.client.pokes.first(lambda m: m.force.x == LAST, 'the last poke')

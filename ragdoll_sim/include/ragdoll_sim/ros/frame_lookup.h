@@ -2,12 +2,15 @@
 // cannot hang when no clock ticks.
 #pragma once
 
+#include <ros/callback_queue.h>
 #include <tf2_ros/buffer.h>
 #include <tf2_ros/transform_listener.h>
 
+#include <atomic>
 #include <functional>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "ragdoll_sim/core/types.h"
@@ -21,7 +24,8 @@ struct StampedPose {
 
 class FrameLookup {
  public:
-  explicit FrameLookup(const std::string& world_frame) : world_frame_(world_frame) {}
+  explicit FrameLookup(const std::string& world_frame);
+  ~FrameLookup();
 
   using Names = std::function<std::vector<std::string>()>;
 
@@ -43,8 +47,15 @@ class FrameLookup {
 
  private:
   std::string world_frame_;
+  /// Until the end. tf2 throws at stamps near 2^32 s, which in its own thread would end the node.
+  void listen();
+
+  ros::CallbackQueue queue_;
+  ros::NodeHandle node_;
   tf2_ros::Buffer buffer_;
-  tf2_ros::TransformListener listener_{buffer_};
+  std::optional<tf2_ros::TransformListener> listener_;
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
 };
 
 }  // namespace ragdoll
