@@ -3,30 +3,12 @@
 #include <ros/console.h>
 #include <ros/this_node.h>
 
-#include <map>
-#include <sstream>
-
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/ros/convert.h"
 
 namespace ragdoll {
 namespace {
-
-/// Of the YAML text in which tf2 tells what it has heard: {frame: who has published it}.
-std::map<std::string, std::string> broadcasters(const tf2_ros::Buffer& buffer) {
-  std::map<std::string, std::string> found;
-  std::istringstream text(buffer.allFramesAsYAML());
-  std::string line, frame;
-  while (std::getline(text, line)) {
-    if (!line.empty() && line[0] != ' ') frame = line.substr(0, line.rfind(':'));
-    const std::size_t at = line.find("broadcaster: '");
-    if (at == std::string::npos) continue;
-    const std::size_t begin = line.find('\'', at) + 1;
-    found[frame] = line.substr(begin, line.rfind('\'') - begin);
-  }
-  return found;
-}
 
 /// TF lets infinite numbers through.
 bool isFinite(const Pose& pose) {
@@ -36,8 +18,18 @@ bool isFinite(const Pose& pose) {
 }  // namespace
 
 FrameLookup::FrameLookup(const std::string& world_frame) : world_frame_(world_frame) {
+  constexpr int kQueue = 100;
   node_.setCallbackQueue(&queue_);
-  listener_.emplace(buffer_, node_, false);
+  // tf2_ros::TransformListener does not say who has published a frame, and in its own thread what
+  // tf2 throws at stamps near 2^32 s would end the node.
+  const auto subscribe = [&](const char* topic, bool is_static) {
+    return node_.subscribe<tf2_msgs::TFMessage, const Event&>(
+        topic, kQueue, boost::function<void(const Event&)>([this, is_static](const Event& e) {
+          hear(e, is_static);
+        }));
+  };
+  moving_ = subscribe("/tf", false);
+  static_ = subscribe("/tf_static", true);
   thread_ = std::thread(&FrameLookup::listen, this);
 }
 
@@ -48,9 +40,20 @@ FrameLookup::~FrameLookup() {
 
 void FrameLookup::listen() {
   constexpr double kPatience = 0.01;  // [s] after which it looks whether to end
-  while (!ends_) {
+  while (!ends_) queue_.callAvailable(ros::WallDuration(kPatience));
+}
+
+void FrameLookup::hear(const Event& event, bool is_static) {
+  const ros::Time now = ros::Time::now();
+  if (now < last_heard_) buffer_.clear();  // a bag that begins anew, as tf2_ros does
+  last_heard_ = now;
+  const std::string publisher = event.getPublisherName();
+  const bool other = publisher != ros::this_node::getName();
+  for (const geometry_msgs::TransformStamped& t : event.getConstMessage()->transforms) {
     try {
-      queue_.callAvailable(ros::WallDuration(kPatience));
+      if (!buffer_.setTransform(t, publisher, is_static)) continue;
+      std::lock_guard<std::mutex> lock(mutex_);
+      others_[normal(t.child_frame_id)] = other;
     } catch (const std::exception& e) {
       ROS_WARN_THROTTLE(1, "/tf ignored: %s", e.what());
     }
@@ -66,19 +69,29 @@ bool FrameLookup::isWorld(const std::string& frame) const {
 }
 
 std::vector<std::string> FrameLookup::others() const {
+  std::lock_guard<std::mutex> lock(mutex_);
   std::vector<std::string> names;
-  for (const auto& [frame, broadcaster] : broadcasters(buffer_))
-    if (broadcaster != ros::this_node::getName()) names.push_back(frame);
+  for (const auto& [frame, other] : others_)
+    if (other) names.push_back(frame);
   return names;
+}
+
+/// False for what this node has published itself, in this scene or in one before.
+bool FrameLookup::isOthers(const std::string& frame) const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  const auto found = others_.find(normal(frame));
+  return found == others_.end() || found->second;
 }
 
 Pose FrameLookup::inWorld(const std::string& frame, const Names& own) const {
   if (isWorld(frame)) return Pose();
   try {
-    const Pose pose = fromTransform(
-        buffer_.lookupTransform(world_frame_, normal(frame), ros::Time(0)).transform);
+    if (!isOthers(frame)) throw tf2::LookupException(frame);
+    const Pose pose =
+        fromTransform(buffer_.lookupTransform(world_frame_, normal(frame), ros::Time(0)).transform);
     if (!isFinite(pose))
-      throw Error("", "frame '" + frame + "' is at no finite pose in TF; it must be finite numbers");
+      throw Error("",
+                  "frame '" + frame + "' is at no finite pose in TF; it must be finite numbers");
     return pose;
   } catch (const tf2::LookupException&) {
     const std::vector<std::string> others = this->others();
@@ -93,6 +106,7 @@ Pose FrameLookup::inWorld(const std::string& frame, const Names& own) const {
 
 std::optional<StampedPose> FrameLookup::find(const std::string& frame) const {
   if (isWorld(frame)) return StampedPose();
+  if (!isOthers(frame)) return std::nullopt;
   try {
     const auto t = buffer_.lookupTransform(world_frame_, normal(frame), ros::Time(0));
     const StampedPose found{fromTransform(t.transform), t.header.stamp};

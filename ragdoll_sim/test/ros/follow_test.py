@@ -137,6 +137,12 @@ class FollowTest(unittest.TestCase):
                 self.assertIn(word, answer.status_message)
         # None of the ragdolls' own frames, of this scene or another; the rest is counted.
         self.scene(FLOATING.replace('name: ragdoll', 'name: other'))
+        for frame in ('ragdoll/head', 'nowhere'):
+            answer = self.attach('left_hand', frame)
+            self.assertFalse(answer.success, frame)
+            self.assertIn("unknown frame '%s'; there are world; of other nodes: " % frame,
+                          answer.status_message)
+            self.assertNotIn('/', answer.status_message.split('of other nodes: ')[1])
         self.robot.period = 0.1  # [s] each frame is a message
         self.robot.frames.update({'more_%02d' % i: (0, 0, 0) for i in range(30)})
 

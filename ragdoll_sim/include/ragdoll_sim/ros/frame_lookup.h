@@ -3,11 +3,15 @@
 #pragma once
 
 #include <ros/callback_queue.h>
+#include <ros/message_event.h>
+#include <ros/subscriber.h>
+#include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/buffer.h>
-#include <tf2_ros/transform_listener.h>
 
 #include <atomic>
 #include <functional>
+#include <map>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -32,8 +36,8 @@ class FrameLookup {
   const std::string& worldFrame() const { return world_frame_; }
   bool isWorld(const std::string& frame) const;
 
-  /// Latest known pose in the world frame. Throws Error that names the frames there are: of other
-  /// nodes, and `own`; or if the pose is not finite.
+  /// Latest known pose in the world frame of a frame of another node. Throws Error that names the
+  /// frames there are: of other nodes, and `own`; or if the pose is not finite.
   Pose inWorld(const std::string& frame, const Names& own = nullptr) const;
 
   /// Frames that other nodes publish, in alphabetic order.
@@ -46,14 +50,20 @@ class FrameLookup {
   static std::string normal(const std::string& frame);
 
  private:
-  std::string world_frame_;
-  /// Until the end. tf2 throws at stamps near 2^32 s, which in its own thread would end the node.
-  void listen();
+  using Event = ros::MessageEvent<tf2_msgs::TFMessage const>;
 
+  void listen();  ///< until the end
+  void hear(const Event& event, bool is_static);
+  bool isOthers(const std::string& frame) const;
+
+  std::string world_frame_;
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
   tf2_ros::Buffer buffer_;
-  std::optional<tf2_ros::TransformListener> listener_;
+  ros::Subscriber moving_, static_;
+  ros::Time last_heard_;
+  mutable std::mutex mutex_;
+  std::map<std::string, bool> others_;  ///< is the frame another node's? Whose it was last.
   std::atomic<bool> ends_{false};
   std::thread thread_;
 };
