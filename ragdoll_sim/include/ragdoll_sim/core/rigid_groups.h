@@ -5,7 +5,7 @@
 // flat). A frame of rank + 1 points has neither fault: the group's points are fixed affine
 // combinations of it, and sticks remain between the frame's points only. Points shared with an
 // earlier group serve as frame points; the others are invented, at the group's centre and along its
-// principal axes at its radius of gyration, which makes the system well conditioned whatever the
+// principal axes as far out as it reaches, which makes the system well conditioned whatever the
 // geometry (docs/equations.md#rigid-groups).
 #pragma once
 

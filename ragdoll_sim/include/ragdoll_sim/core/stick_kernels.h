@@ -1,10 +1,10 @@
 // The inner loops of the direct methods on padded rows: one body, its sticks in SIMD lanes.
 //
-// Rows are `width` doubles long, a multiple of kLane, 64-byte aligned, zero beyond the last stick.
-// A D is three such rows: x, y, z of the stick vectors. Elementwise and in a fixed order: the
-// result has the same bits on every instruction set. Sums stay in registers over a block of lanes,
-// and the inverse is explicit: to apply factors costs six times as much, as each of their rows
-// waits for the one before (docs/equations.md#dense-rows).
+// Rows are `width` doubles long, a multiple of kLane, aligned as doubles are, zero beyond the last
+// stick. A D is three such rows: x, y, z of the stick vectors. Elementwise and in a fixed order:
+// the result has the same bits on every instruction set. Sums stay in registers over a block of
+// lanes, and the inverse is explicit: to apply factors takes longer, as each of their rows waits
+// for the one before (docs/equations.md#dense-rows).
 #pragma once
 
 #include <Eigen/Core>
