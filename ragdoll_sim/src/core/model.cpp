@@ -111,9 +111,10 @@ void placeRagdoll(const RagdollSpec& spec, const Skeleton& s, const Points& star
     v.col(i) = spec.velocity + spec.angular_velocity.cross(x.col(i) - com);
   for (const auto& [name, position] : spec.place) {
     const int i = s.particle(name);
-    if (i < 0)
+    if (i < 0 || i >= s.named)
       throw Error(spec.where + ".place",
-                  "unknown particle '" + name + "'; the model has " + joined(s.particles));
+                  "unknown particle '" + name + "'; the model has " +
+                      joined({s.particles.begin(), s.particles.begin() + s.named}));
     x.col(i) = position;
   }
 }
@@ -274,7 +275,8 @@ void setPins(Model& model, const std::vector<Pin>& pins) {
     for (const Pin& p : pins)
       if (p.ragdoll == static_cast<int>(i)) local.push_back(p.particle - r.first);
     std::sort(local.begin(), local.end());
-    const auto [it, fresh] = known.try_emplace({r.skeleton, local}, static_cast<int>(wanted.size()));
+    const auto [it, fresh] =
+        known.try_emplace({r.skeleton, local}, static_cast<int>(wanted.size()));
     chosen.push_back(it->second);
     if (!fresh) continue;
     wanted.push_back(it->first);

@@ -111,6 +111,15 @@ void checkText(const std::string& text, const std::string& name) {
   }
 }
 
+/// The parser calls a tab in the indentation many things.
+bool isIndentedByTab(const std::string& text, int line) {
+  std::istringstream lines(text);
+  std::string last;
+  for (int i = 0; i <= line; ++i)
+    if (!std::getline(lines, last)) return false;
+  return last.find_last_of('\t', last.find_first_not_of(" \t")) != std::string::npos;
+}
+
 }  // namespace
 
 std::shared_ptr<const Value> parseDocument(const std::string& text, const std::string& name) {
@@ -126,7 +135,9 @@ std::shared_ptr<const Value> parseDocument(const std::string& text, const std::s
     }
   } catch (const YAML::Exception& error) {
     const bool located = !error.mark.is_null();
-    throw Error(located ? place(name, error.mark.line + 1) : name, "not valid YAML: " + error.msg);
+    const bool tab = located && isIndentedByTab(text, error.mark.line);
+    throw Error(located ? place(name, error.mark.line + 1) : name,
+                "not valid YAML: " + (tab ? "indented by a tab; spaces are expected" : error.msg));
   }
   if (!tree.root()) throw Error(place(name, 1), "the text is empty; a mapping is expected");
   return tree.root();

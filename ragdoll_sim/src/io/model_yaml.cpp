@@ -94,25 +94,27 @@ AngleRange readRange(const Reader& reader, double unit) {
   return {ends[0] * unit, ends[1] * unit};
 }
 
-void readHinge(const Reader& reader, MapReader& map, JointSpec& joint) {
+void readHinge(MapReader& map, JointSpec& joint) {
   joint.type = JointSpec::Type::kHinge;
   joint.axis = map.need("axis").direction();
   const auto range = angle(map, "range", readRange);
-  if (!range) reader.fail("the key 'range_deg' is missing: [smallest, largest] angle");
+  if (!range) map.missing("range_deg");
   joint.range = *range;
   joint.twist =
       angle(map, "twist", [](const Reader& value, double unit) { return value.positive() * unit; });
 }
 
-void readCone(const Reader& reader, MapReader& map, JointSpec& joint) {
+void readCone(MapReader& map, JointSpec& joint) {
   joint.type = JointSpec::Type::kCone;
   joint.axis = map.need("axis").direction();
   const auto half_angle = angle(map, "half_angle", [](const Reader& value, double unit) {
     const double result = value.notNegative() * unit;
-    if (result > M_PI) value.fail("is more than half a turn (180 degrees)");
+    if (result > M_PI)
+      value.fail(std::string("is more than half a turn (180 degrees)") +
+                 (unit == 1 ? "; with 'half_angle_deg' it is in degrees" : ""));
     return result;
   });
-  if (!half_angle) reader.fail("the key 'half_angle_deg' is missing");
+  if (!half_angle) map.missing("half_angle_deg");
   joint.half_angle = *half_angle;
 }
 
@@ -135,8 +137,8 @@ JointSpec readJoint(const std::string& name, const Reader& reader) {
   const std::size_t type = map.need("type").choice({"hinge", "cone", "planes"});
   joint.parent = map.need("parent").name();
   joint.child = map.need("child").name();
-  if (type == 0) readHinge(reader, map, joint);
-  if (type == 1) readCone(reader, map, joint);
+  if (type == 0) readHinge(map, joint);
+  if (type == 1) readCone(map, joint);
   if (type == 2) readPlanes(reader, map, joint);
   if (const auto stiffness = map.find("stiffness")) joint.stiffness = stiffness->positive();
   if (const auto damping = map.find("damping")) joint.damping = damping->notNegative();

@@ -212,8 +212,17 @@ std::optional<Reader> MapReader::find(const std::string& key) {
 
 Reader MapReader::need(const std::string& key) {
   const std::optional<Reader> found = find(key);
-  if (!found) reader_.fail("the key '" + key + "' is missing");
+  if (!found) missing(key);
   return *found;
+}
+
+void MapReader::missing(const std::string& key) const {
+  std::vector<std::string> present;
+  for (const auto& entry : entries_) present.push_back(quoted(entry.first));
+  reader_.fail("the key '" + key + "' is missing; there " +
+               (present.empty()       ? "is none"
+                : present.size() == 1 ? "is " + present[0]
+                                      : "are " + joined(present)));
 }
 
 void MapReader::finish() const {

@@ -66,6 +66,9 @@ class MapReader {
   Reader need(const std::string& key);
   const std::vector<std::pair<std::string, Reader>>& entries() const { return entries_; }
 
+  /// Fails on `key` that is not there and lists those that are: one of them may be a slip of it.
+  [[noreturn]] void missing(const std::string& key) const;
+
   /// Fails on the first key that was never asked for and lists those that were.
   void finish() const;
 

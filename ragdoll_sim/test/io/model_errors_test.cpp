@@ -130,14 +130,18 @@ TEST(ModelErrors, Joints) {
               StartsWith(where + ".type: is 'slider'; one of hinge, cone, planes is expected"));
   EXPECT_THAT(errorOfJoint("child: lower, type: hinge, range_deg: [0, 130]"),
               StartsWith(where + ": the key 'axis' is missing"));
-  EXPECT_THAT(errorOfJoint("child: lower, type: hinge, axis: [0, 1, 0]"),
-              StartsWith(where + ": the key 'range_deg' is missing"));
+  EXPECT_THAT(
+      errorOfJoint("child: lower, type: hinge, axis: [0, 1, 0]"),
+      StartsWith(where + ": the key 'range_deg' is missing; there are 'parent', 'child', "));
   EXPECT_THAT(errorOfJoint("child: lower, type: hinge, axis: [0, 1, 0], range_deg: [130, 0]"),
               StartsWith(where + ".range_deg: begins above its end"));
   EXPECT_THAT(errorOfJoint("child: lower, type: hinge, axis: [0, 0, 0], range_deg: [0, 130]"),
               StartsWith(where + ".axis: has length 0"));
   EXPECT_THAT(errorOfJoint("child: lower, type: cone, axis: [0, 0, 1], half_angle_deg: 181"),
               StartsWith(where + ".half_angle_deg: is more than half a turn"));
+  EXPECT_THAT(errorOfJoint("child: lower, type: cone, axis: [0, 0, 1], half_angle: 40"),
+              AllOf(StartsWith(where + ".half_angle: is more than half a turn"),
+                    HasSubstr("'half_angle_deg'")));
   EXPECT_THAT(errorOfJoint("child: lower, type: planes"), StartsWith(where + ": has no region"));
   EXPECT_THAT(errorOfJoint("child: lower, type: cone, axis: [0, 0, 1], half_angle_deg: 40, "
                            "stiffness: 0"),

@@ -10,6 +10,7 @@ namespace {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 const char kRagdoll[] = "ragdolls: [{model: human}]\n";
@@ -93,10 +94,22 @@ TEST(SceneErrors, ChoicesAreListed) {
 
 TEST(SceneErrors, MissingKey) {
   EXPECT_THAT(errorOfText("gravity: [0, 0, 0]\n"),
-              StartsWith("scene.yaml:1: the key 'ragdolls' is missing"));
-  EXPECT_THAT(errorOfText("ragdolls:\n  - name: doll\n"),
-              StartsWith("scene.yaml:2: ragdolls[0]: the key 'model' is missing"));
+              StartsWith("scene.yaml:1: the key 'ragdolls' is missing; there is 'gravity'"));
+  EXPECT_THAT(errorOfText("ragdolls:\n  - {name: doll, modle: human}\n"),
+              StartsWith("scene.yaml:2: ragdolls[0]: the key 'model' is missing; there are 'name', "
+                         "'modle'"));
+  EXPECT_THAT(errorOfText("ragdolls: [{}]\n"), HasSubstr("'model' is missing; there is none"));
   EXPECT_THAT(errorOfText("ragdolls: []\n"), StartsWith("scene.yaml:1: ragdolls: is empty"));
+}
+
+TEST(SceneErrors, IndentationByTab) {
+  for (const char* text : {"ragdolls:\n\t- {model: human}\n", "ragdolls:\n  \t- {model: human}\n",
+                           "ragdolls:\n  - name: a\n\tmodel: human\n"})
+    EXPECT_THAT(errorOfText(text),
+                AllOf(StartsWith("scene.yaml:"),
+                      HasSubstr("not valid YAML: indented by a tab; spaces are expected")));
+  EXPECT_EQ(errorOfText("ragdolls:\t[{name: a,\n\tmodel: human}]\n"), "");  // YAML allows it there
+  EXPECT_THAT(errorOfText("ragdolls: [{model: human}\n"), Not(HasSubstr("tab")));
 }
 
 TEST(SceneErrors, DuplicateKeyAndName) {
@@ -120,6 +133,16 @@ TEST(SceneErrors, UnknownModelListsTheKnown) {
                     HasSubstr("human")));
   EXPECT_THAT(errorOfText("ragdolls:\n  - model: nowhere/doll.yaml\n"),
               StartsWith("scene.yaml:2: ragdolls[0].model: there is no file"));
+}
+
+TEST(SceneErrors, PlaceKnowsTheParticlesOfTheFileAlone) {
+  const auto placed = [](const std::string& name) {
+    return errorOfText("ragdolls: [{model: human, place: {" + name + ": [0, 0, 1]}}]\n");
+  };
+  EXPECT_EQ(placed("right_foot"), "");
+  for (const char* name : {"paw", "pelvis.inertia"})
+    EXPECT_THAT(placed(name), AllOf(HasSubstr("unknown particle '" + std::string(name) + "'"),
+                                    HasSubstr("right_foot"), Not(HasSubstr("foot, pelvis"))));
 }
 
 TEST(SceneErrors, UnknownBodyListsTheKnown) {
