@@ -1,6 +1,15 @@
 #!/bin/sh
 # Runs rviz, whose command line is given: with_plugins.sh rviz -d CONFIG ... Where ragdoll_rviz is not
-# built, rviz gets a copy of CONFIG that does without its panel and its tool.
+# built, rviz gets a copy of CONFIG that does without its panel and its tool. Where there is no CONFIG
+# rviz would show nothing, and say nothing.
+last=
+for word in "$@"; do
+  if [ "$last" = -d ] && [ ! -f "$word" ]; then
+    echo "rviz: no view $word; there are" "$(cd "$(dirname "$0")" && echo *.rviz | sed 's/\.rviz//g')" >&2
+    exit 2
+  fi
+  last=$word
+done
 last=
 if ! rospack find ragdoll_rviz >/dev/null 2>&1; then
   for word in "$@"; do

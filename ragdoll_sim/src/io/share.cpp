@@ -98,6 +98,10 @@ std::string findScene(const std::string& scene) {
     if (const std::string path = shared("scenes", scene); !path.empty()) return path;
     throw Error(io::quoted(scene), "no such scene; a file or one of: " + available("scenes"));
   }
+  std::error_code ignored;
+  if (fs::path(scene).is_relative() && !fs::exists(scene, ignored))
+    throw Error(scene, "no such file in " + fs::current_path(ignored).string() +
+                           "; a path, or a scene's name: " + available("scenes"));
   return scene;
 }
 

@@ -2,9 +2,13 @@
 
 #include <ros/this_node.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/ros/answer.h"
 #include "ragdoll_sim/ros/convert.h"
 #include "ragdoll_sim/ros/wrench.h"
@@ -13,6 +17,20 @@ namespace ragdoll {
 namespace {
 
 constexpr double kWarnPeriod = 1;  ///< [s] a stream that is wrong is reported this often
+
+/// [s] exact, and without the overflow of ros::Duration at 2^31 s.
+double since(const ros::Time& time, const ros::Time& other) {
+  return static_cast<double>(static_cast<std::int64_t>(time.toNSec()) -
+                             static_cast<std::int64_t>(other.toNSec())) *
+         1e-9;
+}
+
+/// How long a poke acts, as World rounds it: so that 1 for 1 s, which is 1 ns, is seen.
+std::string length(double duration, double step) {
+  if (duration < 0) return " until cleared";
+  const double steps = std::max(1.0, std::round(duration / step));
+  return " for " + counted(static_cast<std::uint64_t>(steps), "step");
+}
 
 }  // namespace
 
@@ -33,8 +51,7 @@ std::string Pokes::accept(const ragdoll_msgs::Poke::Request& request) {
   const Vec3 force = fromVector3(request.force), point = fromPoint(request.reference_point);
   const std::string frame = FrameLookup::normal(request.reference_frame);
   const ros::Time now = clock_.now(simulation_);
-  const double delay =
-      request.start_time > now ? (request.start_time - now).toSec() * simulatedPerClock() : 0;
+  const double delay = std::max(0.0, since(request.start_time, now)) * simulatedPerClock();
 
   return simulation_.call([&](World& world) {
     Poke poke;
@@ -51,7 +68,8 @@ std::string Pokes::accept(const ragdoll_msgs::Poke::Request& request) {
     poke.duration = request.duration.toSec();
     const std::string what =
         poke.body_name + ": " + shown(poke.force) + " N in " + frames_.worldFrame() + " from step ";
-    return what + std::to_string(world.addPoke(std::move(poke)));
+    const std::string end = length(poke.duration, world.stepLength());
+    return what + std::to_string(world.addPoke(std::move(poke))) + end;
   });
 }
 
@@ -64,7 +82,7 @@ double Pokes::simulatedPerClock() const {
 bool Pokes::clear(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   const auto act = [&] {
     const std::size_t n = simulation_.call([](World& world) { return world.clearPokes(); });
-    return std::to_string(n) + (n == 1 ? " poke" : " pokes") + " ended";
+    return counted(n, "poke") + " ended";
   };
   return answer(act, response.success, response.message);
 }

@@ -21,13 +21,14 @@
 
 namespace {
 
-constexpr double kPoll = 0.01;  ///< [s]
+constexpr double kPoll = 0.01;       ///< [s]
 constexpr int kCallbackThreads = 4;  ///< a long ~step leaves some for the other services
 
 ragdoll::World loadWorld(const std::string& parameter, const std::string& scene) {
   try {
     ragdoll::World world(ragdoll::loadScene(ragdoll::resolvePackage(scene)), scene);
     ragdoll::tellChecks(*world.model());
+    ROS_INFO("scene '%s': %s", scene.c_str(), ragdoll::contents(*world.model()).c_str());
     return world;
   } catch (const ragdoll::Error& e) {
     throw ragdoll::Error("parameter " + parameter, e.what());
@@ -44,8 +45,8 @@ ragdoll::Simulation::Options pace(const ragdoll::Parameters& parameters) {
 }
 
 /// SIGINT and SIGTERM end the node, but while it starts they wait: a publisher that ROS hands out
-/// as it shuts down ends the process (SIGTRAP) at its first message. The second signal does not wait,
-/// as the start may: for a master that is gone.
+/// as it shuts down ends the process (SIGTRAP) at its first message. The second signal does not
+/// wait, as the start may: for a master that is gone.
 class Signals {
  public:
   Signals() {

@@ -3,6 +3,7 @@
 #include <ros/console.h>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/ros/answer.h"
 #include "ragdoll_sim/ros/convert.h"
@@ -22,9 +23,15 @@ World loadWorld(const ragdoll_msgs::LoadScene::Request& request) {
 
 }  // namespace
 
-void tellChecks(const Model& model) {
+void tellChecks(const Model& model, const std::vector<std::string>& told) {
   for (const std::string& warning : model.warnings) ROS_WARN("%s", warning.c_str());
-  for (const std::string& note : model.notes) ROS_INFO("%s", note.c_str());
+  for (const std::string& note : model.notes)
+    if (indexOf(told, note) < 0) ROS_INFO("%s", note.c_str());
+}
+
+std::string contents(const Model& model) {
+  return counted(model.ragdolls.size(), "ragdoll") + ", " +
+         counted(model.obstacles.size(), "obstacle");
 }
 
 Scenes::Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,
@@ -43,10 +50,9 @@ bool Scenes::load(ragdoll_msgs::LoadScene::Request& request,
                   ragdoll_msgs::LoadScene::Response& response) {
   const auto act = [&] {
     World next = loadWorld(request);  // in this thread: the old scene goes on meanwhile
-    std::string message = std::to_string(next.model()->ragdolls.size()) + " ragdolls, " +
-                          std::to_string(next.model()->obstacles.size()) + " obstacles";
+    std::string message = contents(*next.model());
     for (const std::string& warning : next.model()->warnings) message += "; " + warning;
-    tellChecks(*next.model());
+    tellChecks(*next.model(), simulation_.call([](World& world) { return world.model()->notes; }));
     simulation_.jump([&](World& world) { world.replaceBy(next); });
     changed_();
     publisher_.publishNow();

@@ -8,7 +8,7 @@ import unittest
 import rospy
 import rostest
 import tf2_ros
-from client import Client, bits, momentum, position, velocity, wait_for
+from client import LIMIT, Client, bits, momentum, position, velocity, wait_for
 from geometry_msgs.msg import TransformStamped, Vector3
 
 FORCE = 30.0    # [N]
@@ -69,6 +69,20 @@ class PokeTest(unittest.TestCase):
         n = self.steps(SECONDS)
         self.assert_vector(self.gained(self.client.step(n)), [FORCE * n * self.h, 0, 0])
         self.assert_vector(self.gained(self.client.step(n)), [FORCE * n * self.h, 0, 0])
+
+    def test_says_when_it_acts(self):
+        n = self.steps(SECONDS)
+        cases = [({'duration': SECONDS}, 'from step 0 for %d steps' % n),
+                 ({'duration': 0}, 'from step 0 for 1 step'),
+                 ({'duration': 1e-9}, 'from step 0 for 1 step'),
+                 ({'duration': -1}, 'from step 0 until cleared'),
+                 ({'start': 2 ** 32 - 1}, 'for 1 step')]  # farther than a ros::Duration reaches
+        for kwargs, end in cases:
+            answer = self.client.poke('head', (1, 0, 0), **kwargs)
+            self.assertTrue(answer.success, answer.status_message)
+            self.assertTrue(answer.status_message.endswith(end), answer.status_message)
+        told = int(answer.status_message.split('from step ')[1].split()[0])
+        self.assertAlmostEqual(told * self.h, 2 ** 32 - 1 - rospy.Time.now().to_sec(), delta=LIMIT)
 
     def test_moves_the_named_body(self):
         free = self.client.step(5)

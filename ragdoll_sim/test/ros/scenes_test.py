@@ -59,6 +59,10 @@ class ScenesTest(unittest.TestCase):
         wait_for(lambda: said(Log.INFO, "self collision of 'human'", 'share a particle: ',
                               'overlap in the rest pose: ',
                               'left_shoulder-right_shoulder with neck-head'), 'the pairs left out')
+        pairs = len(said(Log.INFO, "self collision of 'human'"))
+        self.assertEqual(self.client.load(yaml=YAML + 'self_collision: true').status_message,
+                         '2 ragdolls, 0 obstacles')
+        self.assertEqual(self.client.load(path='fall').status_message, '1 ragdoll, 1 obstacle')
         doll = YAML.replace('{name: anna, model: human, position: [0, 0, 3]}', """
       name: anna
       model:
@@ -67,6 +71,7 @@ class ScenesTest(unittest.TestCase):
         answer = self.client.load(yaml=doll)
         self.assertIn('b by 250 mm', answer.status_message)
         wait_for(lambda: said(Log.WARN, 'b by 250 mm'), 'the warning')
+        self.assertEqual(len(said(Log.INFO, "self collision of 'human'")), pairs)  # not told twice
 
     def test_an_error_leaves_the_old_scene_untouched(self):
         cases = [
@@ -74,6 +79,7 @@ class ScenesTest(unittest.TestCase):
             ({'path': 'fall', 'yaml': YAML}, ['both', 'exactly one']),
             ({'path': '/nowhere/at_all.yaml'}, ['/nowhere/at_all.yaml']),
             ({'path': 'nowhere'}, ['nowhere', 'stairs']),
+            ({'path': 'nowhere.yaml'}, ['nowhere.yaml', 'no such file in /', 'stairs']),
             ({'path': 'package://no_such_package/a.yaml'}, ['no_such_package']),
             ({'yaml': 'ragdolls: ['}, ['yaml']),
             ({'yaml': 'ragdolls:\n  - {name: a, model: human, colour: red}'}, ['2', 'colour']),

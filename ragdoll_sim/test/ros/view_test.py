@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""rviz's configurations, with ragdoll_rviz and where it is not built."""
+"""rviz's configurations, with ragdoll_rviz and where it is not built; slips at the start."""
 
 import glob
 import os
@@ -55,6 +55,19 @@ class ViewTest(unittest.TestCase):
             other = self.started_with(view, built=False)[1]
             self.assertEqual(yaml.safe_load(other), without_ours(yaml.safe_load(text)), view)
             self.assertNotIn(OURS, other)
+
+    def test_a_view_that_is_not_there(self):
+        run = subprocess.run(['sh', os.path.join(FOLDER, 'with_plugins.sh'), 'true', '-d',
+                              os.path.join(FOLDER, 'closer.rviz')],
+                             stderr=subprocess.PIPE, universal_newlines=True)
+        self.assertEqual(run.returncode, 2)
+        self.assertIn('closer.rviz; there are crowd ragdoll tall', run.stderr)
+
+    def test_an_argument_that_is_not_there(self):
+        run = subprocess.run([os.path.join(FOLDER, '..', 'run'), 'scen:=fall'],
+                             stderr=subprocess.PIPE, universal_newlines=True)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("no argument 'scen'; there are scene rviz view", run.stderr)
 
 
 if __name__ == '__main__':

@@ -17,8 +17,12 @@
 
 namespace ragdoll {
 
-/// To the log: what the checks at load found and decided (Model::warnings, notes).
-void tellChecks(const Model& model);
+/// To the log: what the checks at load found and decided (Model::warnings, notes), but for notes
+/// that were `told` already.
+void tellChecks(const Model& model, const std::vector<std::string>& told = {});
+
+/// "2 ragdolls, 1 obstacle"
+std::string contents(const Model& model);
 
 class Scenes {
  public:
