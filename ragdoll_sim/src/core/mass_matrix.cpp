@@ -2,6 +2,7 @@
 #include <Eigen/QR>
 #include <cmath>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/skeleton.h"
 
@@ -29,8 +30,7 @@ void addRod(const SegmentSpec& g, const Segment& segment, Eigen::MatrixXd& M) {
 /// int [1; p] [1; p]^T dm.
 void addGroup(const SegmentSpec& g, const Segment& segment, const Points& rest,
               Eigen::MatrixXd& M) {
-  if (!g.com_point.allFinite())
-    throw Error(g.where + ".com", "com must be three finite numbers [m]");
+  checkPosition(g.where + ".com", g.com_point);
   const Eigen::Matrix3d I = 0.5 * (g.inertia + g.inertia.transpose());
   const Eigen::Matrix3d J = 0.5 * I.trace() * Eigen::Matrix3d::Identity() - I;
   const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(J).eigenvalues();

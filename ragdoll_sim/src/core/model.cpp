@@ -5,8 +5,8 @@
 #include <map>
 #include <set>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
-#include "ragdoll_sim/core/force_limit.h"
 #include "ragdoll_sim/core/inputs.h"
 #include "ragdoll_sim/core/limits.h"
 #include "ragdoll_sim/core/names.h"
@@ -53,17 +53,22 @@ Obstacle resolve(const ObstacleSpec& o) {
     throw Error(o.where + ".friction", "friction must be >= 0");
   if (!(o.restitution >= 0 && o.restitution <= 1))
     throw Error(o.where + ".restitution", "restitution must be in [0, 1]");
+  checkPosition(o.where + (o.type == Type::kPlane ? ".point" : ".position"), o.pose.position);
+  checkLength(o.where + ".radius", o.radius);
   if ((o.type == Type::kSphere || o.type == Type::kCapsule) && !(o.radius > 0))
     throw Error(o.where + ".radius", "radius must be > 0 [m]");
   if (o.type == Type::kBox) {
     if (!(o.size.minCoeff() > 0))
       throw Error(o.where + ".size", "size must be > 0 [m] on each axis");
+    checkLength(o.where + ".size", o.size.maxCoeff());
     out.half = 0.5 * o.size;
   } else if (o.type == Type::kPlane) {
     if (!(o.normal.norm() > kMinLength))
       throw Error(o.where + ".normal", "normal must be a direction, not zero");
     out.pose.orientation = frameWithZ(o.normal);
   } else if (o.type == Type::kCapsule) {
+    checkPosition(o.where + ".from", o.from);
+    checkPosition(o.where + ".to", o.to);
     const Vec3 axis = o.to - o.from;
     out.pose = {0.5 * (o.from + o.to),
                 axis.norm() > kMinLength ? frameWithZ(axis) : Quat::Identity()};
@@ -78,6 +83,7 @@ std::vector<RagdollSpec> unrolled(const Scene& scene) {
   for (const RagdollSpec& r : scene.ragdolls) {
     if (!r.skeleton) throw Error(r.where, "ragdoll '" + r.name + "' has no model");
     if (r.count < 0) throw Error(r.where + ".count", "count must be >= 1");
+    checkPosition(r.where + ".position", r.pose.position);
     if (r.count == 0) {
       out.push_back(r);
       continue;
@@ -90,6 +96,7 @@ std::vector<RagdollSpec> unrolled(const Scene& scene) {
       one.count = 0;
       one.name = r.name + "_" + std::to_string(i);
       one.pose.position += Vec3(i % side, i / side, i % side + i / side).cwiseProduct(r.spacing);
+      checkPosition(r.where + ".spacing", one.pose.position, "puts '" + one.name + "' at");
       out.push_back(std::move(one));
     }
   }
@@ -107,14 +114,19 @@ void placeRagdoll(const RagdollSpec& spec, const Skeleton& s, const Points& star
   const Eigen::RowVectorXd share =
       Eigen::RowVectorXd::Ones(n) * s.M;  // mass that each point stands for
   const Vec3 com = x * share.transpose() / share.sum();
+  checkSpeed(spec.where + ".velocity", spec.velocity);
   for (int i = 0; i < n; ++i)
     v.col(i) = spec.velocity + spec.angular_velocity.cross(x.col(i) - com);
+  Eigen::Index fastest = 0;
+  v.colwise().squaredNorm().maxCoeff(&fastest);
+  checkSpeed(spec.where + ".angular_velocity", v.col(fastest));
   for (const auto& [name, position] : spec.place) {
     const int i = s.particle(name);
     if (i < 0 || i >= s.named)
       throw Error(spec.where + ".place",
                   "unknown particle '" + name + "'; the model has " +
                       joined({s.particles.begin(), s.particles.begin() + s.named}));
+    checkPosition(spec.where + ".place." + name, position);
     x.col(i) = position;
   }
 }
@@ -203,9 +215,8 @@ Poke resolve(const PokeSpec& p, const Model& model) {
 
 Model buildModel(const Scene& scene) {
   Model model;
-  if (!scene.gravity.allFinite())
-    throw Error(scene.where + ": gravity", "gravity must be three finite numbers [m/s^2]");
   checkSolver(scene.solver);
+  checkGravity(scene.where + ": gravity", scene.gravity, scene.solver.step);
   model.gravity = scene.gravity;
   model.solver = scene.solver;
   model.self_collision = scene.self_collision;

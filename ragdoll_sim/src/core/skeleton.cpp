@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/number_text.h"
@@ -35,10 +36,6 @@ int Skeleton::joint(const std::string& name) const {
 
 namespace {
 
-void checkFinite(const Vec3& v, const std::string& where, const char* key) {
-  if (!v.allFinite()) throw Error(where, std::string(key) + " must be finite numbers");
-}
-
 int particleOr(const Skeleton& s, const std::string& name, const std::string& where) {
   const int i = s.particle(name);
   if (i < 0)
@@ -56,13 +53,14 @@ void addParticles(const SkeletonSpec& spec, Skeleton& s) {
     if (p.name.empty() || p.name.find('/') != std::string::npos)
       throw Error(p.where, "name '" + p.name + "' must be a word without '/'");
     if (s.particle(p.name) >= 0) throw Error(p.where, "duplicate particle name '" + p.name + "'");
-    checkFinite(p.position, p.where, "position");
+    checkPosition(p.where + ".position", p.position);
     if (!(std::isfinite(p.mass) && p.mass >= 0))
       throw Error(p.where + ".mass",
                   "mass of '" + p.name + "' is " + numberText(p.mass) + "; it must be >= 0 [kg]");
     if (!(std::isfinite(p.radius) && p.radius >= 0))
       throw Error(p.where + ".radius", "radius of '" + p.name + "' is " + numberText(p.radius) +
                                            "; it must be >= 0 [m]");
+    checkLength(p.where + ".radius", p.radius);
     s.particles.push_back(p.name);
     s.rest.col(i) = p.position;
     s.radius[i] = p.radius;
@@ -83,6 +81,7 @@ void addSticks(const SkeletonSpec& spec, Skeleton& s) {
     if (!(std::isfinite(stick.length) && stick.length > kMinLength))
       throw Error(k.where, "stick " + name + " has length " + numberText(stick.length) +
                                "; it must be > 0 [m]");
+    checkLength(k.where, stick.length);
     s.sticks.push_back(stick);
   }
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/snapshot.h"
 #include "ragdoll_sim/core/solver_presets.h"
@@ -23,6 +24,12 @@ bool allFinite(const Numbers& numbers) {
 
 bool isIndex(int i, std::size_t count) { return i >= 0 && static_cast<std::size_t>(i) < count; }
 
+/// Positions or velocities that a run can come to.
+template <class Numbers>
+bool areReached(const Numbers& numbers) {
+  return (numbers.array().abs() <= kLargestState).all();
+}
+
 /// Whether the particle (column of the state) is one of the ragdoll's.
 bool isPart(const Model& model, int ragdoll, int particle) {
   if (!isIndex(ragdoll, model.ragdolls.size())) return false;
@@ -37,11 +44,13 @@ void checkState(const Model& model, const State& state) {
               state.obstacles.size() == model.obstacles.size() &&
               state.allowed.cols() == startState(model).allowed.cols(),
           "its sizes are not those of the scene");
-  require(state.x.allFinite() && state.v.allFinite() && std::isfinite(state.time) &&
-              state.allowed.allFinite() && allFinite(state.quiet) && allFinite(state.multipliers),
+  require(areReached(state.x) && areReached(state.v),
+          "it holds a position or velocity that no run comes to");
+  require(std::isfinite(state.time) && state.allowed.allFinite() && allFinite(state.quiet) &&
+              allFinite(state.multipliers),
           "it holds numbers that are not finite");
   for (const Pose& pose : state.obstacles)
-    require(pose.position.allFinite() &&
+    require(areReached(pose.position) &&
                 std::abs(pose.orientation.coeffs().norm() - 1) < kUnitTolerance,
             "an obstacle is nowhere");
   for (const Press& press : state.presses)
@@ -67,7 +76,7 @@ void checkPins(const Model& model, const std::vector<Pin>& pins) {
   for (const Pin& pin : pins) {
     require(isPart(model, pin.ragdoll, pin.particle), "a pin of a particle out of range");
     require(held.insert(pin.particle).second, "a particle is pinned twice");
-    require(pin.target.allFinite(), "a pin's numbers are not finite");
+    require(areReached(pin.target), "a pin holds its particle where no run comes to");
   }
 }
 

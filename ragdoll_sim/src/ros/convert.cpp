@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/number_text.h"
@@ -178,7 +179,7 @@ namespace {
 Pose fromPose(const geometry_msgs::Pose& m, const char* name) {
   const auto& q = m.orientation;
   const Pose pose{fromPoint(m.position), Quat(q.w, q.x, q.y, q.z)};
-  checkFinite(pose.position, name, "[m]");
+  checkPosition(name, pose.position);
   if (!(std::abs(pose.orientation.norm() - 1) < 1e-6))
     throw Error(name, "has an orientation of length " + numberText(pose.orientation.norm()) +
                           "; it must be 1");

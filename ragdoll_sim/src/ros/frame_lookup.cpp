@@ -3,16 +3,18 @@
 #include <ros/console.h>
 #include <ros/this_node.h>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/ros/convert.h"
 
 namespace ragdoll {
 namespace {
 
-/// TF lets infinite numbers through.
-bool isFinite(const Pose& pose) {
-  return pose.position.allFinite() && pose.orientation.coeffs().allFinite();
+/// TF lets numbers of any size through, infinite ones, too.
+bool isPlace(const Pose& pose) {
+  return isWithinReach(pose.position) && pose.orientation.coeffs().allFinite();
 }
 
 }  // namespace
@@ -89,9 +91,10 @@ Pose FrameLookup::inWorld(const std::string& frame, const Names& own) const {
     if (!isOthers(frame)) throw tf2::LookupException(frame);
     const Pose pose =
         fromTransform(buffer_.lookupTransform(world_frame_, normal(frame), ros::Time(0)).transform);
-    if (!isFinite(pose))
-      throw Error("",
-                  "frame '" + frame + "' is at no finite pose in TF; it must be finite numbers");
+    if (!isPlace(pose))
+      throw Error("", "frame '" + frame + "' is at " + shown(pose.position) +
+                          " m in TF; its pose must be finite numbers, coordinates from " +
+                          numberText(-kFarthest) + " to " + numberText(kFarthest));
     return pose;
   } catch (const tf2::LookupException&) {
     const std::vector<std::string> others = this->others();
@@ -110,7 +113,7 @@ std::optional<StampedPose> FrameLookup::find(const std::string& frame) const {
   try {
     const auto t = buffer_.lookupTransform(world_frame_, normal(frame), ros::Time(0));
     const StampedPose found{fromTransform(t.transform), t.header.stamp};
-    if (!isFinite(found.pose)) return std::nullopt;
+    if (!isPlace(found.pose)) return std::nullopt;
     return found;
   } catch (const tf2::TransformException&) {
     return std::nullopt;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/ros/convert.h"
 
@@ -151,7 +152,7 @@ void Handles::hold(const Feedback& message) {
     const std::optional<Pose> own = world.frame(frame);
     const Pose pose = own ? *own : frames_.inWorld(frame);
     const Vec3 target = pose.position + pose.orientation * point;
-    checkFinite(target, "pose", "[m]");
+    checkPosition("pose", target);
     world.pull(message.marker_name, target);
   });
   grips_[message.marker_name] = Simulation::Clock::now();

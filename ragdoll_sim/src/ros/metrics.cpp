@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <chrono>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/core/solver_presets.h"
+#include "ragdoll_sim/ros/convert.h"
 
 namespace ragdoll {
 namespace {
@@ -31,6 +34,13 @@ std::string describe(const SolverSpec& solver) {
   char step[32];
   std::snprintf(step, sizeof step, ", step %.6g s", solver.step);
   return text + step + " (preset " + solver.preset + ")";
+}
+
+std::vector<std::string> outOfReach(const Model& model, const State& state) {
+  std::vector<std::string> names;
+  for (const Ragdoll& r : model.ragdolls)
+    if (!isWithinReach(state.x.col(r.first))) names.push_back(r.name);
+  return names;
 }
 
 }  // namespace
@@ -97,6 +107,7 @@ void Metrics::measure(const Snapshot& world, double seconds) {
   message_.limited = static_cast<std::uint32_t>(since_.limited);
   message_.unresolved = static_cast<std::uint32_t>(since_.unresolved);
   message_.error_class = errorClass(world.model->solver);
+  out_of_reach_ = outOfReach(*world.model, world.state);
 }
 
 void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -115,6 +126,11 @@ void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
     status.mergeSummary(DiagnosticStatus::WARN,
                         "constraints did not converge in some steps; look for obstacles, bodies or "
                         "pins that leave a body no room, or for a too small tolerance");
+  if (!out_of_reach_.empty())
+    status.mergeSummary(DiagnosticStatus::WARN, "farther out than " + numberText(kFarthest) +
+                                                    " m, where numbers are too " +
+                                                    "coarse for a body: " + listed(out_of_reach_) +
+                                                    "; ~reset brings it back");
   const std::vector<std::string> missing = missing_();
   if (!missing.empty())
     status.mergeSummary(DiagnosticStatus::WARN, "no news from TF of " + joined(missing));

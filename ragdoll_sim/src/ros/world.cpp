@@ -5,8 +5,8 @@
 #include <iterator>
 #include <utility>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
-#include "ragdoll_sim/core/force_limit.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/pull.h"
 #include "ragdoll_sim/core/sleep.h"

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <string>
+#include <utility>
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/inputs.h"
@@ -116,6 +118,21 @@ TEST_F(Snapshot, anyOtherLengthIsNoticed) {
   std::vector<std::uint8_t> longer = good;
   longer.push_back(0);
   EXPECT_NE(refusal(longer), "accepted");
+}
+
+TEST_F(Snapshot, ofABodyThatHasFlownOutIsTakenButNoneOfWhereNoRunComes) {
+  Moment m = moment(startState(model_));
+  m.state.x.row(0).array() += 1e15;
+  m.state.v.setConstant(1e12);
+  EXPECT_EQ(fromBytes(model_, toBytes(model_, m)).state.x, m.state.x);
+  for (const double out : {1e160, std::numeric_limits<double>::quiet_NaN()})
+    for (Points* numbers : {&m.state.x, &m.state.v}) {
+      const double before = std::exchange((*numbers)(1, 2), out);
+      EXPECT_NE(refusal(toBytes(model_, m)).find("that no run comes to"), std::string::npos) << out;
+      (*numbers)(1, 2) = before;
+    }
+  m.pins[0].target.z() = -1e160;
+  EXPECT_NE(refusal(toBytes(model_, m)).find("a pin holds"), std::string::npos);
 }
 
 TEST_F(Snapshot, saysWhatTheBytesAre) {

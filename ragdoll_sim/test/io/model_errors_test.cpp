@@ -54,6 +54,18 @@ TEST(ModelErrors, UnknownKeyWrongTypeAndNan) {
               StartsWith("scene.yaml:5: ragdolls[0].model.particles.a.mass: is '.nan'; a finite"));
 }
 
+TEST(ModelErrors, FartherOutThanNumbersReach) {
+  EXPECT_EQ(errorOfParticle("{position: [0, 0, -1e9], mass: 2, radius: 1e9}"), "");
+  EXPECT_THAT(errorOfParticle("{position: [0, 0, -2e9], mass: 2}"),
+              AllOf(StartsWith("scene.yaml:5: ragdolls[0].model.particles.a.position: is [0, 0, "
+                               "-2e+09] m; numbers from -1e+09 to 1e+09")));
+  EXPECT_THAT(errorOfParticle("{position: [0, 0, 0], mass: 2, radius: 1e20}"),
+              StartsWith("scene.yaml:5: ragdolls[0].model.particles.a.radius: is 1e+20 m; a number "
+                         "from 0 to 1e+09"));
+  EXPECT_THAT(errorAfterTwo("      sticks: [[a, b, 1e20]]\n"),
+              StartsWith("scene.yaml:7: ragdolls[0].model.sticks[0]: is 1e+20 m; a number from 0"));
+}
+
 TEST(ModelErrors, DuplicateParticle) {
   EXPECT_THAT(errorAfterTwo("        a: {position: [1, 0, 1], mass: 1}\n"),
               StartsWith("scene.yaml:7: ragdolls[0].model.particles.a: is there twice"));

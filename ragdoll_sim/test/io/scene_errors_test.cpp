@@ -63,6 +63,59 @@ TEST(SceneErrors, NonFiniteNumber) {
   }
 }
 
+/// What numbers cannot follow (core/bounds.h), each as {key, scene with @ for the number}.
+TEST(SceneErrors, FartherOutThanNumbersReach) {
+  const std::pair<std::string, std::string> cases[] = {
+      {"ragdolls[0].position", "ragdolls: [{model: human, position: [0, @, 0]}]\n"},
+      {"ragdolls[0].place.head", "ragdolls: [{model: human, place: {head: [0, 0, @]}}]\n"},
+      {"obstacles[0].point",
+       std::string(kRagdoll) + "obstacles: [{type: plane, point: [@, 0, 0]}]\n"},
+      {"obstacles[0].position",
+       std::string(kRagdoll) + "obstacles: [{type: box, position: [@, 0, 0], size: [1, 1, 1]}]\n"},
+      {"obstacles[0].size",
+       std::string(kRagdoll) + "obstacles: [{type: box, position: [0, 0, 0], size: [1, @, 1]}]\n"},
+      {"obstacles[0].radius",
+       std::string(kRagdoll) + "obstacles: [{type: sphere, position: [0, 0, -10], radius: @}]\n"},
+      {"obstacles[0].from", std::string(kRagdoll) + "obstacles: [{type: capsule, from: [@, 0, 9], "
+                                                    "to: [0, 0, 9], radius: 1}]\n"},
+      {"obstacles[0].to", std::string(kRagdoll) +
+                              "obstacles: [{type: capsule, from: [0, 0, 9], to: "
+                              "[0, 0, @], radius: 1}]\n"},
+  };
+  for (const auto& [key, scene] : cases) {
+    const auto with = [&, at = scene.find('@')](const std::string& number) {
+      return errorOfText(std::string(scene).replace(at, 1, number));
+    };
+    EXPECT_EQ(with("1e9"), "") << key;
+    for (const std::string number : {"1.1e+09", "1e+160"})
+      EXPECT_THAT(with(number), AllOf(StartsWith("scene.yaml:"), HasSubstr(" " + key + ": is "),
+                                      HasSubstr(number), HasSubstr("to 1e+09")));
+    EXPECT_NE(with("-1.1e9"), "") << key;
+  }
+  EXPECT_THAT(
+      errorOfText("ragdolls: [{name: a, model: human, count: 9, spacing: [1e9, 0, 0]}]\n"),
+      AllOf(StartsWith("scene.yaml:1: ragdolls[0].spacing: puts 'a_2' at [2e+09, 0, 0] m")));
+}
+
+TEST(SceneErrors, FasterThanNumbersCanFollow) {
+  const auto with = [](const std::string& key, const std::string& vector) {
+    return errorOfText("ragdolls: [{model: human, " + key + ": " + vector + "}]\n");
+  };
+  EXPECT_EQ(with("velocity", "[0, 1e10, 0]"), "");
+  EXPECT_EQ(with("angular_velocity", "[0, 0, 1e10]"), "");  // no particle is 1 m from the axis
+  EXPECT_THAT(with("velocity", "[0, 1.1e10, 0]"),
+              AllOf(StartsWith("scene.yaml:1: ragdolls[0].velocity: makes 1.1e+10 m/s"),
+                    HasSubstr("at most 1e+10")));
+  EXPECT_THAT(with("angular_velocity", "[1e300, 0, 0]"),
+              AllOf(StartsWith("scene.yaml:1: ragdolls[0].angular_velocity: makes "),
+                    HasSubstr("at most 1e+10")));
+  // 1/120 s, so that 1.2e12 m/s^2 make 1e10 m/s in a step.
+  EXPECT_EQ(errorAfterRagdoll("gravity: [0, 0, -1.19e12]\n"), "");
+  EXPECT_THAT(
+      errorAfterRagdoll("gravity: [0, 0, -1.21e12]\n"),
+      AllOf(StartsWith("scene.yaml: gravity: is [0, 0, -1.21e+12] m/s^2; at most 1.2e+12")));
+}
+
 TEST(SceneErrors, OutOfRangeNamesTheRange) {
   EXPECT_THAT(errorAfterRagdoll("solver: {step: 0}\n"),
               AllOf(StartsWith("scene.yaml:2: solver.step: is 0;"), HasSubstr("to 1 is expected")));

@@ -21,13 +21,18 @@ gravity: [0, 0, 0]
 ragdolls: [{name: ragdoll, model: human, position: [0, 0, 0]}]
 pokes: [{at: 0.1, body: right_hand, force: [0, 1e10, 0]}]
 """
+TOO_FAR = """
+gravity: [0, 0, 0]
+ragdolls: [{name: ragdoll, model: human, position: [0, 0, 0], velocity: [1e10, 0, 0]}]
+"""
 
 
 class DiagnosticsTest(unittest.TestCase):
     def test_beyond_the_solver_is_a_warning_that_says_what_to_look_for(self):
         client = Client()
         reports = Inbox('/diagnostics', DiagnosticArray)
-        for scene, hint in ((NO_ROOM, 'leave a body no room'), (TOO_MUCH, 'look for huge forces')):
+        for scene, hint in ((NO_ROOM, 'leave a body no room'), (TOO_MUCH, 'look for huge forces'),
+                            (TOO_FAR, 'too coarse for a body: ragdoll; ~reset')):
             client.load(yaml=scene)
             told = reports.first(lambda m: hint in m.status[0].message, hint)
             self.assertEqual(told.status[0].level, DiagnosticStatus.WARN)

@@ -188,7 +188,7 @@ class FollowTest(unittest.TestCase):
         def struck(rate):
             """The velocity of a ball struck by a box of 1 m/s, whose frame is published so often."""
             self.robot.period = 1.0 / rate
-            box = 'box_%d' % len(self.robot.frames)  # one that has not been anywhere yet
+            box = 'moving_%d' % len(self.robot.frames)  # one that has not been anywhere yet
             self.robot.frames[box] = (-1.5, 0, 1)
             self.scene(BALL.replace('pusher', box))
             wait_for(lambda: self.client.states.all()[-1].step > 20, 'steps')
@@ -209,7 +209,7 @@ class FollowTest(unittest.TestCase):
     def test_an_obstacle_that_turns_gives_the_velocity_of_the_point_that_touches(self):
         def struck():
             """[m/s] of a ball 0.7 m from the axis of a bar that turns at 1 rad/s."""
-            bar = 'bar_%d' % len(self.robot.frames)  # one that has not been anywhere yet
+            bar = 'turning_%d' % len(self.robot.frames)  # one that has not been anywhere yet
             self.robot.frames[bar] = (0, 0, 1, -1.0)
             self.scene(BALL.replace('pusher', bar).replace('size: [0.2, 1, 1]', 'size: [2, 0.2, 1]')
                        .replace('position: [0, 0, 1]', 'position: [0.7, 0, 1]'))
@@ -264,10 +264,10 @@ class FollowTest(unittest.TestCase):
         wait_for(lambda: len(markers.all()) > seen + 60, 'markers')
         self.assertLess(abs(obstacle().x + 2), 1e-6)
         self.assertAlmostEqual(obstacle().z, 1.5)
-        # At no finite place: as if it were not there.
-        self.robot.frames['pusher'] = (float('inf'), 0, 1)
-        answer = wait_for(lambda: self.refusal('left_hand', 'pusher'), 'a refusal')
-        self.assertIn('finite', answer)
+        # At no finite place, or farther out than numbers reach: as if it were not there.
+        for out, told in ((float('inf'), 'must be finite numbers'), (2e9, 'is at (2e+09, 0, 1) m')):
+            self.robot.frames['pusher'] = (out, 0, 1)
+            wait_for(lambda: told in self.refusal('left_hand', 'pusher'), told)
         seen = len(markers.all())
         wait_for(lambda: len(markers.all()) > seen + 60, 'markers')
         self.assertLess(abs(obstacle().x + 2), 1e-6)

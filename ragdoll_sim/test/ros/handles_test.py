@@ -240,7 +240,7 @@ class HandlesTest(unittest.TestCase):
         seen = len(self.client.told())
         at = self.at('right_hand')
         far = (at[0] + 1, at[1], at[2])
-        for args in ((HAND, (nan, 0, 0)), ('ragdoll/tail', far), ('ragdoll/torso', far),
+        for args in ((HAND, (nan, 0, 0)), (HAND, (0, 2e9, 0)), ('ragdoll/tail', far), ('ragdoll/torso', far),
                      ('', far), (HAND, far, 'nowhere')):
             self.mouse.send(Feedback.MOUSE_DOWN, *args)
             self.mouse.send(Feedback.POSE_UPDATE, *args)

@@ -28,7 +28,7 @@ SEED = int(os.environ.get('RAGDOLL_SEED', 20250705))
 GROWTH = 64e6  # [B] of resident memory over all calls; a leak of 1 kB a call would be 100 MB
 LONGEST = 10000  # [B] of a message
 
-NUMBERS = [0.0, 1.0, -1.0, 50.0, math.nan, math.inf, -math.inf, 1e9, -1e9, 1e-320]
+NUMBERS = [0.0, 1.0, -1.0, 50.0, math.nan, math.inf, -math.inf, 1e9, -1e9, 1e160, 1e-320]
 HUGE = [1e17, -1e17, 1e308]  # [N] more than numbers can follow
 NAMES = ['head', 'torso', 'ragdoll/left_hand', 'ragdoll/head', 'right_forearm', '', '/', 'nobody',
          'nobody/head', 'ragdoll/', 'head/head', 'x' * 100000, '\n', '\x01', 'ragdöll', '*', '~']

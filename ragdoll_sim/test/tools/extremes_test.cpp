@@ -46,7 +46,7 @@ TEST(Extremes, Gravities) { expectKept({"gravity"}); }
 TEST(Extremes, ParticlesPlacedApartOrTogether) { expectKept({"placed apart"}); }
 TEST(Extremes, FlatAndSymmetricBodies) { expectKept({"flat and symmetric"}); }
 TEST(Extremes, SizesAndMasses) { expectKept({"size", "mass"}); }
-TEST(Extremes, FarFromTheOrigin) { expectKept({"1e6 m from the origin"}); }
+TEST(Extremes, FarFromTheOrigin) { expectKept({"far from the origin"}); }
 TEST(Extremes, AMinuteOfRestAndOfTumbling) { expectKept({"long"}); }
 TEST(Extremes, Wedges) { expectKept({"wedge of two planes"}); }
 TEST(Extremes, ClosingWalls) { expectKept({"closing walls"}); }
@@ -284,9 +284,10 @@ TEST(Extremes, BodiesThatFallOntoEachOtherGainNoEnergyAtAnyStep) {
 
 TEST(Extremes, NumbersThatOverflowLeaveTheBodyWhereItWas) {
   for (const ExtremeMethod& method : extremeMethods()) {
-    Scene scene = humanScene("position: [0, 0, 0]", "gravity: [0, 0, -1e308]\n");
+    Scene scene = humanScene("position: [0, 0, 0]", "");
     scene.solver = method.solver;
     test::World world(scene);
+    world.model.gravity.z() = -1e308;  // a scene that says so is refused
     int unresolved = 0;
     for (int i = 0; i < 10; ++i) unresolved += world.steps(1).unresolved;
     EXPECT_GT(unresolved, 0) << method.name;

@@ -37,13 +37,14 @@ class FrameLookup {
   bool isWorld(const std::string& frame) const;
 
   /// Latest known pose in the world frame of a frame of another node. Throws Error that names the
-  /// frames there are: of other nodes, and `own`; or if the pose is not finite.
+  /// frames there are: of other nodes, and `own`; or if the pose is not finite or farther out than
+  /// kFarthest (bounds.h).
   Pose inWorld(const std::string& frame, const Names& own = nullptr) const;
 
   /// Frames that other nodes publish, in alphabetic order.
   std::vector<std::string> others() const;
 
-  /// As inWorld(); nothing where there is none, or none that is finite.
+  /// As inWorld(); nothing where that throws.
   std::optional<StampedPose> find(const std::string& frame) const;
 
   /// As tf2 wants them: without a leading slash.

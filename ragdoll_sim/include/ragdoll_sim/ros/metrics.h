@@ -30,7 +30,8 @@ class Metrics {
   ros::Publisher publisher_;
   diagnostic_updater::Updater updater_;
   Simulation::Clock::time_point last_;
-  Progress before_, since_;  ///< since_: over the last period
+  Progress before_, since_;                ///< since_: over the last period
+  std::vector<std::string> out_of_reach_;  ///< ragdolls beyond kFarthest (bounds.h)
   bool paused_ = false, was_paused_ = true;
   ragdoll_msgs::Metrics message_;
 };
