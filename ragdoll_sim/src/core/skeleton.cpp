@@ -245,6 +245,26 @@ void checkGroups(const SkeletonSpec& spec, Skeleton& s) {
   }
 }
 
+/// A bone names two particles; what holds them at their distance is a stick or a rigid group.
+void checkBones(const SkeletonSpec& spec, Skeleton& s) {
+  for (std::size_t i = 0; i < s.segments.size(); ++i) {
+    if (s.segments[i].group) continue;
+    const int a = s.segments[i].particles[0], b = s.segments[i].particles[1];
+    const bool joined = std::any_of(s.sticks.begin(), s.sticks.end(), [&](const Stick& k) {
+      return std::minmax({k.a, k.b}) == std::minmax({a, b});
+    });
+    const bool grouped = std::any_of(s.groups.begin(), s.groups.end(), [&](const RigidGroup& g) {
+      return std::count(g.particles.begin(), g.particles.end(), a) != 0 &&
+             std::count(g.particles.begin(), g.particles.end(), b) != 0;
+    });
+    if (!joined && !grouped)
+      s.warnings.push_back(spec.segments[i].where + ": no stick joins '" + s.particles[a] +
+                           "' and '" + s.particles[b] +
+                           "', so the bone has no fixed length; add [" + s.particles[a] + ", " +
+                           s.particles[b] + "] to the sticks");
+  }
+}
+
 }  // namespace
 
 Skeleton buildSkeleton(const SkeletonSpec& spec) {
@@ -261,6 +281,7 @@ Skeleton buildSkeleton(const SkeletonSpec& spec) {
   s.M = massMatrix(spec, s);
   s.groups = findRigidGroups(spec, s);
   checkGroups(spec, s);
+  checkBones(spec, s);
   addLimits(spec, s);
   orderSticks(s);
   s.lumped = s.M.isDiagonal(0.0);

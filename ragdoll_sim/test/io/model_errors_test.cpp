@@ -9,7 +9,9 @@ namespace ragdoll {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
 // Lines 4, 5 and 6 of the scene.
@@ -120,6 +122,29 @@ TEST(ModelErrors, Segments) {
               AllOf(StartsWith("scene.yaml:8: ragdolls[0].model.segments.s"), HasSubstr("'c'")));
   EXPECT_THAT(errorAfterTwo("      segments:\n        s: {from: a, to: b, mass: -1}\n"),
               StartsWith("scene.yaml:8: ragdolls[0].model.segments.s.mass: is -1;"));
+}
+
+TEST(ModelErrors, ABoneWithoutAStickIsTold) {
+  const auto warnings = [](const std::string& sticks, const std::string& segments) {
+    return buildModel(
+               parseScene(
+                   sceneWithModel("      particles:\n"
+                                  "        a: {position: [0, 0, 0], mass: 1}\n"
+                                  "        b: {position: [0, 0, 1], mass: 1}\n"
+                                  "        c: {position: [0, 1, 1], mass: 1}\n"
+                                  "      sticks: " +
+                                  sticks + "\n      segments:\n        bone: {from: a, to: b}\n" +
+                                  segments),
+                   "scene.yaml"))
+        .warnings;
+  };
+  EXPECT_THAT(warnings("[[a, c], [c, b]]", ""),
+              ElementsAre("scene.yaml:10: ragdolls[0].model.segments.bone: no stick joins 'a' and "
+                          "'b', so the bone has no fixed length; add [a, b] to the sticks"));
+  EXPECT_THAT(warnings("[[b, a], [c, b]]", ""), IsEmpty());
+  EXPECT_THAT(
+      warnings("[]", "        all: {particles: [a, b, c], mass: 1, inertia: [1, 1, 1, 0, 0, 0]}\n"),
+      IsEmpty());
 }
 
 std::string errorOfJoint(const std::string& joint) {
