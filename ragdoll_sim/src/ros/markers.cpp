@@ -22,6 +22,7 @@ constexpr double kObstacleLifetime = 3;        ///< [s]
 constexpr double kPokeLifetime = 0.15;         ///< [s] a poke of one step is seen this long
 constexpr double kPullWidth = 0.01;            ///< [m]
 constexpr double kStickWidth = 0.012;          ///< [m]
+constexpr double kPinMargin = 0.015;           ///< [m] of a pin's ball around the particle's
 const Rgba kStickColor{0.15f, 0.16f, 0.19f, 1};
 const Rgba kPokeColor{0.92f, 0.26f, 0.21f, 0.95f};
 
@@ -60,6 +61,7 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
   addObstacles(world, all);
   addPokes(world, posture);
   addPulls(world, posture);
+  addPins(world, posture);
   pokes_.clear();
   if (limits_) addLimits(world, posture);
   publisher_.publish(message_);
@@ -169,6 +171,19 @@ void MarkerPublisher::addPulls(const Snapshot& world, const Posture& posture) {
     m.points.push_back(toPoint(pull.target));
   }
   message_.markers.push_back(std::move(m));
+}
+
+/// A ball around each particle that is held: what hangs in the air does not hang on nothing.
+void MarkerPublisher::addPins(const Snapshot& world, const Posture& posture) {
+  int id = 0;
+  for (const Pin& pin : world.model->pins) {
+    Marker m = marker("pins", id++, kPokeLifetime);
+    m.type = Marker::SPHERE;
+    m.pose.position = toPoint(posture.x.col(pin.particle));
+    m.scale = toVector3(Vec3::Constant(2 * (world.model->radius[pin.particle] + kPinMargin)));
+    m.color = toColor(kStickColor);
+    message_.markers.push_back(std::move(m));
+  }
 }
 
 void MarkerPublisher::addLimits(const Snapshot& world, const Posture& posture) {

@@ -135,6 +135,23 @@ class TelemetryTest(unittest.TestCase):
         self.settings.update_configuration({'show_limits': False})
         wait_for(lambda: not any(limits(m) for m in markers.all()[-10:]), 'the end of limits')
 
+    def test_what_is_held_has_a_ball(self):
+        markers = Inbox('/ragdoll/markers', MarkerArray)
+
+        def pins(message):
+            return [m for m in message.markers if m.ns == 'pins']
+        self.client.load(path='hang')
+        wait_for(lambda: markers.all() and pins(markers.all()[-1]), 'the pin')
+        (pin,) = pins(markers.all()[-1])
+        hand = position(self.client.model, self.client.states.all()[-1], 'right_hand')
+        self.assertLess(max(abs(a - b) for a, b in zip(
+            hand, (pin.pose.position.x, pin.pose.position.y, pin.pose.position.z))), 1e-9)
+        self.assertAlmostEqual(pin.scale.x, 2 * (0.04 + 0.015))  # the hand's radius and a margin
+        self.client.load(path='fall')
+        seen = len(markers.all())
+        wait_for(lambda: len(markers.all()) > seen + 5, 'markers of fall')
+        self.assertEqual(pins(markers.all()[-1]), [])
+
     def test_markers_at_most_thirty_a_second(self):
         markers = Inbox('/ragdoll/markers', MarkerArray)
         self.client.call_pause(False)

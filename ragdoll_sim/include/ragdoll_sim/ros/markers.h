@@ -40,6 +40,7 @@ class MarkerPublisher {
   void addObstacles(const Snapshot& world, bool all);
   void addPokes(const Snapshot& world, const Posture& posture);
   void addPulls(const Snapshot& world, const Posture& posture);
+  void addPins(const Snapshot& world, const Posture& posture);
   void addLimits(const Snapshot& world, const Posture& posture);
 
   std::string world_frame_, coat_;
