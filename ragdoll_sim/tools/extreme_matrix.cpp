@@ -7,6 +7,7 @@
 #include <mutex>
 #include <thread>
 
+#include "extreme_random.h"
 #include "ragdoll_sim/core/error.h"
 
 namespace ragdoll::lab {
@@ -59,7 +60,7 @@ bool Matrix::defaultKeepsAll() const {
   for (std::size_t m = 0; m < methods.size(); ++m) {
     if (!methods[m].is_default) continue;
     for (const MatrixRow& row : rows) kept = kept && row.verdicts[m].kept();
-    kept = kept && random[m].broken.empty();
+    for (const RandomGroup& group : random) kept = kept && group.tallies[m].broken.empty();
   }
   return kept;
 }
@@ -77,11 +78,17 @@ Matrix runMatrix(const MatrixOptions& options, Progress& progress) {
       matrix.rows.push_back({test, std::vector<Verdict>(columns)});
   if (options.tests && matrix.rows.empty())
     throw Error("--only", "no test's name contains '" + options.only + "'");
-  matrix.random.resize(columns);
+  matrix.random = {{"random scenes", randomExtreme, options.random, {}},
+                   {"random piles", randomPile, options.piles, {}}};
   const std::size_t cells = matrix.rows.size() * columns;
-  std::vector<Verdict> random(static_cast<std::size_t>(options.random) * columns);
+  const std::size_t scenes = options.random + options.piles;
+  std::vector<Verdict> random(scenes * columns);
+  const auto groupOf = [&](std::size_t k) -> RandomGroup& {
+    return matrix.random[k / columns < static_cast<std::size_t>(options.random) ? 0 : 1];
+  };
   const auto seed = [&](std::size_t k) {
-    return options.seed + static_cast<std::uint32_t>(k / columns);
+    const std::size_t before = &groupOf(k) == &matrix.random[0] ? 0 : options.random;
+    return options.seed + static_cast<std::uint32_t>(k / columns - before);
   };
   const auto work = [&](std::size_t i) {
     if (i < cells) {
@@ -89,15 +96,16 @@ Matrix runMatrix(const MatrixOptions& options, Progress& progress) {
       row.verdicts[i % columns] = judge(row.test, matrix.methods[i % columns]);
     } else {
       const std::size_t k = i - cells;
-      random[k] = judge(randomExtreme(seed(k)), matrix.methods[k % columns]);
+      random[k] = judge(groupOf(k).scene(seed(k)), matrix.methods[k % columns]);
     }
   };
   onAllProcessors(cells + random.size(), work, [&](std::size_t finished) {
     progress.show(static_cast<double>(finished) / static_cast<double>(cells + random.size()),
                   finished < cells ? matrix.rows[finished / columns].test.group : "random scenes");
   });
+  for (RandomGroup& group : matrix.random) group.tallies.resize(columns);
   for (std::size_t k = 0; k < random.size(); ++k)
-    matrix.random[k % columns].add(seed(k), random[k]);
+    groupOf(k).tallies[k % columns].add(seed(k), random[k]);
   return matrix;
 }
 

@@ -24,18 +24,27 @@ struct RandomTally {
   void add(std::uint32_t seed, const Verdict& verdict);
 };
 
+/// Scenes drawn at random, numbered by seeds.
+struct RandomGroup {
+  std::string name;  ///< "random scenes"
+  Extreme (*scene)(std::uint32_t seed);
+  int scenes = 0;
+  std::vector<RandomTally> tallies;  ///< per method
+};
+
 struct Matrix {
   std::vector<ExtremeMethod> methods;
   std::vector<MatrixRow> rows;
-  std::vector<RandomTally> random;  ///< per method
+  std::vector<RandomGroup> random;
 
   bool defaultKeepsAll() const;
 };
 
 struct MatrixOptions {
   bool quick = false;
-  bool tests = true;       ///< false: random scenes alone
-  int random = 0;          ///< scenes
+  bool tests = true;  ///< false: random scenes alone
+  int random = 0;     ///< scenes
+  int piles = 0;
   std::uint32_t seed = 0;  ///< of the first
   std::string only;        ///< only tests whose name contains this
   std::string method;      ///< only this one; empty: all

@@ -1,8 +1,6 @@
 #include "extreme_tests.h"
 
 #include <cmath>
-#include <iterator>
-#include <random>
 #include <sstream>
 
 #include "extreme_scenes.h"
@@ -322,61 +320,5 @@ class Tests {
 }  // namespace
 
 std::vector<Extreme> extremeTests(bool quick) { return Tests(quick).all(); }
-
-Extreme randomExtreme(std::uint32_t seed) {
-  std::mt19937 random(seed);
-  // Not the standard's distributions, which differ from library to library, and every number drawn
-  // in the order of the text: << has an order, + has none.
-  const auto uniform = [&](double lo, double hi) {
-    return lo + (hi - lo) * static_cast<double>(random()) / 4294967296.0;
-  };
-  const auto chance = [&](double share) { return uniform(0, 1) < share; };
-  const auto vector = [&](double reach) {
-    std::ostringstream text;
-    text << "[" << uniform(-reach, reach) << ", " << uniform(-reach, reach) << ", "
-         << uniform(-reach, reach) << "]";
-    return text.str();
-  };
-  const double speed = std::pow(10, uniform(-1, 1.5));
-  std::ostringstream start, rest;
-  start << "position: [0, 0, " << uniform(2.6, 4) << "], rpy_deg: " << vector(180)
-        << ", velocity: " << vector(speed) << ", angular_velocity: " << vector(uniform(0, 10));
-  rest << "obstacles:\n- {type: plane, friction: " << uniform(0, 1)
-       << ", restitution: " << (chance(0.3) ? uniform(0, 1) : 0) << "}\n";
-  const int obstacles = static_cast<int>(uniform(0, 6));
-  for (int i = 0; i < obstacles; ++i) {
-    rest << "- {friction: " << uniform(0, 1);
-    std::ostringstream at;
-    at << "[" << uniform(-1.5, 1.5) << ", " << uniform(-1.5, 1.5) << ", " << uniform(-0.2, 0.6)
-       << "]";
-    switch (random() % 4) {
-      case 0:
-        rest << ", type: sphere, position: " << at.str() << ", radius: " << uniform(0.05, 0.6);
-        break;
-      case 1:
-        rest << ", type: capsule, from: " << at.str() << ", to: " << vector(0.6)
-             << ", radius: " << uniform(0.03, 0.3);
-        break;
-      default:
-        rest << ", type: box, position: " << at.str() << ", rpy_deg: " << vector(180) << ", size: ["
-             << uniform(0.05, 1) << ", " << uniform(0.05, 1) << ", " << uniform(0.05, 1) << "]";
-    }
-    rest << "}\n";
-  }
-  constexpr const char* kBodies[] = {"head", "right_hand", "left_foot", "torso", "right_thigh"};
-  if (chance(0.2)) rest << "pins: [" << kBodies[random() % 3] << "]\n";
-  if (chance(0.5))
-    rest << "pokes: [{at: " << uniform(0, 1) << ", body: " << kBodies[random() % std::size(kBodies)]
-         << ", force: " << vector(std::pow(10, uniform(1, 5))) << ", duration: " << uniform(0, 0.1)
-         << "}]\n";
-  if (chance(0.2)) rest << "self_collision: true\n";
-  Extreme e;
-  e.group = "random scenes";
-  e.name = "seed " + std::to_string(seed);
-  e.scene = humanScene(start.str(), rest.str());
-  e.seconds = 3;
-  e.laws.joined = 0;
-  return e;
-}
 
 }  // namespace ragdoll::lab

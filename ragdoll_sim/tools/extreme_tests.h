@@ -16,7 +16,8 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
 /// What a run must keep. All numbers must stay finite besides.
 struct Laws {
-  double energy_rise = 1e-2;    ///< largest rise above start plus work, of the energy in play
+  double energy_rise = 1e-2;    ///< of the energy in play: largest above the least before plus
+                                ///< work since; by relaxation above the start plus work
   double stick_error = 1e-3;    ///< relative, from `joined` on
   double joined = 1;            ///< [s]
   double depth = 5e-3;          ///< [m] in any obstacle, from `joined` on (0: from the start)
@@ -42,8 +43,5 @@ struct Extreme {
 
 /// Every test but the random scenes. quick: a part of them that takes seconds.
 std::vector<Extreme> extremeTests(bool quick);
-
-/// Random scene number `seed`: bodies, obstacles, pins, pokes; the same on every machine.
-Extreme randomExtreme(std::uint32_t seed);
 
 }  // namespace ragdoll::lab

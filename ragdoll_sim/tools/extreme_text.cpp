@@ -70,17 +70,20 @@ std::string toTable(const Matrix& matrix) {
                      guardText(v->guard).c_str());
     text += "\n";
   }
-  if (matrix.random.empty() || matrix.random[0].scenes == 0) return text;
-  text += "\nrandom scenes\n";
-  for (std::size_t m = 0; m < matrix.methods.size(); ++m) {
-    const RandomTally& t = matrix.random[m];
-    const std::string laws = t.broken.empty() ? "" : " (" + lawCounts(t) + ")";
-    text += format("  %-10s %zu of %d break a law%s; worst: stretch %.1e, rise %.1e, depth %.1e m",
-                   matrix.methods[m].name.c_str(), t.broken.size(), t.scenes, laws.c_str(),
-                   t.worst.stick_error, t.worst.energy_rise, t.worst.depth);
-    for (std::size_t i = 0; i < std::min<std::size_t>(t.broken.size(), kNamedSeeds); ++i)
-      text += format("%s%u", i == 0 ? "; seeds " : ", ", t.broken[i]);
-    text += t.broken.size() > kNamedSeeds ? ", ...\n" : "\n";
+  for (const RandomGroup& group : matrix.random) {
+    if (group.scenes == 0) continue;
+    text += "\n" + group.name + "\n";
+    for (std::size_t m = 0; m < matrix.methods.size(); ++m) {
+      const RandomTally& t = group.tallies[m];
+      const std::string laws = t.broken.empty() ? "" : " (" + lawCounts(t) + ")";
+      text +=
+          format("  %-10s %zu of %d break a law%s; worst: stretch %.1e, rise %.1e, depth %.1e m",
+                 matrix.methods[m].name.c_str(), t.broken.size(), t.scenes, laws.c_str(),
+                 t.worst.stick_error, t.worst.energy_rise, t.worst.depth);
+      for (std::size_t i = 0; i < std::min<std::size_t>(t.broken.size(), kNamedSeeds); ++i)
+        text += format("%s%u", i == 0 ? "; seeds " : ", ", t.broken[i]);
+      text += t.broken.size() > kNamedSeeds ? ", ...\n" : "\n";
+    }
   }
   return text;
 }
@@ -107,16 +110,18 @@ std::string toMarkdown(const Matrix& matrix) {
       text += " | | | | |\n";
     }
   }
-  if (matrix.random.empty() || matrix.random[0].scenes == 0) return text;
-  text += matrix.rows.empty() ? "\n" : "\n### random scenes\n\n";
-  text +=
-      "| method | scenes | that break a law | laws | worst stretch | "
-      "energy rise | depth m |\n|---|---|---|---|---|---|---|\n";
-  for (std::size_t m = 0; m < matrix.methods.size(); ++m) {
-    const RandomTally& t = matrix.random[m];
-    text += format("| %s | %d | %zu | %s | %.1e | %.1e | %.1e |\n", matrix.methods[m].name.c_str(),
-                   t.scenes, t.broken.size(), lawCounts(t).c_str(), t.worst.stick_error,
-                   t.worst.energy_rise, t.worst.depth);
+  for (const RandomGroup& group : matrix.random) {
+    if (group.scenes == 0) continue;
+    text +=
+        "\n### " + group.name +
+        "\n\n| method | scenes | that break a law | laws | worst stretch | energy rise | depth m "
+        "|\n|---|---|---|---|---|---|---|\n";
+    for (std::size_t m = 0; m < matrix.methods.size(); ++m) {
+      const RandomTally& t = group.tallies[m];
+      text += format("| %s | %d | %zu | %s | %.1e | %.1e | %.1e |\n",
+                     matrix.methods[m].name.c_str(), t.scenes, t.broken.size(),
+                     lawCounts(t).c_str(), t.worst.stick_error, t.worst.energy_rise, t.worst.depth);
+    }
   }
   return text;
 }

@@ -23,7 +23,7 @@ struct Verdict {
   bool tested = true;
   std::vector<std::string> broken;  ///< laws, each with its figure; empty: all kept
   double stick_error = 0;           ///< relative, largest from `joined` on
-  double energy_rise = 0;           ///< largest above start plus work, of the energy in play
+  double energy_rise = 0;           ///< largest (see Laws), of the energy in play
   double depth = 0;                 ///< [m] largest from `joined` on
   double speed = 0;                 ///< [m/s] largest of any particle
   double drift = 0;                 ///< [m] of the centre of mass in the second half

@@ -1,4 +1,5 @@
 // ragdoll_lab extremes: the stability matrix, tests x methods, each cell judged by laws.
+#include <algorithm>
 #include <cstdint>
 #include <fstream>
 #include <iostream>
@@ -78,8 +79,10 @@ int extremesCommand(const Words& words) {
   auto add = line.options.add_options();
   add("quick", po::bool_switch(&options.quick), "A part of the tests");
   add("random", po::value(&options.random)->default_value(1000), "Number of random scenes");
-  add("random-only", po::bool_switch(&random_only), "Random scenes alone");
-  add("seed", po::value(&seed)->default_value(0), "Of the first random scene");
+  add("piles", po::value(&options.piles)->default_value(100),
+      "Number of random scenes of two to four bodies that meet");
+  add("random-only", po::bool_switch(&random_only), "Random scenes and piles alone");
+  add("seed", po::value(&seed)->default_value(0), "Of the first random scene and the first pile");
   add("only", po::value(&options.only),
       "Only tests whose name contains this, such as \"step: 0.1\"; --random 0 leaves out the "
       "random "
@@ -92,8 +95,11 @@ int extremesCommand(const Words& words) {
       "Put the tables into this file, between its lines <!-- extremes --> and <!-- /extremes -->; "
       "with --random-only its lines <!-- random-only --> and so on, and so for --guard-cost");
   if (!parse(line, words)) return kOk;
-  if (options.random < 0) throw Error("--random", "is negative; a number of scenes is expected");
-  if (seed < 0 || seed > std::numeric_limits<std::uint32_t>::max() - std::int64_t{options.random})
+  for (const auto& [name, scenes] :
+       {std::pair("--random", options.random), {"--piles", options.piles}})
+    if (scenes < 0) throw Error(name, "is negative; a number of scenes is expected");
+  if (seed < 0 || seed > std::numeric_limits<std::uint32_t>::max() -
+                             std::int64_t{std::max(options.random, options.piles)})
     throw Error("--seed",
                 std::to_string(seed) + " is none: 0 to 2^32 less the number of scenes is");
   options.seed = static_cast<std::uint32_t>(seed);

@@ -73,7 +73,7 @@ void ShakeStep::openSlowly(Contact& c, double h, double whole) const {
   const double least = std::max(0.0, -c.before) * (1 - h / step_);
   const double stays = c.gap_start < 0 ? -c.gap_start - kRecoverySpeed * h : 0;
   if (c.count == 4)
-    c.offset = c.found - overlapLeft(c, h);
+    c.offset = c.found - overlapLeft(c, h, step_);
   else
     c.offset = c.found - (whole - h) / step_ * c.normal.dot(c.surface_motion) -
                std::max({0.0, least, stays});
@@ -209,9 +209,10 @@ bool ShakeStep::findMissed(double h) {
   return any;
 }
 
-double ShakeStep::overlapLeft(const Contact& pair, double h) {
+double ShakeStep::overlapLeft(const Contact& pair, double h, double step) {
   const double overlap = std::max(0.0, -pair.gap_start), more = overlap - kMissedPair;
-  return more > 0 ? kMissedPair + more * std::exp(-h / kPairRecovery) : overlap;
+  const double behind = std::max(0.0, -pair.before) * (1 - h / step);
+  return std::max(behind, more > 0 ? kMissedPair + more * std::exp(-h / kPairRecovery) : overlap);
 }
 
 bool ShakeStep::addLimits(double margin, double h, ShakeScratch::Role role) {

@@ -9,6 +9,7 @@ namespace ragdoll {
 namespace {
 
 constexpr double kReportedRise = 1e-6;  ///< [J] less is rounding
+constexpr double kWildSpeed = 10;       ///< [m/s]
 
 }  // namespace
 
@@ -41,6 +42,11 @@ double ShakeStep::energyRise(bool smooth) {
 
 double ShakeStep::swingScale() {
   return kineticEnergy() + rows_.mass.sum() * model_.gravity.norm() * rows_.scale;
+}
+
+double ShakeStep::wildRise() {
+  return ragdoll::kineticEnergy(rows_, scratch_.saved_v, scratch_.energy) +
+         0.5 * rows_.mass.sum() * kWildSpeed * kWildSpeed;
 }
 
 bool ShakeStep::isLargeSwing(double change) {

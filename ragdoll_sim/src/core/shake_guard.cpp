@@ -44,7 +44,7 @@ void ShakeStep::guard(double h) {
           smooth ? isLargeSwing(rise) : rise > kRedoRise && rise > kRedoRise * kineticEnergy();
       failed_ = failed_ || outgrown || jumped || (can_halve && much);
       const bool swing = smooth && !(much && !scratch_.presses.empty());  // it comes back
-      if (!failed_ && rise > 0 && !swing) limitEnergy(rise);
+      if (!failed_ && rise > 0 && !swing) failed_ = !limitEnergy(rise);
     } else {
       guarded = true;
       took = way == Way::kImplicit ? implicitStep(sub) : rigidStep(sub);

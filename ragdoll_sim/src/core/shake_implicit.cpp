@@ -40,7 +40,8 @@ double ShakeStep::implicitStep(double h) {
     return 0;
   }
   const double rise = gainedEnergy(driveSpeed());
-  if (rise > 0 && !limitEnergy(rise)) {  // limits turned the whole body: not to be taken out
+  // Another solution than the one sought, or limits turned the whole body: not to be taken out.
+  if (rise > wildRise() || (rise > 0 && !limitEnergy(rise))) {
     failed_ = true;
     return 0;
   }

@@ -186,7 +186,7 @@ double ShakeIsland::explicitStep(double h, int taken) {
   if (until <= h) {
     if (until > 0) {
       for (ShakeStep& step : steps_) step.shorten(until, h);
-      for (Contact& c : s_.pairs) c.offset = c.found - ShakeStep::overlapLeft(c, until);
+      for (Contact& c : s_.pairs) c.offset = c.found - overlapLeft(c, until);
       freeMotion(until);
       press(until);
       finish(until, true, true);
@@ -218,8 +218,13 @@ double ShakeIsland::implicitStep(double h) {
   for (ShakeStep& step : steps_)
     if (!step.x().allFinite() || !step.v().allFinite()) failed_ = true;
   if (failed()) return 0;
-  double rise = 0;
-  for (ShakeStep& step : steps_) rise += step.gainedEnergy(step.driveSpeed());
+  double rise = 0, wild = 0;
+  for (ShakeStep& step : steps_) {
+    rise += step.gainedEnergy(step.driveSpeed());
+    wild += step.wildRise();
+  }
+  failed_ = rise > wild;
+  if (failed_) return 0;
   if (rise > 0) takeOutOfGroup(model_, bodies_, isHeld(), rise, state_);
   for (ShakeStep& step : steps_)
     for (int k = 0; k < step.rows_.s; ++k)

@@ -24,7 +24,11 @@ void ShakeIsland::startPair(Contact& c, double h) const {
   c.found = c.offset;
   c.before = -c.offset;
   for (int k = 0; k < 4; ++k) c.before += c.weight[k] * c.normal.dot(state_.x.col(c.particle[k]));
-  c.offset -= ShakeStep::overlapLeft(c, h);
+  c.offset -= overlapLeft(c, h);
+}
+
+double ShakeIsland::overlapLeft(const Contact& c, double h) const {
+  return ShakeStep::overlapLeft(c, h, steps_[0].step_);
 }
 
 void ShakeIsland::findConstraints(double h) {

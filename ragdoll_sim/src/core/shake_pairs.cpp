@@ -130,7 +130,7 @@ class Together {
   }
 
   double gapAt(const Contact& c) const {
-    double gap = -c.offset + ShakeStep::overlapLeft(c, h_);
+    double gap = -c.offset + ShakeStep::overlapLeft(c, h_, h_);
     for (int k = 0; k < 4; ++k) gap += c.weight[k] * c.normal.dot(state_.x.col(c.particle[k]));
     return gap;
   }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "extreme_random.h"
 #include "extreme_scenes.h"
 #include "extreme_text.h"
 #include "extreme_verdict.h"
@@ -83,6 +84,8 @@ TEST(ExtremeVerdict, SweepsAreTestedWhereThereAreSweeps) {
 TEST(ExtremeScenes, RandomOnesDependOnTheirSeedAlone) {
   EXPECT_EQ(randomExtreme(7).scene.text, randomExtreme(7).scene.text);
   EXPECT_NE(randomExtreme(7).scene.text, randomExtreme(8).scene.text);
+  EXPECT_EQ(randomPile(7).scene.text, randomPile(7).scene.text);
+  EXPECT_NE(randomPile(7).scene.text, randomPile(8).scene.text);
 }
 
 TEST(ExtremeScenes, ScalingKeepsTheShape) {
@@ -113,7 +116,7 @@ class LabExtremes : public test::LabProgram {};
 TEST_F(LabExtremes, PrintsTheMatrixAndWritesItIntoADocument) {
   const std::string document = file("doc.md", "# Head\n<!-- extremes -->\n<!-- /extremes -->\n");
   const test::Outcome outcome =
-      lab("extremes --only 'at rest' --random 1 --seed 3 --write " + document);
+      lab("extremes --only 'at rest' --random 1 --piles 1 --seed 3 --write " + document);
   ASSERT_EQ(outcome.status, 0) << outcome.output << outcome.errors;
   EXPECT_THAT(outcome.output,
               AllOf(HasSubstr("jakobsen"), HasSubstr("100 kg on 10 links"), HasSubstr("0 of 1")));
@@ -126,18 +129,22 @@ TEST_F(LabExtremes, EachRunHasItsOwnMarks) {
   const std::string document = file("doc.md", matrix +
                                                   "<!-- random-only -->\n<!-- /random-only -->\n"
                                                   "<!-- guard-cost -->\n<!-- /guard-cost -->\n");
-  ASSERT_EQ(lab("extremes --random-only --random 1 --method shake --write " + document).status, 0);
+  ASSERT_EQ(
+      lab("extremes --random-only --random 1 --piles 1 --method shake --write " + document).status,
+      0);
   ASSERT_EQ(lab("extremes --guard-cost 1 --write " + document).status, 0);
   const std::string written = test::contentOf(document);
   EXPECT_THAT(written, StartsWith(matrix));
-  EXPECT_THAT(written, HasSubstr("<!-- random-only -->\n\n| method | scenes |"));
+  EXPECT_THAT(written,
+              HasSubstr("<!-- random-only -->\n\n### random scenes\n\n| method | scenes |"));
   EXPECT_THAT(written, HasSubstr("| shake | 1 | 0 |"));
   EXPECT_THAT(written, HasSubstr("| weightless | shake |"));
   EXPECT_THAT(written, HasSubstr("| 1:1e+06, swung | shake |"));
 }
 
 TEST_F(LabExtremes, SaysWhatIsWrongWithItsOptions) {
-  for (const char* wrong : {"--random -1", "--seed -1", "--seed 4294967000", "--guard-cost=0"}) {
+  for (const char* wrong :
+       {"--random -1", "--piles -1", "--seed -1", "--seed 4294967000", "--guard-cost=0"}) {
     const test::Outcome outcome = lab(std::string("extremes --quick ") + wrong);
     EXPECT_EQ(outcome.status, 2) << wrong;
     EXPECT_THAT(outcome.errors, HasSubstr(std::string(wrong).substr(0, 6))) << wrong;

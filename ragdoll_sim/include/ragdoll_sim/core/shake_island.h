@@ -68,6 +68,7 @@ class ShakeIsland {
   int slotOf(int ragdoll) const;  ///< among the bodies; -1: does not move
   double gapAt(const Contact& c) const;
   void startPair(Contact& c, double h) const;
+  double overlapLeft(const Contact& c, double h) const;
   /// Adds a contact's rows to both bodies' complements and to the joint rows; returns the first.
   int addRows(const Contact& c, int source);
   double along(int row, double* x) const;

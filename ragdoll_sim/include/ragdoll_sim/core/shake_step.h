@@ -30,8 +30,9 @@ class ShakeStep {
   void predict(const Inputs& inputs, double h);
 
   /// [m] of a pair's overlap at the start that a motion over h [s] leaves: it opens evenly, so that
-  /// no speed comes of it.
-  static double overlapLeft(const Contact& pair, double h);
+  /// no speed comes of it. Ends that lie behind the contact's plane at the start, though they do
+  /// not overlap there, come out over the whole `step`.
+  static double overlapLeft(const Contact& pair, double h, double step);
 
  private:
   friend class ShakeIsland;
@@ -157,6 +158,9 @@ class ShakeStep {
   bool isSmooth() const;
   /// Whether a smooth substep whose energy changed so much is to be done again at half.
   bool isLargeSwing(double change);
+  /// [J] An implicit step that gains more than the body's kinetic energy, and than would bring it
+  /// from rest to a speed that no overlap opens at, has gone astray.
+  double wildRise();
   double swingScale();  ///< [J] kinetic energy and a fall of 1 m
   /// [J] that soft limits gave to the motion: less than at its start is stored in them.
   double releasedEnergy();

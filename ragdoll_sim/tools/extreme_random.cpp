@@ -1,0 +1,131 @@
+#include "extreme_random.h"
+
+#include <cmath>
+#include <iterator>
+#include <random>
+#include <sstream>
+
+#include "extreme_scenes.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+
+namespace ragdoll::lab {
+namespace {
+
+/// Numbers from a seed, the same with every library: not the standard's distributions. Every number
+/// is drawn in the order of the text: << has an order, + has none.
+class Draw {
+ public:
+  explicit Draw(std::uint32_t seed) : random_(seed) {}
+
+  double uniform(double lo, double hi) {
+    return lo + (hi - lo) * static_cast<double>(random_()) / 4294967296.0;
+  }
+  bool chance(double share) { return uniform(0, 1) < share; }
+  std::uint32_t below(std::uint32_t count) { return random_() % count; }
+  std::string vector(double reach) {
+    std::ostringstream text;
+    text << "[" << uniform(-reach, reach) << ", " << uniform(-reach, reach) << ", "
+         << uniform(-reach, reach) << "]";
+    return text.str();
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+/// The key `obstacles`: a floor and up to `most` things on it.
+void putObstacles(Draw& draw, int most, std::ostringstream& text) {
+  text << "obstacles:\n- {type: plane, friction: " << draw.uniform(0, 1)
+       << ", restitution: " << (draw.chance(0.3) ? draw.uniform(0, 1) : 0) << "}\n";
+  const int obstacles = static_cast<int>(draw.uniform(0, most + 1));
+  for (int i = 0; i < obstacles; ++i) {
+    text << "- {friction: " << draw.uniform(0, 1);
+    std::ostringstream at;
+    at << "[" << draw.uniform(-1.5, 1.5) << ", " << draw.uniform(-1.5, 1.5) << ", "
+       << draw.uniform(-0.2, 0.6) << "]";
+    switch (draw.below(4)) {
+      case 0:
+        text << ", type: sphere, position: " << at.str() << ", radius: " << draw.uniform(0.05, 0.6);
+        break;
+      case 1:
+        text << ", type: capsule, from: " << at.str() << ", to: " << draw.vector(0.6)
+             << ", radius: " << draw.uniform(0.03, 0.3);
+        break;
+      default:
+        text << ", type: box, position: " << at.str() << ", rpy_deg: " << draw.vector(180)
+             << ", size: [" << draw.uniform(0.05, 1) << ", " << draw.uniform(0.05, 1) << ", "
+             << draw.uniform(0.05, 1) << "]";
+    }
+    text << "}\n";
+  }
+}
+
+constexpr const char* kBodies[] = {"head", "right_hand", "left_foot", "torso", "right_thigh"};
+constexpr int kParticles = 3;  ///< of these, the first, are particles
+
+}  // namespace
+
+Extreme randomExtreme(std::uint32_t seed) {
+  Draw draw(seed);
+  const double speed = std::pow(10, draw.uniform(-1, 1.5));
+  std::ostringstream start, rest;
+  start << "position: [0, 0, " << draw.uniform(2.6, 4) << "], rpy_deg: " << draw.vector(180)
+        << ", velocity: " << draw.vector(speed)
+        << ", angular_velocity: " << draw.vector(draw.uniform(0, 10));
+  putObstacles(draw, 5, rest);
+  if (draw.chance(0.2)) rest << "pins: [" << kBodies[draw.below(kParticles)] << "]\n";
+  if (draw.chance(0.5))
+    rest << "pokes: [{at: " << draw.uniform(0, 1)
+         << ", body: " << kBodies[draw.below(std::size(kBodies))]
+         << ", force: " << draw.vector(std::pow(10, draw.uniform(1, 5)))
+         << ", duration: " << draw.uniform(0, 0.1) << "}]\n";
+  if (draw.chance(0.2)) rest << "self_collision: true\n";
+  Extreme e;
+  e.group = "random scenes";
+  e.name = "seed " + std::to_string(seed);
+  e.scene = humanScene(start.str(), rest.str());
+  e.seconds = 3;
+  e.laws.joined = 0;
+  return e;
+}
+
+Extreme randomPile(std::uint32_t seed) {
+  Draw draw(seed);
+  constexpr double kApart = 2;  // [m] more than a body is long
+  const int bodies = 2 + static_cast<int>(draw.below(3));
+  std::ostringstream text;
+  text << "ragdolls:\n";
+  for (int i = 0; i < bodies; ++i) {
+    const double x = (i % 2 - 0.5) * kApart, y = (i / 2 - 0.5) * kApart;
+    const double speed = std::pow(10, draw.uniform(-1, 1.3));
+    text << "- {name: r" << i << ", model: " << (draw.chance(0.7) ? "human" : "human_lumped")
+         << ", position: [" << x << ", " << y << ", " << draw.uniform(2.6, 4)
+         << "], rpy_deg: " << draw.vector(180) << ", velocity: [" << -speed * x << ", "
+         << -speed * y << ", " << draw.uniform(-speed, speed)
+         << "], angular_velocity: " << draw.vector(draw.uniform(0, 10)) << "}\n";
+  }
+  putObstacles(draw, 3, text);
+  const auto body = [&](std::uint32_t kinds) {
+    const std::uint32_t i = draw.below(bodies);
+    return "r" + std::to_string(i) + "/" + kBodies[draw.below(kinds)];
+  };
+  if (draw.chance(0.2)) text << "pins: [" << body(kParticles) << "]\n";
+  if (draw.chance(0.5)) {
+    text << "pokes: [{at: " << draw.uniform(0, 1) << ", body: " << body(std::size(kBodies));
+    text << ", force: " << draw.vector(std::pow(10, draw.uniform(1, 5)))
+         << ", duration: " << draw.uniform(0, 0.1) << "}]\n";
+  }
+  text << "ragdoll_collision: true\n";
+  if (draw.chance(0.5)) text << "self_collision: true\n";
+  constexpr double kRates[] = {30, 60, 120, 240};  // [Hz]
+  Extreme e;
+  e.step = 1 / kRates[draw.below(std::size(kRates))];
+  e.group = "random piles";
+  e.name = "seed " + std::to_string(seed);
+  e.scene = parseScene(text.str(), "extreme");
+  e.seconds = 3;
+  e.laws.joined = 0;
+  return e;
+}
+
+}  // namespace ragdoll::lab

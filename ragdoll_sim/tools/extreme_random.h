@@ -1,0 +1,17 @@
+// Scenes drawn at random for the stability matrix, the same on every machine.
+#pragma once
+
+#include <cstdint>
+
+#include "extreme_tests.h"
+
+namespace ragdoll::lab {
+
+/// Random scene number `seed`: a human that is thrown, obstacles, a pin, a poke.
+Extreme randomExtreme(std::uint32_t seed);
+
+/// Random pile number `seed`: two to four bodies that are thrown at each other, obstacles, a pin, a
+/// poke; steps of 30 to 240 Hz.
+Extreme randomPile(std::uint32_t seed);
+
+}  // namespace ragdoll::lab
