@@ -97,7 +97,8 @@ int crowdCommand(const Words& words) {
   auto add = line.options.add_options();
   add("model", po::value(&model)->default_value(model), "Name or file of the bodies' model");
   add("seconds", po::value(&seconds)->default_value(seconds), "Simulated time [s]");
-  add("set", po::value(&settings), "Change a setting, such as solver.preset=draft");
+  add("set", po::value(&settings),
+      "Change a setting, such as solver.preset=draft; may be given again");
   if (!parse(line, words, n)) return kOk;
   checked("--seconds", seconds, false);
   const int bodies = bodiesIn(n);

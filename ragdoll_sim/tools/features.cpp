@@ -22,7 +22,7 @@ constexpr const char* kAbout =
     "the\n"
     "median of runs that take turns with the bare one. Bodies are kept awake.\n";
 constexpr int kRounds = 9;
-constexpr double kPublishRate = 60;      ///< [Hz]
+constexpr double kPublishRate = 60;     ///< [Hz]
 constexpr double kShortestTime = 2e-3;  ///< [s] of a run; shorter ones are repeated
 
 class Runner {
@@ -109,7 +109,8 @@ int featuresCommand(const Words& words) {
   CommandLine line{"features [options]", kAbout, {}};
   auto add = line.options.add_options();
   add("seconds", po::value(&seconds)->default_value(seconds), "Simulated time of a run [s]");
-  add("set", po::value(&settings), "Change a setting, such as solver.preset=draft");
+  add("set", po::value(&settings),
+      "Change a setting, such as solver.preset=draft; may be given again");
   if (!parse(line, words)) return kOk;
   checked("--seconds", seconds, false);
   return measureAll(settings, seconds);

@@ -105,7 +105,8 @@ int runCommand(const Words& words) {
   add("csv", po::value(&options.csv), "Write a row per tick to this file");
   add("rate", po::value(&options.rate)->default_value(60), "Ticks of the CSV [Hz]");
   add("summary", po::bool_switch(&options.summary), "Print what happened as JSON");
-  add("set", po::value(&options.settings), "Change a setting, such as solver.step=0.001");
+  add("set", po::value(&options.settings),
+      "Change a setting, such as solver.step=0.001; may be given again");
   return parse(line, words, options.scene) ? run(options) : kOk;
 }
 

@@ -11,6 +11,7 @@
 #include "picture.h"
 #include "quantity.h"
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/number_text.h"
 #include "survey.h"
 #include "survey_text.h"
 
@@ -78,12 +79,15 @@ int tradeCommand(const Words& words) {
   add("window", po::value(&options.survey.window),
       "Time [s] after which all start again from the reference; default 0.1 with something to "
       "touch, else the horizon");
-  add("dearest", po::value(&options.survey.dearest)->default_value(options.survey.dearest),
+  add("dearest",
+      po::value(&options.survey.dearest)
+          ->default_value(options.survey.dearest, numberText(options.survey.dearest)),
       "CPU time [s] per simulated second beyond which no step is halved");
   add("integrators", po::bool_switch(&options.survey.integrators),
       "Also tell apart the integrators of jakobsen's free motion");
   add("without-limits", po::bool_switch(&options.without_limits), "Let all joints turn freely");
-  add("set", po::value(&options.settings), "Change a setting, such as gravity=[0,0,-1.62]");
+  add("set", po::value(&options.settings),
+      "Change a setting, such as gravity=[0,0,-1.62]; may be given again");
   if (!parse(line, words, options.scene)) return kOk;
   checked("--horizon", options.survey.horizon, true);
   checked("--window", options.survey.window, true);

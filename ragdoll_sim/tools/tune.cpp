@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "quantity.h"
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/number_text.h"
 #include "tuning.h"
 
 namespace ragdoll::lab {
@@ -82,10 +83,13 @@ int tuneCommand(const Words& words) {
   add("window", po::value(&options.survey.window),
       "Time [s] after which all start again from the reference; default 0.1 with something to "
       "touch, else the horizon");
-  add("dearest", po::value(&options.survey.dearest)->default_value(options.survey.dearest),
+  add("dearest",
+      po::value(&options.survey.dearest)
+          ->default_value(options.survey.dearest, numberText(options.survey.dearest)),
       "CPU time [s] per simulated second beyond which no step is halved");
   add("without-limits", po::bool_switch(&options.without_limits), "Let all joints turn freely");
-  add("set", po::value(&options.settings), "Change a setting, such as gravity=[0,0,-1.62]");
+  add("set", po::value(&options.settings),
+      "Change a setting, such as gravity=[0,0,-1.62]; may be given again");
   if (!parse(line, words, options.scene)) return kOk;
   checked("--horizon", options.survey.horizon, true);
   checked("--window", options.survey.window, true);
