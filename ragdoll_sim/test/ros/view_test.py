@@ -64,7 +64,7 @@ class ViewTest(unittest.TestCase):
         self.assertIn('closer.rviz; there are crowd ragdoll tall', run.stderr)
 
     def test_an_argument_that_is_not_there(self):
-        run = subprocess.run([os.path.join(FOLDER, '..', 'run'), 'scen:=fall'],
+        run = subprocess.run([os.path.join(FOLDER, '..', 'run'), '--setup', 'scen:=fall'],
                              stderr=subprocess.PIPE, universal_newlines=True)
         self.assertEqual(run.returncode, 1)
         self.assertIn("no argument 'scen'; there are scene rviz view", run.stderr)
