@@ -10,6 +10,9 @@
 #include <rosgraph_msgs/Clock.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <iterator>
+#include <limits>
+#include <random>
 #include <string>
 
 #include "client.h"
@@ -17,6 +20,7 @@
 namespace {
 
 using ragdoll_msgs::State;
+using ragdoll_test::bits;
 using ragdoll_test::Inbox;
 using ragdoll_test::pause;
 using ragdoll_test::reset;
@@ -124,6 +128,43 @@ TEST_F(SimTime, goesOnWhenTheClockIsSetBack) {
   const double before = states_.last()->time;
   ASSERT_TRUE(runClock(10, 1));
   EXPECT_TRUE(waitFor([&] { return states_.last() && states_.last()->time > before + 0.8; }));
+}
+
+/// Forward, back, none at all, and to the last but one second of ros::Time (in the last one
+/// roscpp's timers overflow): each is taken as it is, the steps are the same as by any other clock,
+/// and the next clock is followed.
+TEST_F(SimTime, TakesAnyClock) {
+  Inbox<diagnostic_msgs::DiagnosticArray> reports("/diagnostics");
+  ASSERT_TRUE(pause(true));
+  ASSERT_TRUE(reset());
+  ASSERT_TRUE(runClock(20, 0.1, false));
+  ASSERT_TRUE(pause(false));
+  std::mt19937 random(5);
+  const std::uint32_t most = std::numeric_limits<std::uint32_t>::max() - 1;
+  const std::uint32_t seconds[] = {0, 1, 2, 30, 31, 1u << 31, most};
+  const std::uint32_t nanoseconds[] = {0, 1, 500000000, 999999999};
+  rosgraph_msgs::Clock now;
+  const auto told = [&] { return states_.last() && states_.last()->header.stamp == now.clock; };
+  for (int i = 0; i < 60; ++i) {
+    now.clock.sec = seconds[random() % std::size(seconds)];
+    now.clock.nsec = nanoseconds[random() % std::size(nanoseconds)];
+    clock_.publish(now);
+    ASSERT_TRUE(waitFor(told)) << now.clock.sec << " s " << now.clock.nsec << " ns";
+  }
+  ASSERT_TRUE(pause(true));
+  const std::uint64_t reached = step(0);
+  ASSERT_GT(reached, 0u);
+  ASSERT_TRUE(waitFor([&] { return states_.last()->step == reached; }));
+  const std::string after = bits(*states_.last());
+  ASSERT_TRUE(reset());
+  ASSERT_TRUE(waitFor([&] { return states_.last()->step == 0; }));
+  ASSERT_EQ(step(static_cast<std::uint32_t>(reached)), reached);
+  ASSERT_TRUE(waitFor([&] { return states_.last()->step == reached; }));
+  EXPECT_EQ(bits(*states_.last()), after);
+  ASSERT_TRUE(pause(false));
+  const std::size_t seen = reports.size();
+  EXPECT_TRUE(runClock(40, 2));
+  EXPECT_TRUE(waitFor([&] { return reports.size() > seen; }));
 }
 
 }  // namespace
