@@ -18,7 +18,7 @@ struct GuardCounts {
   std::uint64_t implicit = 0;    ///< implicit steps taken in place of explicit ones
   std::uint64_t rigid = 0;       ///< motions with the joints frozen, where implicit steps failed
   std::uint64_t joining = 0;     ///< steps in which sticks were drawn to their lengths from far
-  std::uint64_t limited = 0;     ///< steps in which energy was limited after a contact
+  std::uint64_t limited = 0;     ///< steps in which energy was limited (StepReport)
   std::uint64_t unresolved = 0;  ///< steps whose constraints did not converge
   int max_substeps = 1;
 };
