@@ -9,6 +9,7 @@
 #include "quantity.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/model.h"
+#include "ragdoll_sim/core/self_pairs.h"
 #include "ragdoll_sim/io/csv.h"
 #include "ragdoll_sim/io/summary.h"
 
@@ -23,7 +24,7 @@ struct Options {
   double seconds = 10;
   std::string csv;
   double rate = 60;  ///< [Hz]
-  bool summary = false;
+  bool summary = false, pairs = false;
   Words settings;
 };
 
@@ -67,7 +68,9 @@ int run(const Options& options) {
   checked("--rate", options.rate, false);
   const Model model = buildModel(loadScene(options.scene, options.settings));
   for (const std::string& warning : model.warnings) std::cerr << "ragdoll_lab: " << warning << "\n";
-  for (const std::string& note : model.notes) std::cerr << "ragdoll_lab: " << note << "\n";
+  for (const std::string& note : model.notes)
+    std::cerr << "ragdoll_lab: " << (options.pairs ? note : inShort(note) + " (--pairs lists them)")
+              << "\n";
 
   const double steps = std::ceil(options.seconds / model.solver.step - kRounding);
   if (steps > kMostSteps)
@@ -105,6 +108,8 @@ int runCommand(const Words& words) {
   add("csv", po::value(&options.csv), "Write a row per tick to this file");
   add("rate", po::value(&options.rate)->default_value(60), "Ticks of the CSV [Hz]");
   add("summary", po::bool_switch(&options.summary), "Print what happened as JSON");
+  add("pairs", po::bool_switch(&options.pairs),
+      "With self_collision: list the pairs of sticks that are left out");
   add("set", po::value(&options.settings),
       "Change a setting, such as solver.step=0.001; may be given again");
   return parse(line, words, options.scene) ? run(options) : kOk;

@@ -36,21 +36,26 @@ void addPair(Skeleton& s, int i, int j) {
     s.self_pairs.push_back({i, j});
 }
 
-/// "\n  2 overlap in the rest pose: a-b with c-d, e-f"
+std::size_t countOf(const Skeleton& s, LeftOutPair::Why why) {
+  return static_cast<std::size_t>(
+      std::count_if(s.left_out_pairs.begin(), s.left_out_pairs.end(),
+                    [why](const LeftOutPair& p) { return p.why == why; }));
+}
+
+/// "\n  overlap in the rest pose: a-b with c-d, e-f"
 std::string listed(const Skeleton& s, LeftOutPair::Why why, const char* what) {
-  int count = 0, first = -1;
+  int first = -1;
   std::string names;
   for (const LeftOutPair& p : s.left_out_pairs) {  // in the order of their first
     if (p.why != why) continue;
     if (p.first != first)
-      names += (count == 0 ? " " : "; ") + capsuleName(s, p.first) + " with ";
+      names += (first < 0 ? "" : "; ") + capsuleName(s, p.first) + " with ";
     else
       names += ", ";
     names += capsuleName(s, p.second);
     first = p.first;
-    ++count;
   }
-  return "\n  " + std::to_string(count) + " " + what + (count > 0 ? ":" : "") + names;
+  return "\n  " + std::string(what) + ": " + (first < 0 ? "none" : names);
 }
 
 }  // namespace
@@ -79,11 +84,16 @@ std::string describePairs(const Skeleton& s) {
   using Why = LeftOutPair::Why;
   std::string text = "self collision of '" + s.name + "': " + std::to_string(s.self_pairs.size()) +
                      " pairs of sticks; left out:";
+  std::string lists;
   for (const auto& [why, what] : {std::pair(Why::kSharedParticle, "share a particle"),
-                                  std::pair(Why::kRigidGroup, "in one rigid group"),
-                                  std::pair(Why::kOverlapAtRest, "overlap in the rest pose")})
-    text += listed(s, why, what);
-  return text;
+                                  std::pair(Why::kRigidGroup, "are in one rigid group"),
+                                  std::pair(Why::kOverlapAtRest, "overlap in the rest pose")}) {
+    text += (lists.empty() ? " " : ", ") + std::to_string(countOf(s, why)) + " that " + what;
+    lists += listed(s, why, what);
+  }
+  return text + lists;
 }
+
+std::string inShort(const std::string& note) { return note.substr(0, note.find('\n')); }
 
 }  // namespace ragdoll

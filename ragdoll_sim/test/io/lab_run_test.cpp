@@ -127,7 +127,10 @@ TEST_F(LabRun, SaysWhichPairsSelfCollisionLeavesOut) {
   ASSERT_EQ(outcome.status, 0);
   EXPECT_NO_THROW(nlohmann::json::parse(outcome.output));
   EXPECT_THAT(outcome.errors, HasSubstr("ragdoll_lab: self collision of 'human': 159 pairs"));
-  EXPECT_THAT(outcome.errors, HasSubstr("left_shoulder-right_shoulder with neck-head"));
+  EXPECT_EQ(std::count(outcome.errors.begin(), outcome.errors.end(), '\n'), 1) << outcome.errors;
+  EXPECT_THAT(outcome.errors, HasSubstr("(--pairs lists them)"));
+  const Outcome listed = lab("run fall --seconds 0 --set self_collision=true --pairs");
+  EXPECT_THAT(listed.errors, HasSubstr("left_shoulder-right_shoulder with neck-head"));
   EXPECT_EQ(lab("run fall --seconds 0").errors, "");
 }
 

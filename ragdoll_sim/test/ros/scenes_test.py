@@ -56,9 +56,9 @@ class ScenesTest(unittest.TestCase):
                     if m.level == level and all(word in m.msg for word in words)]
 
         self.client.load(yaml=YAML + 'self_collision: true')
-        wait_for(lambda: said(Log.INFO, "self collision of 'human'", 'share a particle: ',
-                              'overlap in the rest pose: ',
-                              'left_shoulder-right_shoulder with neck-head'), 'the pairs left out')
+        wait_for(lambda: said(Log.INFO, "self collision of 'human'", '76 that share a particle',
+                              '23 that overlap in the rest pose', 'ragdoll_lab run --pairs'),
+                 'the pairs left out')
         pairs = len(said(Log.INFO, "self collision of 'human'"))
         self.assertEqual(self.client.load(yaml=YAML + 'self_collision: true').status_message,
                          '2 ragdolls, 0 obstacles')

@@ -16,8 +16,11 @@ void addCapsules(Skeleton& skeleton, bool self);
 /// "left_elbow-left_hand", or a lone particle's name.
 std::string capsuleName(const Skeleton& skeleton, int capsule);
 
-/// What was decided, for the log: how many pairs there are, and by name those left out and why. A
-/// line for each reason.
+/// What was decided, for the log: how many pairs there are and how many are left out, in a first
+/// line; then by name those left out, a line for each reason.
 std::string describePairs(const Skeleton& skeleton);
+
+/// The first line of a note (Model::notes).
+std::string inShort(const std::string& note);
 
 }  // namespace ragdoll
