@@ -43,8 +43,22 @@ class Inbox:
         with self.lock:
             return list(self.messages)
 
+    def reader(self):
+        """Of all messages, too, but each call gives only those since the last one."""
+        read = 0
+
+        def new():
+            nonlocal read
+            with self.lock:
+                messages = self.messages[read:]
+            read += len(messages)
+            return messages
+        return new
+
     def first(self, condition, what):
-        return wait_for(lambda: next((m for m in self.all() if condition(m)), None), what)
+        """The condition is of the message alone: it is asked once."""
+        new = self.reader()
+        return wait_for(lambda: next((m for m in new() if condition(m)), None), what)
 
 
 class Client:

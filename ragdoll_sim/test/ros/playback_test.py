@@ -59,12 +59,16 @@ class PlaybackTest(unittest.TestCase):
 
     def picture(self, head):
         """All markers as the node drew them with the head there, once it has drawn all kinds."""
-        found = {}
-        for message in self.drawn.all():
-            now = numbers(message)
-            if head in now.get(('sticks', 0), [[]])[0]:
-                found.update(now)
-        return found if ('obstacles', 0) in found else None
+        found, new = {}, self.drawn.reader()
+
+        def whole():
+            for message in new():
+                now = numbers(message)
+                if head in now.get(('sticks', 0), [[]])[0]:
+                    found.update(now)
+            return ('obstacles', 0) in found
+        wait_for(whole, 'the node to draw the last state')
+        return found
 
     def play(self, path):
         program = roslib.packages.find_node('rosbag', 'play')[0]
@@ -77,7 +81,7 @@ class PlaybackTest(unittest.TestCase):
     def test_the_picture_is_the_one_that_was_drawn(self):
         path = self.record()
         head = position(self.client.model, self.last, 'head')
-        expected = wait_for(lambda: self.picture(head), 'the node to draw the last state')
+        expected = self.picture(head)
         played = Inbox('/played/markers', MarkerArray)
         frames = Inbox('/tf', TFMessage)
         self.play(path)
@@ -86,10 +90,10 @@ class PlaybackTest(unittest.TestCase):
         last = played.first(lambda m: numbers(m).get(('sticks', 0)) == sticks,
                             'the last state, drawn alike')
         self.assertEqual([m.ns for m in last.markers].count('coat'), 1)
-        keys = set()
+        keys, new = set(), played.reader()
 
         def alike():
-            keys.update(key for m in played.all() for key in numbers(m))
+            keys.update(key for m in new() for key in numbers(m))
             return keys == set(expected)
         wait_for(alike, 'the markers %s' % sorted(expected))
         for message in played.all():
@@ -100,21 +104,27 @@ class PlaybackTest(unittest.TestCase):
         state = copy.deepcopy(self.last)
         tell_state = rospy.Publisher('/played/state', State, queue_size=10)
 
-        def arrows_so_far():
+        newly_played = played.reader()
+
+        def new_arrows():
             state.step += 1
             tell_state.publish(state)
-            return [m for message in played.all() for m in message.markers if m.ns == 'pokes']
-        arrows = wait_for(arrows_so_far, 'an arrow for the poke')
+            return [m for message in newly_played() for m in message.markers if m.ns == 'pokes']
+        arrows = wait_for(new_arrows, 'an arrow for the poke')
         self.assertGreater(arrows[-1].points[1].y - arrows[-1].points[0].y, 0.3)
 
         # The node still publishes the same frames, so the relay keeps silent.
-        def count(name):
-            return len([m for m in frames.all() if m._connection_header['callerid'] == name])
+        new_frames = frames.reader()
 
         def silent():
-            others, own = count('/ragdoll'), count('/played')
-            wait_for(lambda: count('/ragdoll') > others + 30, 'frames')
-            return count('/played') == own
+            new_frames()
+            names = []
+
+            def enough():
+                names.extend(m._connection_header['callerid'] for m in new_frames())
+                return names.count('/ragdoll') > 30
+            wait_for(enough, 'frames')
+            return '/played' not in names
         wait_for(silent, 'silence of the relay')
 
     def test_an_obstacle_is_where_followed_tells(self):
@@ -151,12 +161,13 @@ class PlaybackTest(unittest.TestCase):
             for name, kind in (('model', Model), ('state', State), ('pokes', PokeEvent)))
         for publisher in (tell_model, tell_state, tell_poke):
             wait_for(lambda p=publisher: p.get_num_connections() > 0, 'the relay')
-        log = Inbox('/rosout', Log)
+        new_lines = Inbox('/rosout', Log).reader()
 
         def lengths():
             """[m] of all arrows so far, along y"""
-            return {round(m.points[1].y - m.points[0].y, 9)
-                    for a in drawn.all() for m in a.markers if m.ns == 'pokes'}
+            found.update(round(m.points[1].y - m.points[0].y, 9)
+                         for a in newly_drawn() for m in a.markers if m.ns == 'pokes')
+            return found
         poke = PokeEvent(run=state.run, step=40, body_name='head')
         poke.duration.secs = -1
         poke.force.y = 50
@@ -164,10 +175,11 @@ class PlaybackTest(unittest.TestCase):
 
         def heard():
             tell_state.publish(state)
-            return any(m.name == '/early' and 'no ~model' in m.msg for m in log.all())
+            return any(m.name == '/early' and 'no ~model' in m.msg for m in new_lines())
         wait_for(heard, 'the state without model')
         tell_model.publish(model)
         drawn = Inbox('/early/markers', MarkerArray)
+        found, newly_drawn = set(), drawn.reader()
         drawn.first(lambda a: len(a.markers) > 0, 'the state that came before the model')
 
         def early_arrow():  # a slow listener misses pictures, so it is told again
@@ -186,7 +198,7 @@ class PlaybackTest(unittest.TestCase):
         """A body of another name, told by hand: what the node does not publish, the relay does."""
         model = copy.deepcopy(Inbox('/ragdoll/model', Model).first(lambda m: True, 'a model'))
         state = self.client.restart()
-        frames = Inbox('/tf', TFMessage)
+        new_frames = Inbox('/tf', TFMessage).reader()
         tell_model = rospy.Publisher('/played/model', Model, latch=True, queue_size=1)
         tell_state = rospy.Publisher('/played/state', State, latch=True, queue_size=1)
         model.scene_yaml = model.scene_yaml.replace('name: ragdoll', 'name: other')
@@ -195,11 +207,11 @@ class PlaybackTest(unittest.TestCase):
 
         def told():
             tell_state.publish(state)
-            return [t for m in frames.all() for t in m.transforms
-                    if t.child_frame_id == 'other/head']
+            tree.update((t.child_frame_id, t) for m in new_frames() for t in m.transforms
+                        if t.child_frame_id.startswith('other/'))
+            return tree
+        tree = {}
         wait_for(told, 'the frames')
-        tree = {t.child_frame_id: t for m in frames.all() for t in m.transforms
-                if t.child_frame_id.startswith('other/')}
         self.assertEqual(len(tree), 17)
         root = tree['other/pelvis'].transform.translation
         hips = [position(self.client.model, state, side + '_hip') for side in ('left', 'right')]
