@@ -1,10 +1,12 @@
 #include "arguments.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <memory>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
 namespace ragdoll::lab {
@@ -77,8 +79,22 @@ void dropLimits(Scene& scene) {
 double checked(const std::string& option, double value, bool zero_is_right) {
   const bool right = std::isfinite(value) && (value > 0 || (zero_is_right && value == 0));
   if (!right)
-    throw Error(option, "is " + std::to_string(value) + "; a positive number is expected");
+    throw Error(option, "is " + numberText(value) + "; a positive number is expected");
   return value;
+}
+
+po::typed_value<double>* positive(const std::string& option, double& value) {
+  return po::value<double>()->notifier(
+      [&value, option](double given) { value = checked(option, given, false); });
+}
+
+int stepsOf(const std::string& option, double seconds, double step) {
+  constexpr double kMostSteps = 1e9;
+  const double steps = std::max(1.0, std::round(seconds / step));
+  if (!(steps <= kMostSteps))
+    throw Error(option, "is " + numberText(seconds) + " s, more than 1e9 steps of " +
+                            numberText(step) + " s");
+  return static_cast<int>(steps);
 }
 
 }  // namespace ragdoll::lab

@@ -38,4 +38,12 @@ void dropLimits(Scene& scene);
 /// `value`, which has to be finite and positive (or zero, if that is right). Throws Error.
 double checked(const std::string& option, double value, bool zero_is_right);
 
+/// An option that may be left out, `value` as it is then; where it is given it has to be finite and
+/// positive.
+po::typed_value<double>* positive(const std::string& option, double& value);
+
+/// Whole steps in so many seconds, at least one. Throws Error that names the option if there are
+/// more than 1e9.
+int stepsOf(const std::string& option, double seconds, double step);
+
 }  // namespace ragdoll::lab

@@ -40,7 +40,7 @@ class Crowd {
     scene.solver.sleep = false;
     model_ = buildModel(scene);
     inputs_ = startInputs(model_);
-    steps_ = std::max(1, static_cast<int>(std::lround(seconds / model_.solver.step)));
+    steps_ = stepsOf("--seconds", seconds, model_.solver.step);
   }
 
   /// CPU time [s] of one step of one body, from the start to the end.

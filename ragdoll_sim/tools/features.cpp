@@ -35,7 +35,7 @@ class Runner {
     model_ = buildModel(scene);
     start_ = startState(model_);
     inputs_ = startInputs(model_);
-    steps_ = std::max(1, static_cast<int>(std::lround(seconds / model_.solver.step)));
+    steps_ = stepsOf("--seconds", seconds, model_.solver.step);
     once();  // grows the scratch memory, fills the caches
   }
 

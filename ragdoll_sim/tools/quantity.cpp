@@ -25,9 +25,9 @@ double parse(const std::string& option, const std::string& text, const std::vect
   const double number = std::strtod(text.c_str(), &end);
   std::string unit = end;
   unit.erase(0, unit.find_first_not_of(' '));
-  if (end != text.c_str() && std::isfinite(number) && number > 0)
+  if (end != text.c_str() && std::isfinite(number))
     for (const Unit& known : units)
-      if (unit == known.name) return number * known.size;
+      if (unit == known.name && number * known.size > 0) return number * known.size;
   std::string names;
   for (const Unit& known : units) names += (names.empty() ? "" : ", ") + std::string(known.name);
   throw Error(option, "'" + text + "' is not a positive number with a unit (" + names +

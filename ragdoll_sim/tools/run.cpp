@@ -1,4 +1,5 @@
 // ragdoll_lab run: steps a scene as fast as it can and writes what happened.
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -75,6 +76,8 @@ int run(const Options& options) {
   const double steps = std::ceil(options.seconds / model.solver.step - kRounding);
   if (steps > kMostSteps)
     throw Error("--seconds", "asks for more than 1e12 steps of " + timeText(model.solver.step));
+  if (options.rate * std::max(options.seconds, model.solver.step) > kMostSteps)
+    throw Error("--rate", "asks for more than 1e12 rows");
 
   TickWriter rows(model, options);
   WatchedRun world(model);

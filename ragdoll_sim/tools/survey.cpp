@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/core/solver_presets.h"
 
 namespace ragdoll::lab {
@@ -10,6 +11,7 @@ namespace {
 
 constexpr double kReferenceShare = 0.2;  ///< of the progress bar
 constexpr double kAccuracyShare = 0.3;
+constexpr double kLongest = 1000;  ///< [s] of simulation, in the reference's small steps
 
 /// Steps that differ by factors of two and end where the window does.
 std::vector<Configuration> grid(const Family& family, double window, const SolverSpec& scene) {
@@ -25,6 +27,9 @@ std::vector<Configuration> grid(const Family& family, double window, const Solve
 
 SurveyOptions completed(const Model& model, SurveyOptions options) {
   const bool contact = hasContact(model);
+  if (options.horizon > kLongest)
+    throw Error("--horizon", "is " + numberText(options.horizon) + " s; at most " +
+                                 numberText(kLongest) + " are possible");
   if (options.horizon == 0) options.horizon = contact ? 2 : 1;
   if (options.window == 0)
     options.window = contact ? std::min(0.1, options.horizon) : options.horizon;

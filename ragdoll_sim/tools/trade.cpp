@@ -74,9 +74,9 @@ int tradeCommand(const Words& words) {
   CommandLine line{"trade SCENE [options]", kAbout, {}};
   auto add = line.options.add_options();
   add("out", po::value(&options.folder)->default_value("."), "Folder of the files");
-  add("horizon", po::value(&options.survey.horizon),
+  add("horizon", positive("--horizon", options.survey.horizon),
       "Simulated time [s]; default 1, with something to touch 2");
-  add("window", po::value(&options.survey.window),
+  add("window", positive("--window", options.survey.window),
       "Time [s] after which all start again from the reference; default 0.1 with something to "
       "touch, else the horizon");
   add("dearest",
@@ -89,8 +89,6 @@ int tradeCommand(const Words& words) {
   add("set", po::value(&options.settings),
       "Change a setting, such as gravity=[0,0,-1.62]; may be given again");
   if (!parse(line, words, options.scene)) return kOk;
-  checked("--horizon", options.survey.horizon, true);
-  checked("--window", options.survey.window, true);
   checked("--dearest", options.survey.dearest, false);
   return trade(options);
 }

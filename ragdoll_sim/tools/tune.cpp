@@ -78,9 +78,9 @@ int tuneCommand(const Words& words) {
   add("error", po::value(&options.error), "Largest error, in um, mm, cm or m, such as 1mm");
   add("budget", po::value(&options.budget),
       "Most CPU time per simulated second, in us, ms or s, such as 50us");
-  add("horizon", po::value(&options.survey.horizon),
+  add("horizon", positive("--horizon", options.survey.horizon),
       "Simulated time [s]; default 1, with something to touch 2");
-  add("window", po::value(&options.survey.window),
+  add("window", positive("--window", options.survey.window),
       "Time [s] after which all start again from the reference; default 0.1 with something to "
       "touch, else the horizon");
   add("dearest",
@@ -91,8 +91,6 @@ int tuneCommand(const Words& words) {
   add("set", po::value(&options.settings),
       "Change a setting, such as gravity=[0,0,-1.62]; may be given again");
   if (!parse(line, words, options.scene)) return kOk;
-  checked("--horizon", options.survey.horizon, true);
-  checked("--window", options.survey.window, true);
   checked("--dearest", options.survey.dearest, false);
   return run(options);
 }

@@ -180,6 +180,7 @@ TEST_F(LabRun, BadInputEndsWithStatusTwoAndOneLine) {
       {"run fall --seconds nan", "--seconds"},
       {"run fall --seconds soon", "--seconds"},
       {"run fall --rate 0", "--rate"},
+      {"run fall --rate 1e300 --seconds 0", "--rate"},
       {"run fall --seconds 1e300", "1e12 steps"},
       {"run fall --csv /nowhere/run.csv", "/nowhere/run.csv"},
       {"run fall --fast", "--fast"},

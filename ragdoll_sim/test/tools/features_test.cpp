@@ -84,6 +84,7 @@ TEST_F(LabFeatures, PrintsACostAndARatioForEach) {
 
 TEST_F(LabFeatures, SaysWhatIsWrong) {
   EXPECT_EQ(lab("features --seconds nan").status, 2);
+  EXPECT_EQ(lab("features --seconds 1e300").status, 2);
   EXPECT_EQ(lab("features --set solver.step=0").status, 2);
   EXPECT_EQ(lab("features fall").status, 2);
 }

@@ -49,6 +49,9 @@ TEST_F(LabCrowd, SaysWhatIsWrong) {
   }
   EXPECT_THAT(lab("crowd 2 --model giant").errors, HasSubstr("giant"));
   EXPECT_EQ(lab("crowd 2 --seconds nan").status, 2);
+  const Outcome huge = lab("crowd 2 --seconds 1e300");
+  EXPECT_EQ(huge.status, 2);
+  EXPECT_THAT(huge.errors, HasSubstr("--seconds: is 1e+300 s, more than 1e9 steps"));
   EXPECT_EQ(lab("crowd 2 --set solver.step=0").status, 2);
   EXPECT_EQ(lab("crowd").status, 2);
 }

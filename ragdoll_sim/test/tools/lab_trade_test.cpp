@@ -158,7 +158,12 @@ TEST_F(LabTrade, BadInputIsStatusTwoAndOneLine) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"trade", "SCENE"},
       {"trade nowhere", "stairs"},
-      {"trade fall --horizon -1", "--horizon"},
+      {"trade fall --horizon -1", "--horizon: is -1; a positive number"},
+      {"trade fall --horizon 0", "--horizon: is 0; a positive number"},
+      {"trade fall --horizon nan", "--horizon: is nan; a positive number"},
+      {"trade fall --horizon 1e300", "--horizon: is 1e+300 s; at most 1000"},
+      {"trade fall --window 0", "--window: is 0; a positive number"},
+      {"trade fall --dearest 0", "--dearest: is 0; a positive number"},
       {"trade fall --window 0.3", "--window"},
       {"trade fall --out /dev/null/x", "/dev/null/x"},
       {"tune", "SCENE"},
@@ -166,6 +171,8 @@ TEST_F(LabTrade, BadInputIsStatusTwoAndOneLine) {
       {"tune fall --error 1mm --budget 1ms", "one of"},
       {"tune fall --error 1", "1mm"},
       {"tune fall --budget 5mm", "50us"},
+      {"tune fall --error 1mm --horizon 0", "--horizon: is 0; a positive number"},
+      {"tune fall --error 1mm --window inf", "--window: is inf; a positive number"},
   };
   for (const auto& [arguments, expected] : cases) {
     const Outcome outcome = lab(arguments);
