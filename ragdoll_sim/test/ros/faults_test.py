@@ -231,6 +231,16 @@ class FaultsTest(unittest.TestCase):
         print('interrupted in mid-step: ended after %.3f s' % seconds)
         self.assertEqual(status, 0)
 
+    def test_interrupted_while_nothing_moves_it_ends_by_itself(self):
+        core = Roscore(free_port())
+        self.addCleanup(core.kill)
+        for name, sim_time, parameters in (('paused', False, {'start_paused': 'true'}),
+                                           ('waiting', True, {})):
+            ServerProxy(core.uri).setParam('/test', '/use_sim_time', sim_time)  # without a clock
+            node = self.start(name, master=core.uri, **parameters)
+            self.assertEqual(node.service('get_state', GetState).call().state.step, 0)
+            self.assertEqual(node.end()[0], 0)
+
     def test_interrupted_while_it_starts_it_ends_by_itself(self):
         for how in (signal.SIGINT, signal.SIGTERM):
             for last in ('parameter_descriptions', 'model', 'clock', 'pause'):
