@@ -188,7 +188,7 @@ class FaultsTest(unittest.TestCase):
                     pokes.setdefault(message.force.x, []).append(message.step)
                 if topic.endswith('/state'):
                     states.append(message)
-        self.assertEqual(pokes, {float(i + 1): [int(text.split()[-1])]
+        self.assertEqual(pokes, {float(i + 1): [int(text.split('from step ')[1].split()[0])]
                                  for i, text in enumerate(told)})
         self.assertEqual(bits(states[-1]), bits(last))
         self.assertTrue(all(a.step <= b.step for a, b in zip(states, states[1:])))
