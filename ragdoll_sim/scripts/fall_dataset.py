@@ -183,7 +183,8 @@ class Recorder:
 
 
 def read_arguments():
-    parser = argparse.ArgumentParser(description='Records random falls with labels.')
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--falls', type=int, default=10, help='how many')
     parser.add_argument('--seed', type=int, default=1, help='of the first fall')
     parser.add_argument('--seconds', type=float, default=5, help='length of a fall [s]')

@@ -23,6 +23,7 @@ SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double real
   c.sweeps = solver.sweeps;
   c.tolerance = solver.tolerance;
   c.damping = solver.damping;
+  c.joint_damping = solver.joint_damping;
   c.sleep = solver.sleep;
   c.gravity_x = gravity.x();
   c.gravity_y = gravity.y();
@@ -38,7 +39,7 @@ void apply(const SolverConfig& config, const SolverConfig& shown, Scene& scene) 
     if (to != from) value = static_cast<std::decay_t<decltype(value)>>(to);
   };
   SolverSpec& solver = scene.solver;
-  if (config.preset != shown.preset) {  // a preset sets all knobs that are shown
+  if (config.preset != shown.preset) {  // sets all knobs but what belongs to the body
     const double joint_damping = solver.joint_damping;
     solver = preset(config.preset);
     solver.joint_damping = joint_damping;
@@ -51,6 +52,7 @@ void apply(const SolverConfig& config, const SolverConfig& shown, Scene& scene) 
     set(config.damping, shown.damping, solver.damping);
     set(config.sleep, shown.sleep, solver.sleep);
   }
+  set(config.joint_damping, shown.joint_damping, solver.joint_damping);
   set(config.gravity_x, shown.gravity_x, scene.gravity.x());
   set(config.gravity_y, shown.gravity_y, scene.gravity.y());
   set(config.gravity_z, shown.gravity_z, scene.gravity.z());

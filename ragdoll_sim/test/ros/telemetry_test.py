@@ -6,6 +6,7 @@ import unittest
 
 import rospy
 import rostest
+import yaml
 from client import LIMIT, Client, Inbox, position, wait_for
 from dynamic_reconfigure.client import Client as Settings
 from ragdoll_msgs.msg import Metrics, Model
@@ -177,6 +178,17 @@ class TelemetryTest(unittest.TestCase):
         h = after.time - before.time
         mean = [sum(v.x for v in s.ragdolls[0].velocities) / 16 for s in (before, after)]
         self.assertAlmostEqual(mean[1] - mean[0], 2.0 * h, delta=0.5 * h)
+
+    def test_joint_damping_is_the_scenes_and_a_preset_leaves_it(self):
+        def told(preset):
+            wait_for(lambda: 'preset: ' + preset in self.client.model.scene_yaml, preset)
+            return yaml.safe_load(self.client.model.scene_yaml)['solver']['joint_damping']
+        self.client.load(yaml='ragdolls: [{model: human}]\nsolver: {joint_damping: 2}')
+        wait_for(lambda: self.settings.get_configuration()['joint_damping'] == 2, "the scene's")
+        config = self.settings.update_configuration({'preset': 'draft'})
+        self.assertEqual((config['joint_damping'], told('draft')), (2, 2))
+        config = self.settings.update_configuration({'joint_damping': 3.0, 'preset': 'precise'})
+        self.assertEqual((config['joint_damping'], told('precise')), (3, 3))
 
     def test_the_pace_changes_while_it_runs(self):
         metrics = Inbox('/ragdoll/metrics', Metrics)
