@@ -101,7 +101,7 @@ TEST_F(Panel, choosesAScene) {
     const auto before = scene_;
     scene->setCurrentIndex(i);
     Q_EMIT scene->activated(i);
-    EXPECT_TRUE(says("message", "1 ragdolls"));
+    EXPECT_TRUE(says("message", "1 ragdoll, "));
     ASSERT_TRUE(waitFor([&] { return scene_ != before; }));
     EXPECT_EQ(scene_->scene_yaml.find("pins") != std::string::npos, name == std::string("hang"));
   }
