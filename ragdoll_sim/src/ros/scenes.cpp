@@ -4,7 +4,6 @@
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
-#include "ragdoll_sim/core/self_pairs.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/ros/answer.h"
 #include "ragdoll_sim/ros/convert.h"
@@ -27,8 +26,7 @@ World loadWorld(const ragdoll_msgs::LoadScene::Request& request) {
 void tellChecks(const Model& model, const std::vector<std::string>& told) {
   for (const std::string& warning : model.warnings) ROS_WARN("%s", warning.c_str());
   for (const std::string& note : model.notes)
-    if (indexOf(told, note) < 0)
-      ROS_INFO("%s (ragdoll_lab run --pairs lists them)", inShort(note).c_str());
+    if (indexOf(told, note) < 0) ROS_INFO("%s", note.c_str());
 }
 
 std::string contents(const Model& model) {

@@ -57,7 +57,8 @@ class ScenesTest(unittest.TestCase):
 
         self.client.load(yaml=YAML + 'self_collision: true')
         wait_for(lambda: said(Log.INFO, "self collision of 'human'", '76 that share a particle',
-                              '23 that overlap in the rest pose', 'ragdoll_lab run --pairs'),
+                              '23 that overlap in the rest pose',
+                              'left_shoulder-right_shoulder with neck-head'),
                  'the pairs left out')
         pairs = len(said(Log.INFO, "self collision of 'human'"))
         self.assertEqual(self.client.load(yaml=YAML + 'self_collision: true').status_message,
