@@ -78,8 +78,7 @@ void dropLimits(Scene& scene) {
 
 double checked(const std::string& option, double value, bool zero_is_right) {
   const bool right = std::isfinite(value) && (value > 0 || (zero_is_right && value == 0));
-  if (!right)
-    throw Error(option, "is " + numberText(value) + "; a positive number is expected");
+  if (!right) throw Error(option, "is " + numberText(value) + "; a positive number is expected");
   return value;
 }
 

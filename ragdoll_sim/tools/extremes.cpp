@@ -19,11 +19,9 @@ namespace {
 
 constexpr const char* kAbout =
     "Runs scenes at the extremes by every method and judges each run by what must hold: finite\n"
-    "numbers, energy not above start plus work, sticks whole within a second, nothing in the "
-    "floor\n"
-    "or through a thin box, rest. Prints the matrix: ok, or the laws that were broken. Exit status "
-    "1\n"
-    "if the default method breaks one.";
+    "numbers, no energy but work, sticks whole within a second, nothing in the floor or through a\n"
+    "thin box, rest. Prints the matrix: ok, or the laws that were broken. Exit status 1 if the\n"
+    "default method breaks one.";
 
 std::string textOf(const std::string& path) {
   std::ifstream file(path);
@@ -84,9 +82,8 @@ int extremesCommand(const Words& words) {
   add("random-only", po::bool_switch(&random_only), "Random scenes and piles alone");
   add("seed", po::value(&seed)->default_value(0), "Of the first random scene and the first pile");
   add("only", po::value(&options.only),
-      "Only tests whose name contains this, such as \"step: 0.1\"; --random 0 leaves out the "
-      "random "
-      "scenes");
+      "Only tests whose name contains this, such as \"step: 0.1\"; --random 0 --piles 0 leave out "
+      "the random scenes");
   add("method", po::value(&options.method), "Only this one: jakobsen, shake or rk");
   add("guard-cost", po::value(&rounds)->implicit_value(41),
       "Instead: what the step guard costs on shipped scenes, with and without it in turn so many "

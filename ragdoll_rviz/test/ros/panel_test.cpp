@@ -182,8 +182,8 @@ TEST_F(Panel, setsTheSpeed) {
   EXPECT_TRUE(runs([](double x) { return x > 8; }));
   factor->setValue(0.004);  // very slow, not free
   double set = 0;
-  EXPECT_TRUE(waitFor(
-      [&] { return ros::param::get("/ragdoll/realtime_factor", set) && set == 0.004; }));
+  EXPECT_TRUE(
+      waitFor([&] { return ros::param::get("/ragdoll/realtime_factor", set) && set == 0.004; }));
   factor->setValue(1);
   EXPECT_TRUE(runs([](double x) { return std::abs(x - 1) < 0.05; }));
 }

@@ -304,8 +304,10 @@ TEST(SelfPairs, OfTheHumanAreAsExpected) {
   std::istringstream note(model.notes[0]);
   for (std::string line; std::getline(note, line);) lines.push_back(line);
   ASSERT_EQ(lines.size(), 4u);
-  EXPECT_EQ(lines[0], "self collision of 'human': 159 pairs of sticks; left out: 76 that share a particle, 18 "
-                      "that are in one rigid group, 23 that overlap in the rest pose");
+  EXPECT_EQ(
+      lines[0],
+      "self collision of 'human': 159 pairs of sticks; left out: 76 that share a particle, 18 "
+      "that are in one rigid group, 23 that overlap in the rest pose");
   EXPECT_EQ(inShort(model.notes[0]), lines[0]);
   EXPECT_THAT(lines[1], StartsWith("  share a particle: "));
   EXPECT_THAT(lines[2], StartsWith("  are in one rigid group: "));

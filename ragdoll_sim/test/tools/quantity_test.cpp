@@ -25,7 +25,8 @@ TEST(Quantity, TimesInSeconds) {
 }
 
 TEST(Quantity, WhatIsWrongIsSaid) {
-  for (const char* text : {"", "mm", "1", "1 inch", "-1mm", "0mm", "1e-320nm", "nanmm", "1mm2", "1us"})
+  for (const char* text :
+       {"", "mm", "1", "1 inch", "-1mm", "0mm", "1e-320nm", "nanmm", "1mm2", "1us"})
     EXPECT_THAT(errorOf([&] { parseLength("--error", text); }),
                 AllOf(HasSubstr("--error"), HasSubstr("mm, cm"), HasSubstr("such as 1mm")))
         << text;

@@ -8,9 +8,9 @@
 
 namespace ragdoll {
 
-/// [m] of each coordinate and each length. Doubles are 1e-7 m apart there, and by the direct methods
-/// bodies fall, rest and sleep as at the origin; ten times as far out the step guard acts in a tenth
-/// of the steps, at 1e11 m sticks miss their lengths by 2e-3, at 1e15 m they have none
+/// [m] of each coordinate and each length. Doubles are 1e-7 m apart there, and by the direct
+/// methods bodies fall, rest and sleep as at the origin; ten times as far out the step guard acts
+/// in a tenth of the steps, at 1e11 m sticks miss their lengths by 2e-3, at 1e15 m they have none
 /// (docs/extremes.md).
 constexpr double kFarthest = 1e9;
 
