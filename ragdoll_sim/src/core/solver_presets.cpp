@@ -20,7 +20,7 @@ constexpr Preset kPresets[] = {
     {"thesis", Method::kJakobsen, Integrator::kVerlet, 1.0 / 60, 10, "20 mm"},
     {"draft", Method::kShake, Integrator::kVerlet, 1.0 / 60, 10, "4 mm"},
     {"balanced", Method::kShake, Integrator::kVerlet, 1.0 / 120, 10, "2 mm"},
-    {"precise", Method::kShake, Integrator::kVerlet, 1.0 / 500, 10, "0.8 mm"},
+    {"precise", Method::kShake, Integrator::kVerlet, 1.0 / 500, 10, "0.6 mm"},
     {"reference", Method::kRk, Integrator::kVerlet, 1.0 / 1000, 10, "0.3 mm"},
 };
 
