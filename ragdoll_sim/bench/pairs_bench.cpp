@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "ragdoll_sim/core/body_grid.h"
+#include "core/contact/body_grid.h"
 #include "ragdoll_sim/core/step.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 

@@ -7,7 +7,6 @@
 #include "extreme_scenes.h"
 #include "extreme_verdict.h"
 #include "format.h"
-#include "ragdoll_sim/core/workspace.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
 namespace ragdoll::lab {
@@ -32,7 +31,7 @@ double median(std::vector<double> values) {
 class Runner {
  public:
   Runner(const Model& model, bool guarded) : model_(model), inputs_(startInputs(model)) {
-    workspace_.impl().unguarded = !guarded;
+    workspace_.setGuard(guarded);
   }
 
   void restart() {

@@ -1,5 +1,5 @@
 // Damping of inner motion: momentum and angular momentum stay, swinging decays at the stated rate.
-#include "ragdoll_sim/core/joint_damping.h"
+#include "core/mechanics/joint_damping.h"
 
 #include <gtest/gtest.h>
 

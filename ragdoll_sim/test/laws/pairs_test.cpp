@@ -8,7 +8,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "ragdoll_sim/core/capsule_pairs.h"
+#include "core/contact/capsule_pairs.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/self_pairs.h"
 #include "ragdoll_sim/io/scene_yaml.h"

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/step/workspace.h"
 #include "ragdoll_sim/core/measures.h"
-#include "ragdoll_sim/core/workspace.h"
 #include "support/worlds.h"
 
 namespace ragdoll {

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "ragdoll_sim/core/capsule_pairs.h"
+#include "core/contact/capsule_pairs.h"
 #include "support/worlds.h"
 
 namespace ragdoll::test {

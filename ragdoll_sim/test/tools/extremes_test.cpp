@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/step/workspace.h"
 #include "extreme_random.h"
 #include "extreme_scenes.h"
 #include "extreme_verdict.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/solver_presets.h"
-#include "ragdoll_sim/core/workspace.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/samples.h"
 #include "support/worlds.h"
@@ -222,7 +222,7 @@ std::uint64_t hashOf(const std::string& name, bool guarded, GuardCounts& counts)
   Scene scene = loadScene(name);
   scene.solver = preset("thesis");
   test::World world(scene);
-  world.workspace.impl().unguarded = !guarded;
+  world.workspace.setGuard(guarded);
   for (int i = 0; i < 180; ++i) counts.guarded += world.steps(1).guarded > 0;
   return hash(world.state);
 }
@@ -247,7 +247,7 @@ TEST(Extremes, RelaxationHoldsAMassRatioOfAThousandOnceTheGuardHasSeenIt) {
     world.steps(1);
     ASSERT_LT(maxStickError(world.model, world.state), 1e-3) << i;
   }
-  world.workspace.impl().unguarded = true;
+  world.workspace.setGuard(false);
   world.steps(60);
   EXPECT_GT(maxStickError(world.model, world.state), 0.5);
 }

@@ -65,4 +65,21 @@ struct Limit {
   double damping = 0;     ///< [N m s/rad]
 };
 
+/// A `planes` joint, resolved (plane_limits.h).
+struct PlaneLimit {
+  struct Region {
+    bool used = false;
+    Vec3 middle, side;  ///< unit, in the parent's rest axes: the region's middle, 90 degrees on
+    double centre = 0;  ///< [rad] of the middle
+    double half = 0;    ///< [rad] from the middle to begin and end
+    double cos_half = 1;
+  };
+  int joint = 0;
+  std::array<Direction, 3> axes;  ///< the parent's rest axes, carried
+  Direction child;                ///< a bone
+  double compliance = 0;          ///< [rad/(N m)]
+  double damping = 0;             ///< [N m s/rad]
+  std::array<Region, 3> regions;
+};
+
 }  // namespace ragdoll

@@ -8,13 +8,13 @@
 // with G = B W B^T.
 #pragma once
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "ragdoll_sim/core/limit.h"
-#include "ragdoll_sim/core/plane_limits.h"
-#include "ragdoll_sim/core/relax.h"
 #include "ragdoll_sim/core/scene.h"
 #include "ragdoll_sim/core/types.h"
 
@@ -23,6 +23,13 @@ namespace ragdoll {
 struct Stick {
   int a = 0, b = 0;   ///< particles of the skeleton
   double length = 0;  ///< [m]
+};
+
+/// A stick between particles with their own masses.
+struct RelaxedStick {
+  int a, b;                 ///< columns
+  double length;            ///< [m]
+  double share_a, share_b;  ///< of the correction: w_a / (w_a + w_b), w_b / (w_a + w_b)
 };
 
 struct Segment {

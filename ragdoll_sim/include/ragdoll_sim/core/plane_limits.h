@@ -27,10 +27,6 @@
 // 10 degrees while they searched for it.
 #pragma once
 
-#include <array>
-#include <optional>
-#include <vector>
-
 #include "ragdoll_sim/core/limit.h"
 #include "ragdoll_sim/core/scene.h"
 #include "ragdoll_sim/core/types.h"
@@ -47,23 +43,6 @@ LimitPlane limitPlane(int plane, bool left, bool bone_parent);
 
 /// [rad] in (-pi, pi] of a direction in the parent's rest axes.
 double planeAngle(const LimitPlane& plane, const Vec3& direction);
-
-/// A `planes` joint, resolved.
-struct PlaneLimit {
-  struct Region {
-    bool used = false;
-    Vec3 middle, side;  ///< unit, in the parent's rest axes: the region's middle, 90 degrees on
-    double centre = 0;  ///< [rad] of the middle
-    double half = 0;    ///< [rad] from the middle to begin and end
-    double cos_half = 1;
-  };
-  int joint = 0;
-  std::array<Direction, 3> axes;  ///< the parent's rest axes, carried
-  Direction child;                ///< a bone
-  double compliance = 0;          ///< [rad/(N m)]
-  double damping = 0;             ///< [N m s/rad]
-  std::array<Region, 3> regions;
-};
 
 PlaneLimit::Region planeRegion(const LimitPlane& plane, const AngleRange& range);
 

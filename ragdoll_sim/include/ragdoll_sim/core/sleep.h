@@ -14,17 +14,22 @@
 // if there is one pin; `joint_damping` the motion of its limbs. The sweeps of `jakobsen` drive a
 // slow spin about a single pin (docs/trade.md), so that there it may never sleep.
 //
-// Bodies that press on each other fall asleep together, when the last of them has been still. A body
-// wakes when a poke acts on it, an obstacle moves within reach, a pin of it moves, a body that is not
-// still itself touches it, or a setting changes (wakeAll). While a poke acts it stays awake.
+// Bodies that press on each other fall asleep together, when the last of them has been still. A
+// body wakes when a poke acts on it, an obstacle moves within reach, a pin of it moves, a body that
+// is not still itself touches it, or a setting changes (wakeAll). While a poke acts it stays awake.
 #pragma once
 
-#include "ragdoll_sim/core/contact.h"
+#include <cstdint>
+#include <vector>
+
 #include "ragdoll_sim/core/inputs.h"
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/core/state.h"
 
 namespace ragdoll {
+
+struct BodyPair;
+struct Contact;
 
 constexpr double kStillSpeed = 0.01;  ///< [m/s]
 constexpr double kQuietTime = 0.5;    ///< [s]

@@ -30,6 +30,8 @@ class Workspace {
   ~Workspace();
   Workspace(Workspace&&) noexcept;
   Workspace& operator=(Workspace&&) noexcept;
+  /// Switches the step guard off, or on again: to measure what it costs, for nothing else.
+  void setGuard(bool on);
   struct Impl;
   Impl& impl() { return *impl_; }
 

@@ -1,0 +1,178 @@
+#include "core/contact/capsule_pairs.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ragdoll {
+namespace {
+
+constexpr int kTaperSteps = 6;      ///< of one parameter after the other; 2 to 4 are usual
+constexpr int kSectionSteps = 32;   ///< golden sections: 1e-7 of an axis
+constexpr double kSettled = 1e-9;   ///< of a parameter
+constexpr int kMaxAdvances = 64;    ///< of one sweep; grazing paths converge slowly
+constexpr int kMaxHalvings = 4;     ///< of the step, to find when axes had not yet crossed
+constexpr double kTouch = 1e-4;     ///< [m] a sweep stops this far from the surface
+constexpr double kParallel = 0.03;  ///< squared sine (10 degrees) below which axes may lie flat
+constexpr double kFlat = 1e-4;      ///< [m] a place nearer than both ends by more is a touch
+constexpr double kOverlap = 0.1;    ///< share of the first axis that flat contact must span
+
+double clampUnit(double s) { return std::clamp(s, 0.0, 1.0); }
+
+/// Parameter of the point of a-b nearest to p.
+double project(const CapsuleAxis& axis, const Vec3& p) {
+  const Vec3 d = axis.b - axis.a;
+  const double length2 = d.squaredNorm();
+  return length2 > kMinLength * kMinLength ? clampUnit((p - axis.a).dot(d) / length2) : 0;
+}
+
+/// Where the axis's surface is nearest to p: sqrt((L (s - s0))^2 + height^2) - (rb - ra) s least.
+double nearestTo(const CapsuleAxis& axis, const Vec3& p) {
+  const Vec3 d = axis.b - axis.a;
+  const double length2 = d.squaredNorm();
+  const double taper = axis.rb - axis.ra;
+  if (taper * taper >= length2) return taper > 0 ? 1 : 0;  // one end holds the other
+  const double s0 = (p - axis.a).dot(d) / length2;
+  const double height2 = std::max(0.0, (p - axis.a).squaredNorm() - s0 * s0 * length2);
+  return clampUnit(s0 + taper * std::sqrt(height2 / (length2 * (length2 - taper * taper))));
+}
+
+double smallestGap(const CapsuleAxis& a, const CapsuleAxis& b) {
+  return gapAt(a, b, nearestPoints(a, b));
+}
+
+/// Bounds the relative motion of any two points of the capsules: both move straight.
+double relativeTravel(const SweptCapsule& a, const SweptCapsule& b) {
+  const Vec3 pa = a.a1 - a.a0, pb = a.b1 - a.b0, qa = b.a1 - b.a0, qb = b.b1 - b.b0;
+  return std::sqrt(std::max({(pa - qa).squaredNorm(), (pa - qb).squaredNorm(),
+                             (pb - qa).squaredNorm(), (pb - qb).squaredNorm()}));
+}
+
+Vec3 normalAt(const CapsuleAxis& a, const CapsuleAxis& b, const AxisPoints& at) {
+  const Vec3 d = a.at(at.s) - b.at(at.t);
+  const double length = d.norm();
+  if (length > kMinLength) return d / length;
+  Vec3 n = (a.b - a.a).cross(b.b - b.a);  // the axes cross: out of their common plane
+  if (n.norm() < kMinLength) n = (a.b - a.a).unitOrthogonal();
+  return n.normalized();
+}
+
+/// The ends of the overlap of two axes that lie along each other, or false.
+bool flatEnds(const CapsuleAxis& a, const CapsuleAxis& b, std::array<AxisPoints, 2>& ends) {
+  const Vec3 u = a.b - a.a, w = b.b - b.a;
+  const double scale = u.squaredNorm() * w.squaredNorm();
+  if (!(scale > 0) || u.cross(w).squaredNorm() > kParallel * scale) return false;
+  const double s0 = project(a, b.a), s1 = project(a, b.b);
+  if (std::abs(s1 - s0) < kOverlap) return false;
+  ends[0] = {s0, project(b, a.at(s0))};
+  ends[1] = {s1, project(b, a.at(s1))};
+  return true;
+}
+
+CapsuleTouch touchAt(const CapsuleAxis& a, const CapsuleAxis& b, const AxisPoints& at,
+                     double start) {
+  return {at, normalAt(a, b, at), a.radius(at.s) + b.radius(at.t), start};
+}
+
+int touchesAt(const CapsuleAxis& a, const CapsuleAxis& b, double start,
+              std::array<CapsuleTouch, 2>& touches) {
+  const AxisPoints nearest = nearestPoints(a, b);
+  std::array<AxisPoints, 2> ends;
+  if (!flatEnds(a, b, ends)) {
+    touches[0] = touchAt(a, b, nearest, start);
+    return 1;
+  }
+  // Axes that cross at a small angle are nearest between the ends.
+  const double gap0 = gapAt(a, b, ends[0]), gap1 = gapAt(a, b, ends[1]);
+  if (gapAt(a, b, nearest) < std::min(gap0, gap1) - kFlat) ends[gap0 > gap1 ? 0 : 1] = nearest;
+  touches = {touchAt(a, b, ends[0], start), touchAt(a, b, ends[1], start)};
+  return 2;
+}
+
+}  // namespace
+
+AxisPoints closestPoints(const CapsuleAxis& first, const CapsuleAxis& second) {
+  const Vec3 d1 = first.b - first.a, d2 = second.b - second.a, r = first.a - second.a;
+  const double a = d1.squaredNorm(), e = d2.squaredNorm(), f = d2.dot(r);
+  constexpr double kPoint = kMinLength * kMinLength;
+  if (a <= kPoint) return {0, e <= kPoint ? 0 : clampUnit(f / e)};
+  const double c = d1.dot(r);
+  if (e <= kPoint) return {clampUnit(-c / a), 0};
+  const double b = d1.dot(d2);
+  const double denominator = a * e - b * b;
+  AxisPoints at;
+  at.s = denominator > 1e-12 * a * e ? clampUnit((b * f - c * e) / denominator) : 0.5;
+  at.t = (b * at.s + f) / e;
+  if (at.t < 0 || at.t > 1) {
+    at.t = clampUnit(at.t);
+    at.s = clampUnit((b * at.t - c) / a);
+  }
+  return at;
+}
+
+AxisPoints nearestPoints(const CapsuleAxis& first, const CapsuleAxis& second) {
+  AxisPoints at = closestPoints(first, second);
+  if (first.ra == first.rb && second.ra == second.rb) return at;
+  for (int i = 0; i < kTaperSteps; ++i) {
+    const AxisPoints before = at;
+    at.s = nearestTo(first, second.at(at.t));
+    at.t = nearestTo(second, first.at(at.s));
+    if (std::abs(at.s - before.s) + std::abs(at.t - before.t) < kSettled) return at;
+  }
+  // Axes almost parallel: a valley that steps along s and t descend slowly. Its floor is convex.
+  constexpr double kGolden = 0.6180339887498949;
+  const auto along = [&](double s) { return AxisPoints{s, nearestTo(second, first.at(s))}; };
+  const auto gap = [&](double s) { return gapAt(first, second, along(s)); };
+  double lo = 0, hi = 1, s1 = 1 - kGolden, s2 = kGolden, f1 = gap(s1), f2 = gap(s2);
+  for (int i = 0; i < kSectionSteps; ++i) {
+    if (f1 <= f2) {
+      hi = s2, s2 = s1, f2 = f1, s1 = hi - kGolden * (hi - lo), f1 = gap(s1);
+    } else {
+      lo = s1, s1 = s2, f1 = f2, s2 = lo + kGolden * (hi - lo), f2 = gap(s2);
+    }
+  }
+  return along(0.5 * (lo + hi));
+}
+
+double gapAt(const CapsuleAxis& first, const CapsuleAxis& second, const AxisPoints& at) {
+  return (first.at(at.s) - second.at(at.t)).norm() - first.radius(at.s) - second.radius(at.t);
+}
+
+int findTouches(const SweptCapsule& first, const SweptCapsule& second, double margin,
+                std::array<CapsuleTouch, 2>& touches) {
+  const double travel = relativeTravel(first, second);
+  const double near = margin + kSpeculative * travel;
+  const double start = smallestGap(first.at(0), second.at(0));
+  if (!(start <= travel + near)) return 0;
+  const double thin = std::min({first.ra, first.rb, second.ra, second.rb});
+  double time = 1;
+  if (start <= -0.5 * thin && start < 0) {
+    time = 0;  // deep: where they would go may lie on the far side
+  } else if (travel > 0.5 * thin) {
+    double gap = start;
+    time = 0;
+    for (int i = 0; i < kMaxAdvances && gap > kTouch && time < 1; ++i) {
+      time = std::min(1.0, time + gap / travel);
+      gap = smallestGap(first.at(time), second.at(time));
+    }
+    if (gap > std::max(kTouch, near)) return 0;
+  } else if (std::min(start, smallestGap(first.at(1), second.at(1))) > near) {
+    return 0;
+  }
+  return touchesAt(first.at(time), second.at(time), start, touches);
+}
+
+int findOverlaps(const SweptCapsule& first, const SweptCapsule& second, double depth,
+                 std::array<CapsuleTouch, 2>& touches) {
+  const auto sideKept = [&](double time) {
+    const CapsuleAxis a = first.at(time), b = second.at(time), a0 = first.at(0), b0 = second.at(0);
+    const AxisPoints at = nearestPoints(a, b);
+    return normalAt(a, b, at).dot(a0.at(at.s) - b0.at(at.t)) > 0;
+  };
+  if (!(smallestGap(first.at(1), second.at(1)) < -depth)) return 0;
+  double time = 1;
+  for (int i = 0; i < kMaxHalvings && !sideKept(time); ++i) time *= 0.5;
+  const double start = smallestGap(first.at(0), second.at(0));
+  return touchesAt(first.at(time), second.at(time), start, touches);
+}
+
+}  // namespace ragdoll

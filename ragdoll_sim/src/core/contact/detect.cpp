@@ -1,0 +1,331 @@
+#include "core/contact/detect.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/contact/distance.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr int kMaxAdvances = 64;    ///< of one sweep; grazing paths converge slowly
+constexpr double kTouch = 1e-4;     ///< [m] a sweep stops this far from the surface
+constexpr double kFlat = 1e-3;      ///< [m] a stick lies flat where its gap varies by less
+constexpr double kEnd = 0.02;       ///< a stick's touch nearer to an end is the end particle's own
+constexpr double kRounding = 1e-9;  ///< of a place along a stick
+constexpr int kSectionSteps = 32;   ///< golden-section steps along a stick: 1e-7 of its length
+
+Vec3 halfExtent(const Obstacle& o, const Eigen::Matrix3d& R) {
+  return (R.cwiseAbs() * o.half).array() + o.radius;
+}
+
+SweptObstacle swept(const Obstacle& o, const Pose& start, const Pose& end) {
+  SweptObstacle m{&o,
+                  -1,
+                  start.orientation.toRotationMatrix(),
+                  end.orientation.toRotationMatrix(),
+                  start.position,
+                  end.position,
+                  {}};
+  if (o.type == ObstacleSpec::Type::kPlane) {
+    m.bounds = {Vec3::Constant(-std::numeric_limits<double>::infinity()),
+                Vec3::Constant(std::numeric_limits<double>::infinity())};
+  } else {
+    const Vec3 e0 = halfExtent(o, m.R0), e1 = halfExtent(o, m.R1);
+    m.bounds = {(m.p0 - e0).cwiseMin(m.p1 - e1), (m.p0 + e0).cwiseMax(m.p1 + e1)};
+  }
+  return m;
+}
+
+/// Contact with the tangent plane at `p` (a point of the body's axis, in the obstacle's frame).
+Contact tangentAt(const SweptObstacle& m, const Vec3& p, double radius) {
+  const Distance d = signedDistance(*m.obstacle, p);
+  const Vec3 surface = p - d.value * d.normal;
+  Contact c;
+  c.normal = m.R1 * d.normal;
+  const Vec3 surface_W = m.R1 * surface + m.p1;
+  c.offset = c.normal.dot(surface_W) + radius;
+  c.surface_motion = surface_W - (m.R0 * surface + m.p0);
+  c.friction = m.obstacle->friction;
+  c.restitution = m.obstacle->restitution;
+  c.obstacle = m.index;
+  return c;
+}
+
+void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double radius,
+                     double margin, Contact& c, bool& found) {
+  const Vec3 p0 = m.toStart(x0), p1 = m.toEnd(x1);
+  const Obstacle& o = *m.obstacle;
+  const double travel = (p1 - p0).norm();
+  const double start = signedDistanceValue(o, p0) - radius;
+  found = start <= travel + margin;
+  if (!found) return;
+  Vec3 at = p1;
+  if (o.type != ObstacleSpec::Type::kPlane && start > -radius && travel > 0.5 * radius) {
+    // Far enough to pass through something: the first touch on the way. Touching already: p0.
+    double s = 0, d = start;
+    for (int i = 0; i < kMaxAdvances && d > kTouch && s < 1; ++i) {
+      s = std::min(1.0, s + d / travel);
+      d = signedDistanceValue(o, p0 + s * (p1 - p0)) - radius;
+    }
+    found = d <= std::max(kTouch, margin);
+    at = p0 + s * (p1 - p0);
+  } else {
+    found = signedDistanceValue(o, p1) - radius <= margin || start <= margin;
+  }
+  if (!found) return;
+  c = tangentAt(m, at, radius);
+  c.gap_start = start;
+}
+
+struct Capsule {
+  Vec3 a0, b0, a1, b1;  ///< ends at the step's start and end, world
+  double ra, rb;
+};
+
+/// A capsule in the obstacle's frame at one instant; t runs from end a to end b.
+struct Axis {
+  const Obstacle& obstacle;
+  Vec3 a, b;
+  double ra, rb;
+
+  Vec3 at(double t) const { return a + t * (b - a); }
+  double radius(double t) const { return ra + t * (rb - ra); }
+  double gap(double t) const { return signedDistanceValue(obstacle, at(t)) - radius(t); }
+};
+
+/// Nearest place between lo and hi by golden sections: the gap is convex along the axis.
+double nearestBetween(const Axis& axis, double lo, double hi) {
+  constexpr double kGolden = 0.6180339887498949;
+  double t1 = hi - kGolden * (hi - lo), t2 = lo + kGolden * (hi - lo);
+  double f1 = axis.gap(t1), f2 = axis.gap(t2);
+  for (int i = 0; i < kSectionSteps; ++i) {
+    if (f1 <= f2) {
+      hi = t2, t2 = t1, f2 = f1, t1 = hi - kGolden * (hi - lo), f1 = axis.gap(t1);
+    } else {
+      lo = t1, t1 = t2, f1 = f2, t2 = lo + kGolden * (hi - lo), f2 = axis.gap(t2);
+    }
+  }
+  return 0.5 * (lo + hi);
+}
+
+/// Where |u + t v| - taper t is least between lo and hi.
+double leastOf(const Vec3& u, const Vec3& v, double taper, double lo, double hi) {
+  const double v2 = v.squaredNorm(), left = v2 - taper * taper;
+  if (left <= 0) return taper > 0 ? hi : lo;
+  const double foot = -u.dot(v) / v2;
+  const double beside = (u + foot * v).norm();
+  return std::clamp(foot + taper * beside / std::sqrt(left * v2), lo, hi);
+}
+
+/// Nearest place to the obstacle. Planes apart, an obstacle is what is within a radius of a core: a
+/// box, a line (capsule) or a point (sphere). Where the axis passes from one side of it to the next
+/// cuts it into pieces that look at one face, edge or corner each.
+double nearest(const Axis& axis) {
+  const Obstacle& o = axis.obstacle;
+  const Vec3 v = axis.b - axis.a;
+  const double taper = axis.rb - axis.ra;
+  if (o.type == ObstacleSpec::Type::kPlane) return v.z() < taper ? 1 : 0;
+  std::array<double, 8> cut;
+  int cuts = 0;
+  cut[cuts++] = 0;
+  for (int k = 0; k < 3; ++k)
+    for (const double face : {-o.half[k], o.half[k]}) {
+      const double t = (face - axis.a[k]) / v[k];
+      if (o.half[k] == 0 || !(t > 0 && t < 1)) continue;  // v_k = 0 among them
+      int i = cuts++;
+      for (; cut[i - 1] > t; --i) cut[i] = cut[i - 1];
+      cut[i] = t;
+    }
+  cut[cuts] = 1;
+  for (int i = 0; i < cuts; ++i) {
+    const double lo = cut[i], hi = cut[i + 1];
+    const Vec3 middle = axis.at(0.5 * (lo + hi));
+    const Vec3 outside = (middle.cwiseAbs().array() >= o.half.array()).cast<double>();
+    double t;
+    if (outside.isZero(0)) {
+      t = nearestBetween(axis, lo, hi);
+      if (axis.gap(hi) <= axis.gap(t)) t = hi;
+    } else {
+      const Vec3 face = middle.cwiseMax(-o.half).cwiseMin(o.half);
+      t = leastOf((axis.a - face).cwiseProduct(outside), v.cwiseProduct(outside), taper, lo, hi);
+    }
+    if (hi - t > kRounding) return t;  // the gap is convex: it grows from here on
+  }
+  return 1;
+}
+
+/// How far the axis stays within `band` of its nearest place `t`, towards `end` (0 or 1).
+double extent(const Axis& axis, double t, double end, double band) {
+  const double limit = axis.gap(t) + band;
+  if (axis.gap(end) <= limit) return end;
+  double in = t, out = end;
+  for (int i = 0; i < kSectionSteps / 2; ++i) {
+    const double middle = 0.5 * (in + out);
+    (axis.gap(middle) <= limit ? in : out) = middle;
+  }
+  return in;
+}
+
+/// The capsule at the instant of its first touch, or at the step's end; nothing if it stays clear.
+std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double margin,
+                             double& start) {
+  const Obstacle& o = *m.obstacle;
+  const Vec3 a0 = m.toStart(k.a0), b0 = m.toStart(k.b0), a1 = m.toEnd(k.a1), b1 = m.toEnd(k.b1);
+  const double travel = std::max((a1 - a0).norm(), (b1 - b0).norm());
+  const auto axisAt = [&](double s) {
+    return Axis{o, a0 + s * (a1 - a0), b0 + s * (b1 - b0), k.ra, k.rb};
+  };
+  const auto gapAt = [&](double s) {
+    const Axis axis = axisAt(s);
+    return axis.gap(nearest(axis));
+  };
+  start = gapAt(0);
+  if (start > travel + margin) return std::nullopt;
+  const double thin = std::min(k.ra, k.rb);
+  if (start > -thin && travel > 0.5 * thin) {
+    double s = 0, d = start;
+    for (int i = 0; i < kMaxAdvances && d > kTouch && s < 1; ++i) {
+      s = std::min(1.0, s + d / travel);
+      d = gapAt(s);
+    }
+    if (d > std::max(kTouch, margin)) return std::nullopt;
+    return axisAt(s);
+  }
+  if (std::min(start, gapAt(1)) > margin) return std::nullopt;
+  return axisAt(1);
+}
+
+/// Contacts of a capsule between its ends, at the instant of `axis`: where it is nearest, or both
+/// ends of where it lies flat.
+void stickContacts(const SweptObstacle& m, const Axis& axis, double start, int a, int b,
+                   int ragdoll, std::vector<Contact>& contacts) {
+  const double t = nearest(axis);
+  const bool box = m.obstacle->type == ObstacleSpec::Type::kBox;  // the only one to lie flat on
+  const double lo = box ? extent(axis, t, 0, kFlat) : t;
+  const double hi = box ? extent(axis, t, 1, kFlat) : t;
+  const bool flat = hi - lo > kEnd;
+  Contact c = tangentAt(m, axis.at(t), axis.radius(t));
+  c.gap_start = start;
+  c.particle = {a, b, 0, 0};
+  c.count = 2;
+  c.ragdoll = ragdoll;
+  const double tangent = c.offset - axis.radius(t);
+  for (const double share : {flat ? lo : t, hi}) {
+    if (share > kEnd && share < 1 - kEnd) {
+      c.offset = tangent + axis.radius(share);
+      c.weight = {1 - share, share, 0, 0};
+      contacts.push_back(c);
+    }
+    if (!flat) return;
+  }
+}
+
+Bounds sweptBounds(const Points& x0, const Points& x1, int first, int n, double radius) {
+  const auto a = x0.middleCols(first, n), b = x1.middleCols(first, n);
+  return {a.rowwise().minCoeff().cwiseMin(b.rowwise().minCoeff()).array() - radius,
+          a.rowwise().maxCoeff().cwiseMax(b.rowwise().maxCoeff()).array() + radius};
+}
+
+void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int index,
+                    const SweptObstacle& m, double margin, std::vector<Contact>& contacts) {
+  const Ragdoll& r = model.ragdolls[index];
+  const Skeleton& s = model.skeletonOf(r);
+  const Eigen::MatrixXd& W = model.systemOf(r).direct.W;
+  Contact c;
+  bool found;
+  for (int i = r.first; i < r.first + s.named; ++i) {
+    particleContact(m, x0.col(i), x1.col(i), model.radius[i], margin, c, found);
+    if (!found || W(i - r.first, i - r.first) == 0) continue;  // nothing pushes what a pin holds
+    c.particle[0] = i;
+    c.weight[0] = 1;
+    c.count = 1;
+    c.ragdoll = index;
+    contacts.push_back(c);
+  }
+  if (m.obstacle->type == ObstacleSpec::Type::kPlane) return;  // a capsule's lowest point is an end
+  for (const Stick& k : s.sticks) {
+    if (k.a >= s.named || k.b >= s.named) continue;
+    const int a = r.first + k.a, b = r.first + k.b;
+    const Capsule capsule{x0.col(a), x0.col(b),       x1.col(a),
+                          x1.col(b), model.radius[a], model.radius[b]};
+    const double pad = std::max(capsule.ra, capsule.rb);
+    const Bounds bounds{
+        capsule.a0.cwiseMin(capsule.b0).cwiseMin(capsule.a1).cwiseMin(capsule.b1).array() - pad,
+        capsule.a0.cwiseMax(capsule.b0).cwiseMax(capsule.a1).cwiseMax(capsule.b1).array() + pad};
+    if (!overlap(bounds, m.bounds, margin)) continue;
+    double start = 0;
+    const std::optional<Axis> axis = touching(m, capsule, margin, start);
+    if (axis) stickContacts(m, *axis, start, a, b, index, contacts);
+  }
+}
+
+}  // namespace
+
+void sweepObstacles(const Model& model, const State& state, const std::vector<Pose>& end,
+                    std::vector<SweptObstacle>& obstacles) {
+  obstacles.clear();
+  for (std::size_t k = 0; k < model.obstacles.size(); ++k) {
+    obstacles.push_back(
+        swept(model.obstacles[k], state.obstacles[k], end.empty() ? state.obstacles[k] : end[k]));
+    obstacles.back().index = static_cast<int>(k);
+  }
+}
+
+void appendContacts(const Model& model, const std::vector<SweptObstacle>& obstacles,
+                    const Points& x0, const Points& x1, int ragdoll, double margin,
+                    std::vector<Contact>& contacts) {
+  const Ragdoll& r = model.ragdolls[ragdoll];
+  const int n = model.skeletonOf(r).size();
+  const double radius = model.radius.segment(r.first, n).maxCoeff();
+  const Bounds bounds = sweptBounds(x0, x1, r.first, n, radius);
+  for (const SweptObstacle& m : obstacles)
+    if (m.obstacle->type == ObstacleSpec::Type::kPlane || overlap(bounds, m.bounds, margin))
+      ragdollAgainst(model, x0, x1, ragdoll, m, margin, contacts);
+}
+
+void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& obstacles,
+                         const Points& x0, const Points& x1, int ragdoll, double depth,
+                         std::vector<Contact>& contacts) {
+  const Ragdoll& r = model.ragdolls[ragdoll];
+  const Skeleton& s = model.skeletonOf(r);
+  const double radius = model.radius.segment(r.first, s.named).maxCoeff();
+  const Bounds bounds = sweptBounds(x1, x1, r.first, s.named, radius);
+  for (const SweptObstacle& m : obstacles) {
+    if (m.obstacle->type == ObstacleSpec::Type::kPlane || !overlap(bounds, m.bounds)) continue;
+    for (const Stick& k : s.sticks) {
+      if (k.a >= s.named || k.b >= s.named) continue;
+      const int a = r.first + k.a, b = r.first + k.b;
+      const double ra = model.radius[a], rb = model.radius[b], pad = std::max(ra, rb);
+      const Vec3 p = x1.col(a), q = x1.col(b);
+      if (!overlap({p.cwiseMin(q).array() - pad, p.cwiseMax(q).array() + pad}, m.bounds)) continue;
+      const Axis axis{*m.obstacle, m.toEnd(p), m.toEnd(q), ra, rb};
+      const double t = nearest(axis), gap = axis.gap(t);
+      if (gap >= -depth || gap <= -axis.radius(t)) continue;
+      const double start =
+          stickGap(*m.obstacle, m.toStart(x0.col(a)), m.toStart(x0.col(b)), ra, rb);
+      stickContacts(m, axis, start, a, b, ragdoll, contacts);
+    }
+  }
+}
+
+double stickGap(const Obstacle& obstacle, const Vec3& a, const Vec3& b, double ra, double rb) {
+  const Axis axis{obstacle, a, b, ra, rb};
+  return axis.gap(nearest(axis));
+}
+
+void findContacts(const Model& model, const State& state, const Points& predicted,
+                  const std::vector<Pose>& obstacle_end, double margin,
+                  std::vector<Contact>& contacts) {
+  contacts.clear();
+  std::vector<SweptObstacle> obstacles;
+  sweepObstacles(model, state, obstacle_end, obstacles);
+  for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
+    if (!state.asleep[i])
+      appendContacts(model, obstacles, state.x, predicted, static_cast<int>(i), margin, contacts);
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,85 @@
+#include "core/direct/runge_kutta.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ragdoll {
+namespace {
+
+constexpr int kStages = RungeKuttaScratch::kStages;
+constexpr double kA[kStages][kStages - 1] = {
+    {},
+    {1.0 / 5},
+    {3.0 / 40, 9.0 / 40},
+    {44.0 / 45, -56.0 / 15, 32.0 / 9},
+    {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
+    {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656}};
+constexpr double kB[kStages] = {35.0 / 384,     0,        500.0 / 1113, 125.0 / 192,
+                                -2187.0 / 6784, 11.0 / 84};
+/// Weights of the fifth order less those of the fourth, the last for the stage at the end.
+constexpr double kE[kStages + 1] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
+                                    -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
+
+/// Acceleration (3 x n) at the pose of `sticks` with velocities v; s.pulls: what `free` does to the
+/// sticks.
+void accelerate(const StickRows& rows, StickSolver& sticks, const double* v, RungeKuttaScratch& s,
+                double* out) {
+  kernels::multiplyPoints(v, rows.BT.data(), rows.n, rows.width, s.rates.data());
+  s.lambda.setZero(rows.width);
+  kernels::subtractDots(sticks.D(), s.pulls.data(), rows.width, s.lambda.data());
+  kernels::subtractDots(s.rates.data(), s.rates.data(), rows.width, s.lambda.data());
+  sticks.solve(rows, s.lambda.data());
+  std::copy(s.free.data(), s.free.data() + s.free.size(), out);
+  sticks.move(rows, s.lambda.data(), 1, out);
+}
+
+/// Largest length of a column.
+double largest(const double* points, int n) {
+  return std::sqrt(Eigen::Map<const Points>(points, 3, n).colwise().squaredNorm().maxCoeff());
+}
+
+}  // namespace
+
+void rungeKutta(const StickRows& rows, StickSolver& start, StickSolver& sticks, const double* x,
+                const double* v, const Points& free, double h, RungeKuttaScratch& s, Points& dx,
+                Points& v1, double* first_lambda) {
+  const int n = 3 * rows.n, half = paddedWidth(n);
+  s.free = free;
+  s.pulls.resize(3, rows.width);
+  s.rates.resize(3, rows.width);
+  kernels::multiplyPoints(free.data(), rows.BT.data(), rows.n, rows.width, s.pulls.data());
+  s.start.setZero(2 * half);
+  std::copy(x, x + n, s.start.data());
+  std::copy(v, v + n, s.start.data() + half);
+  s.stage.resize(2 * half);
+  s.slopes.setZero(kStages, 2 * half);
+  double factors[kStages];
+  for (int i = 0; i < kStages; ++i) {
+    for (int j = 0; j < i; ++j) factors[j] = h * kA[i][j];
+    kernels::addWeighted(s.start.data(), s.slopes.data(), factors, i, 2 * half, s.stage.data());
+    StickSolver& pose = i == 0 ? start : sticks;
+    pose.setPose(rows, s.stage.data());
+    double* slope = s.slopes.row(i).data();
+    std::copy(s.stage.data() + half, s.stage.data() + half + n, slope);
+    accelerate(rows, pose, slope, s, slope + half);
+    if (i == 0) std::copy(s.lambda.data(), s.lambda.data() + rows.s, first_lambda);
+  }
+  for (int i = 0; i < kStages; ++i) factors[i] = h * kB[i];
+  s.start.head(half).setZero();
+  kernels::addWeighted(s.start.data(), s.slopes.data(), factors, kStages, 2 * half, s.stage.data());
+  dx = Eigen::Map<const Points>(s.stage.data(), 3, rows.n);
+  v1 = Eigen::Map<const Points>(s.stage.data() + half, 3, rows.n);
+}
+
+double rungeKuttaError(const StickRows& rows, StickSolver& sticks, const double* v1, double h,
+                       RungeKuttaScratch& s) {
+  const int n = 3 * rows.n, half = paddedWidth(n);
+  double* error = s.start.data();
+  std::copy(v1, v1 + n, error);
+  accelerate(rows, sticks, v1, s, error + half);
+  s.start *= kE[kStages];
+  kernels::addWeighted(error, s.slopes.data(), kE, kStages, 2 * half, error);
+  return std::max(h * largest(error, rows.n), h * h * largest(error + half, rows.n));
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,95 @@
+#include "core/linear/joint_schur.h"
+
+#include "core/linear/schur_sweeps.h"
+
+namespace ragdoll {
+
+/// As findBlocks and projectedGaussSeidel want them.
+struct JointSchur::View {
+  JointSchur& joint;
+  const Eigen::VectorXd& b;
+
+  int size() const { return joint.size(); }
+  const Schur::Row& row(int i) const { return joint.row(i); }
+  double matrix(int i, int j) const {
+    return sum(i, [&](const Schur& s, int side) {
+      return s.now_.A(joint.rows_[i].row[side], joint.rows_[j].row[side]);
+    });
+  }
+  double free(int i) const {
+    return sum(i, [&](const Schur& s, int side) { return s.now_.free[joint.rows_[i].row[side]]; });
+  }
+  double rate(int i) const {
+    return b[i] + sum(i, [&](const Schur& s, int side) { return s.w_[joint.rows_[i].row[side]]; });
+  }
+  void push(int i, int count, const double* step) {
+    for (int side = 0; side < 2; ++side) {
+      const int body = joint.rows_[i].body[side];
+      if (body < 0) continue;
+      Schur& s = *joint.bodies_[body];
+      kernels::addWeighted(s.w_.data(), s.now_.A.data() + joint.rows_[i].row[side] * s.columns_,
+                           step, count, s.columns_, s.w_.data());
+    }
+  }
+
+ private:
+  template <class Part>
+  double sum(int i, const Part& part) const {
+    double total = 0;
+    for (int side = 0; side < 2; ++side)
+      if (joint.rows_[i].body[side] >= 0)
+        total += part(*joint.bodies_[joint.rows_[i].body[side]], side);
+    return total;
+  }
+};
+
+void JointSchur::clear() {
+  bodies_.clear();
+  first_.clear();
+  rows_.clear();
+}
+
+int JointSchur::addBody(Schur& schur) {
+  const int body = static_cast<int>(bodies_.size());
+  bodies_.push_back(&schur);
+  first_.push_back(size());
+  for (int i = 0; i < schur.size(); ++i) rows_.push_back({{body, -1}, {i, -1}});
+  return body;
+}
+
+void JointSchur::addShared(const Contact& contact, int body, int row, int other, int other_row) {
+  for (int k = 0; k < (contact.friction > 0 ? 3 : 1); ++k)
+    rows_.push_back({{body, other}, {row + k, other_row + k}});
+}
+
+const Schur::Row& JointSchur::row(int i) const {
+  const int side = rows_[i].body[0] >= 0 ? 0 : 1;
+  return bodies_[rows_[i].body[side]]->row(rows_[i].row[side]);
+}
+
+bool JointSchur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
+  for (Schur* s : bodies_) s->w_.setZero(s->columns_);
+  View rows{*this, b};
+  findBlocks(rows, blocks_);
+  return projectedGaussSeidel(rows, blocks_, p.data());
+}
+
+void JointSchur::split(const Eigen::VectorXd& p, std::vector<Eigen::VectorXd>& parts) const {
+  parts.resize(bodies_.size());
+  for (std::size_t k = 0; k < bodies_.size(); ++k) parts[k].setZero(bodies_[k]->size());
+  for (int i = 0; i < size(); ++i)
+    for (int side = 0; side < 2; ++side)
+      if (rows_[i].body[side] >= 0) parts[rows_[i].body[side]][rows_[i].row[side]] = p[i];
+}
+
+void JointSchur::addAnswer(double share, const std::vector<Eigen::VectorXd>& parts,
+                           Eigen::VectorXd& sum) const {
+  for (std::size_t k = 0; k < bodies_.size(); ++k)
+    if (!bodies_[k]->empty()) bodies_[k]->w_ = bodies_[k]->matrix() * parts[k];
+  for (int i = 0; i < size(); ++i)
+    for (int side = 0; side < 2; ++side)
+      if (rows_[i].body[side] >= 0)
+        sum[i] += share * bodies_[rows_[i].body[side]]->w_[rows_[i].row[side]];
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,50 @@
+// Constraints of several bodies that touch each other: each body's Schur complement (schur.h), with
+// the contacts between two bodies as rows of both. A row's answer is the sum of its bodies'.
+//
+// Cost grows with the number of rows and of rows per body, not with the bodies' product: there is
+// no common matrix.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/linear/schur.h"
+
+namespace ragdoll {
+
+class JointSchur {
+ public:
+  void clear();
+  /// A body's complement; its present rows become rows here, in their order. Returns its number.
+  int addBody(Schur& schur);
+  /// A contact between bodies (numbers, -1: one that does not move) that both hold from that row
+  /// on.
+  void addShared(const Contact& contact, int body, int row, int other, int other_row);
+  int size() const { return static_cast<int>(rows_.size()); }
+  /// First row of a body's own ones.
+  int firstOf(int body) const { return first_[body]; }
+  const Schur::Row& row(int i) const;
+
+  /// p from b, starting at p. Returns whether it settled.
+  bool solve(const Eigen::VectorXd& b, Eigen::VectorXd& p);
+
+  /// What of p belongs to each body's rows, in their order.
+  void split(const Eigen::VectorXd& p, std::vector<Eigen::VectorXd>& parts) const;
+
+  /// sum += share A p, with p's parts.
+  void addAnswer(double share, const std::vector<Eigen::VectorXd>& parts,
+                 Eigen::VectorXd& sum) const;
+
+ private:
+  struct Row {
+    std::array<int, 2> body{-1, -1}, row{-1, -1};  ///< -1: none
+  };
+  struct View;
+
+  std::vector<Schur*> bodies_;
+  std::vector<int> first_;
+  std::vector<Row> rows_;
+  std::vector<SchurBlock> blocks_;
+};
+
+}  // namespace ragdoll

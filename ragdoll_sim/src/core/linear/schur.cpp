@@ -1,0 +1,249 @@
+#include "core/linear/schur.h"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "core/linear/schur_sweeps.h"
+
+namespace ragdoll {
+namespace {
+
+Vec3 anyTangent(const Vec3& n) {
+  return n.cross(std::abs(n.x()) < 0.6 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
+}
+
+}  // namespace
+
+void Schur::start(int first) {
+  if (assembled_) std::swap(now_, before_);
+  assembled_ = false;
+  first_ = first;
+  now_.rows.clear();
+}
+
+void Schur::addContact(const Contact& c, int source, int begin, int end) {
+  const Vec3 t1 = anyTangent(c.normal), t2 = c.normal.cross(t1);
+  const std::array<Vec3, 3> directions{c.normal, t1, t2};
+  const int used = c.friction > 0 ? 3 : 1;
+  for (int d = 0; d < used; ++d) {
+    Row& row = now_.rows.emplace_back();
+    row.kind = d == 0 ? Row::Kind::kNormal : Row::Kind::kTangent;
+    row.source = source;
+    row.count = end - begin;
+    row.direction = directions[d];
+    row.friction = c.friction;
+    for (int k = begin; k < end; ++k) {
+      row.particle[k - begin] = c.particle[k] - first_;
+      row.gradient[k - begin] = c.weight[k] * directions[d];
+    }
+  }
+}
+
+void Schur::addLimit(const LimitRow& limit, int source, double compliance, double least) {
+  Row& row = now_.rows.emplace_back();
+  row.kind = Row::Kind::kLimit;
+  row.source = source;
+  row.count = limit.count;
+  row.compliance = compliance;
+  row.least = least;
+  for (int k = 0; k < limit.count; ++k) {
+    row.particle[k] = limit.particle[k] - first_;
+    row.gradient[k] = limit.gradient[k];
+  }
+}
+
+bool Schur::findKnown() {
+  const auto same = [](const Row& a, const Row& b) {
+    return a.count == b.count && (a.kind == Row::Kind::kLimit) == (b.kind == Row::Kind::kLimit) &&
+           std::equal(a.particle.begin(), a.particle.begin() + a.count, b.particle.begin()) &&
+           std::memcmp(a.gradient.data(), b.gradient.data(), a.count * sizeof(Vec3)) == 0;
+  };
+  known_.assign(size(), -1);
+  if (before_.pose.size() != now_.pose.size() || before_.pose != now_.pose) return false;
+  auto next = before_.rows.begin();
+  int found = 0;
+  for (int i = 0; i < size(); ++i) {
+    const auto row = std::find_if(next, before_.rows.end(),
+                                  [&](const Row& other) { return same(other, now_.rows[i]); });
+    if (row == before_.rows.end()) continue;
+    known_[i] = static_cast<int>(row - before_.rows.begin());
+    next = row + 1;
+    ++found;
+  }
+  return found == size() && before_.rows.size() == now_.rows.size();
+}
+
+void Schur::assemble(const StickRows& c, StickSolver& sticks) {
+  const int m = size();
+  columns_ = paddedWidth(m);
+  count_ = 3 * c.n;
+  now_.pose = Eigen::Map<const Eigen::VectorXd>(sticks.pose(), count_);
+  assembled_ = true;
+  const auto ownAnswer = [&](int i) {
+    return now_.rows[i].along(now_.answers.data() + i * c.coordinates) + now_.rows[i].compliance;
+  };
+  if (findKnown()) {
+    std::swap(now_.A, before_.A);
+    std::swap(now_.answers, before_.answers);
+    std::swap(now_.free, before_.free);
+    for (int i = 0; i < m; ++i) now_.A(i, i) = ownAnswer(i);
+    return;
+  }
+  now_.A.setZero(m, columns_);
+  now_.free.resize(m);
+  now_.answers.resize(m, c.coordinates);
+  for (int i = 0; i < m; ++i) {
+    const int known = known_[i];
+    double* answer = now_.answers.data() + i * c.coordinates;
+    if (known >= 0) {
+      now_.answers.row(i) = before_.answers.row(known);
+      now_.free[i] = before_.free[known];
+    } else {
+      findAnswer(c, sticks, i);
+    }
+    now_.A(i, i) = ownAnswer(i);
+    for (int j = i + 1; j < m; ++j)
+      now_.A(i, j) = now_.A(j, i) =
+          known >= 0 && known_[j] >= 0 ? before_.A(known, known_[j]) : now_.rows[j].along(answer);
+  }
+}
+
+void Schur::findAnswer(const StickRows& c, StickSolver& sticks, int i) {
+  const Row& row = now_.rows[i];
+  double* answer = now_.answers.data() + i * c.coordinates;
+  if (row.kind == Row::Kind::kLimit) {
+    sticks.answer(c, row.particle.data(), row.gradient[0].data(), row.count, answer);
+  } else {  // a particle has three rows, at two stages of a pose
+    kernels::gatherRows(sticks.mobility(c, row.particle.data(), row.count), c.coordinates,
+                        row.particle.data(), row.gradient[0].data(), row.count, answer);
+  }
+  now_.free[i] = 0;
+  for (int k = 0; k < row.count; ++k)
+    for (int l = 0; l < row.count; ++l)
+      now_.free[i] += c.spread_W(3 * row.particle[k], 3 * row.particle[l]) *
+                      row.gradient[k].dot(row.gradient[l]);
+}
+
+namespace {
+
+/// One body's rows as findBlocks and projectedGaussSeidel want them, by vectors of W doubles.
+template <int W>
+struct OneBody {
+  const std::vector<Schur::Row>& rows;
+  const double* A;
+  int columns;
+  const Eigen::VectorXd& unheld;
+  double* w;
+
+  int size() const { return static_cast<int>(rows.size()); }
+  const Schur::Row& row(int i) const { return rows[i]; }
+  double matrix(int i, int j) const { return A[i * columns + j]; }
+  double free(int i) const { return unheld[i]; }
+  double rate(int i) const { return w[i]; }
+  RAGDOLL_INLINE void push(int i, int count, const double* step) {
+    const double* a = A + i * columns;
+    for (int c = 0; c < columns; c += W) {
+      typename kernels::Vector<W>::Lanes sum = kernels::lanes<W>(w + c).v;
+      for (int k = 0; k < count; ++k) sum += step[k] * kernels::lanes<W>(a + k * columns + c).v;
+      kernels::lanes<W>(w + c).v = sum;
+    }
+  }
+};
+
+namespace body {
+
+template <int W>
+RAGDOLL_INLINE bool sweep(OneBody<1>& rows, std::vector<SchurBlock>& blocks, double* p,
+                          bool batch) {
+  OneBody<W> lanes{rows.rows, rows.A, rows.columns, rows.unheld, rows.w};
+  return projectedGaussSeidel(lanes, blocks, p, batch);
+}
+
+}  // namespace body
+
+RAGDOLL_KERNEL(bool, sweep,
+               (OneBody<1> & rows, std::vector<SchurBlock>& blocks, double* p, bool batch),
+               (rows, blocks, p, batch))
+
+}  // namespace
+
+bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
+  OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free, w_.data()};
+  findBlocks(rows, blocks_);
+  return sweepFrom(b, p, false);
+}
+
+bool Schur::sweepFrom(const Eigen::VectorXd& b, Eigen::VectorXd& p, bool batch) {
+  w_.setZero(columns_);
+  w_.head(size()) = b;
+  OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free, w_.data()};
+  return sweep(rows, blocks_, p.data(), batch);
+}
+
+bool Schur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
+  constexpr int kBatches = 20;
+  constexpr int kMemory = 5;         // batches that are combined
+  constexpr double kWorse = 2;       // a change so much larger than the last: they mislead
+  constexpr double kEndless = 1e-6;  // share by which changes of no end differ
+  constexpr double kMost = 1e4;      // times as large: of rows that contradict each other, no use
+  const int m = size();
+  const Eigen::VectorXd start = p;
+  // Impulses in units in which all rows yield alike.
+  const Eigen::VectorXd scale = now_.A.leftCols(m).diagonal().cwiseMax(0).cwiseSqrt();
+  Eigen::MatrixXd changes(m, kMemory), results(m, kMemory);  // from batch to batch
+  Eigen::VectorXd change, result, last_change, last_result;
+  int known = 0, next = 0;
+  for (int batch = 0; batch < kBatches; ++batch) {
+    const Eigen::VectorXd before = p;
+    if (sweepFrom(b, p, true)) return true;
+    result = scale.cwiseProduct(p);
+    change = result - scale.cwiseProduct(before);
+    if (batch > 0 && change.norm() <= kWorse * last_change.norm()) {
+      changes.col(next) = change - last_change;
+      if (changes.col(next).norm() < kEndless * change.norm()) break;
+      results.col(next) = result - last_result;
+      next = (next + 1) % kMemory;
+      known = std::min(known + 1, kMemory);
+    } else {
+      known = next = 0;
+    }
+    last_change = change;
+    last_result = result;
+    if (known == 0) continue;
+    const Eigen::VectorXd share = changes.leftCols(known).colPivHouseholderQr().solve(change);
+    const Eigen::VectorXd better = result - results.leftCols(known) * share;
+    if (better.allFinite()) putAllowed(better, scale, p);
+  }
+  if (!(scale.cwiseProduct(p).norm() <= kMost * scale.cwiseProduct(start).norm())) p = start;
+  return false;
+}
+
+void Schur::putAllowed(const Eigen::VectorXd& scaled, const Eigen::VectorXd& scale,
+                       Eigen::VectorXd& p) {
+  const auto put = [&](int i) { p[i] = scale[i] > 0 ? scaled[i] / scale[i] : p[i]; };
+  for (const SchurBlock& block : blocks_) {
+    double* now = p.data() + block.row;
+    put(block.row);
+    now[0] = std::max(block.least, now[0]);
+    if (!block.has_tangents) continue;
+    put(block.row + 1);
+    put(block.row + 2);
+    const double limit = block.friction * now[0], length = std::hypot(now[1], now[2]);
+    if (length <= limit) continue;
+    now[1] *= limit / length;
+    now[2] *= limit / length;
+  }
+}
+
+void Schur::move(const Eigen::VectorXd& p, double* out) {
+  const int coordinates = static_cast<int>(now_.answers.cols());
+  moved_.setZero(coordinates);
+  kernels::addWeighted(moved_.data(), now_.answers.data(), p.data(), size(), coordinates,
+                       moved_.data());
+  for (int i = 0; i < count_; ++i) out[i] += moved_[i];
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,123 @@
+// One-sided constraints and friction of one body beside its sticks: the Schur complement.
+//
+// The sticks are eliminated exactly, A = J_c (W - W J_s^T (J_s W J_s^T)^-1 J_s W) J_c^T, and
+// projected Gauss-Seidel [Moreau1988], [Cottle1992, ch. 5] finds impulses p of w = b + A p with
+//   normal and limit rows:  p >= 0, w >= 0, p w = 0 (or p >= least <= 0 and p - least in its
+//   place);
+//   tangent rows:           |p_t| <= mu p_n, against the slip: the isotropic Coulomb disc, no
+//   pyramid.
+// Works on displacements (b: gaps [m], slips [m]) and on velocities (b: rates) alike.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/contact/contact.h"
+#include "core/linear/stick_solver.h"
+#include "ragdoll_sim/core/limits.h"
+
+namespace ragdoll {
+
+/// A limit, or a contact with its friction: what a sweep solves for at once.
+struct SchurBlock {
+  int row = 0;                ///< its first
+  bool has_tangents = false;  ///< and two rows of friction after it
+  double least = 0;           ///< of the first impulse
+  double friction = 0;
+  double own[3] = {0, 0, 0};   ///< A's diagonal
+  double across[2] = {0, 0};   ///< of A: first row, tangents
+  double answer = 0;           ///< 1 / own[0]; 0: cannot move
+  double tangent_answer = 0;   ///< of both tangents; 0: cannot move
+  double step[3] = {0, 0, 0};  ///< of the impulses, by the last sweep
+};
+
+class Schur {
+ public:
+  static constexpr int kMaxParticles = LimitRow::kMaxParticles;
+
+  struct Row {
+    enum class Kind { kLimit, kNormal, kTangent };
+    Row() {}  // leaves the arrays as they are
+    Kind kind;
+    int source;  ///< index of its contact or limit
+    int count;
+    std::array<int, kMaxParticles> particle;  ///< of the body
+    std::array<Vec3, kMaxParticles> gradient;
+    Vec3 direction = Vec3::Zero();  ///< contact: of the impulse, unit
+    double compliance = 0;          ///< added to A's diagonal
+    double least = 0;               ///< limit rows: of the impulse
+    double friction = 0;            ///< normal rows: of the two tangent rows that follow
+    bool held = false;              ///< its impulse stays as it is
+
+    /// gradient times x, the body's first coordinates.
+    double along(const double* x) const {
+      double sum = 0;
+      for (int k = 0; k < count; ++k)
+        sum += gradient[k].dot(Eigen::Map<const Vec3>(x + 3 * particle[k]));
+      return sum;
+    }
+  };
+
+  /// first: the body's first column of the state.
+  void start(int first);
+  void addContact(const Contact& contact, int source) {
+    addContact(contact, source, 0, contact.count);
+  }
+  /// The part of a contact that its particles begin ... end - 1, this body's, have in it.
+  void addContact(const Contact& contact, int source, int begin, int end);
+  void addLimit(const LimitRow& limit, int source, double compliance, double least = 0);
+  bool empty() const { return now_.rows.empty(); }
+  int size() const { return static_cast<int>(now_.rows.size()); }
+  const Row& row(int i) const { return now_.rows[i]; }
+  void hold(int i, bool held = true) { now_.rows[i].held = held; }
+  auto matrix() const { return now_.A.leftCols(size()); }
+
+  /// A at the pose of `sticks`. What the assembly before has of the same rows at the same pose
+  /// serves again: velocities at a step's end and positions from there on have most in common.
+  void assemble(const StickRows& constants, StickSolver& sticks);
+
+  /// p from b, starting at p. Returns whether it settled.
+  bool solve(const Eigen::VectorXd& b, Eigen::VectorXd& p);
+
+  /// Goes on, with the same b, where solve gave up at p. Where rows all but contradict each other,
+  /// as those of a limb between two obstacles, sweeps alone would take thousands: Anderson
+  /// acceleration [Walker2011] of batches of them. Returns whether it settled; if not, p is as it
+  /// was where it would have grown without bound. Allocates.
+  bool solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p);
+
+  /// out (3 x n, columns) += what the impulses p do, the sticks answering as at assemble.
+  void move(const Eigen::VectorXd& p, double* out);
+
+  double along(int i, const double* x) const { return now_.rows[i].along(x); }
+
+ private:
+  friend class JointSchur;
+
+  struct Assembly {
+    std::vector<Row> rows;
+    Eigen::VectorXd pose;
+    PaddedRows A;          ///< rows x padded rows
+    PaddedRows answers;    ///< motions by unit impulses of the rows, padded coordinates
+    Eigen::VectorXd free;  ///< A's diagonal without the sticks' answer
+  };
+
+  /// known_ <- the row of the assembly before that each one is, -1: none. In the same order, as the
+  /// bits of A depend on it. Whether all are the same.
+  bool findKnown();
+  /// Of row i: its answer, and its part of the diagonal without the sticks.
+  void findAnswer(const StickRows& constants, StickSolver& sticks, int i);
+  /// Sweeps from p on until they settle, or a batch of them. Whether they settled.
+  bool sweepFrom(const Eigen::VectorXd& b, Eigen::VectorXd& p, bool batch);
+  /// p, as allowed, from impulses times the scale; what cannot move stays.
+  void putAllowed(const Eigen::VectorXd& scaled, const Eigen::VectorXd& scale, Eigen::VectorXd& p);
+
+  int first_ = 0, columns_ = 0;
+  int count_ = 0;  ///< of the body's coordinates
+  Assembly now_, before_;
+  bool assembled_ = false;  ///< now_
+  std::vector<int> known_;
+  std::vector<SchurBlock> blocks_;
+  Eigen::VectorXd w_, moved_;
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,131 @@
+// Projected Gauss-Seidel [Moreau1988], [Cottle1992, ch. 5] on the rows of one body or of several.
+// Private to the core.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/linear/lanes.h"
+#include "core/linear/schur.h"
+
+namespace ragdoll {
+
+/// What can move of the rows, in their order. Rows: size(); row(i), a Schur::Row; matrix(i, j), of
+/// A; free(i), its diagonal without the sticks' answer.
+template <class Rows>
+void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
+  constexpr double kHeld = 1e-9;  // below this share of its free value a row cannot move
+  using Kind = Schur::Row::Kind;
+  blocks.clear();
+  const int m = rows.size();
+  const auto moves = [&](int i) { return rows.matrix(i, i) > kHeld * rows.free(i); };
+  for (int i = 0; i < m; ++i) {
+    const Schur::Row& row = rows.row(i);
+    if (row.kind == Kind::kTangent || row.held) continue;
+    SchurBlock b;
+    b.row = i;
+    b.least = row.least;
+    b.friction = row.friction;
+    b.own[0] = rows.matrix(i, i);
+    if (moves(i)) b.answer = 1 / b.own[0];
+    b.has_tangents = row.friction > 0;
+    if (b.has_tangents) {
+      for (int k = 1; k < 3; ++k) {
+        b.own[k] = rows.matrix(i + k, i + k);
+        b.across[k - 1] = rows.matrix(i, i + k);
+      }
+      if (moves(i + 1) && moves(i + 2))
+        b.tangent_answer = 1 / (std::max(b.own[1], b.own[2]) + std::abs(rows.matrix(i + 1, i + 2)));
+    }
+    blocks.push_back(b);
+  }
+}
+
+/// Finds p of w = b + A p (schur.h), starting at p. Rows: size(); rate(i), w of row i, at first b;
+/// push(i, count, step), which adds step[k] times row i + k of A to w. Returns whether it settled.
+///
+/// Once it is known what presses and what slides, each sweep's steps are those of the one before
+/// times a constant. Where that shows, p goes on to where the steps would add up to, as Aitken
+/// extrapolates a sequence [Aitken1926], and the next sweep projects it. batch: a few sweeps as
+/// they are, for who extrapolates from batch to batch.
+template <class Rows>
+RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& blocks, double* p,
+                                         bool batch = false) {
+  constexpr int kBatch = 10;           // iterations of a batch: what converges fast is then done
+  constexpr int kMaxIterations = 100;  // of others: most end after 5 to 15
+  constexpr int kPatience = 20;        // iterations in which the changes have to shrink,
+  constexpr double kProgress = 0.9;    // to this share at least
+  constexpr double kSettled = 1e-7;    // largest change of an impulse, of the largest impulse
+  constexpr double kConstant = 0.1;    // what two ratios of changes may differ, of 1 less the ratio
+  constexpr double kLeastRatio = 0.2;  // below, the sweeps are as fast themselves
+  constexpr double kMostRatio = 0.95;  // above, impulses may be growing, and would by leaps
+  constexpr double kEndless = 1e-3;    // what the ratio of changes that do not shrink is off 1
+  constexpr int kEndlessSweeps = 4;    // so many of them: impulses grow without end, no solution
+  const int m = rows.size();
+  for (int i = 0; i < m; ++i)
+    if (p[i] != 0) rows.push(i, 1, p + i);
+  constexpr double kUnknown = std::numeric_limits<double>::infinity();
+  double earlier = kUnknown, last_change = kUnknown, last_ratio = 0;
+  int endless = 0;
+  const int most = batch ? kBatch : kMaxIterations;
+  for (int iteration = 0; iteration < most; ++iteration) {
+    double change = 0, largest = 0;
+    for (SchurBlock& b : blocks) {
+      double* now = p + b.row;
+      double step[3] = {0, 0, 0};
+      b.step[0] = b.step[1] = b.step[2] = 0;
+      const auto set = [&](int k, double value) {
+        b.step[k] = step[k] = value - now[k];
+        now[k] = value;
+        largest = std::max(largest, std::abs(value) * b.own[k]);
+        change = std::max(change, std::abs(step[k]) * b.own[k]);
+      };
+      if (b.answer > 0) set(0, std::max(b.least, now[0] - rows.rate(b.row) * b.answer));
+      if (!b.has_tangents) {
+        if (step[0] != 0) rows.push(b.row, 1, step);
+        continue;
+      }
+      const double limit = b.friction * now[0];
+      if (b.tangent_answer > 0 && (limit > 0 || now[1] != 0 || now[2] != 0)) {
+        double t[2];
+        for (int k = 0; k < 2; ++k)
+          t[k] = now[1 + k] - (rows.rate(b.row + 1 + k) + b.across[k] * step[0]) * b.tangent_answer;
+        const double length2 = t[0] * t[0] + t[1] * t[1];
+        if (length2 > limit * limit) {
+          const double share = limit / std::sqrt(length2);
+          t[0] *= share;
+          t[1] *= share;
+        }
+        set(1, t[0]);
+        set(2, t[1]);
+      }
+      if (step[0] != 0 || step[1] != 0 || step[2] != 0) rows.push(b.row, 3, step);
+    }
+    if (change <= kSettled * largest) return true;
+    if (batch) continue;
+    const double ratio = change / last_change;
+    endless = std::abs(ratio - 1) < kEndless ? endless + 1 : 0;
+    if (endless == kEndlessSweeps) return false;
+    if (iteration % kPatience == kPatience - 1) {
+      if (change > kProgress * earlier) return false;
+      earlier = change;
+    }
+    last_change = change;
+    const bool constant = std::abs(ratio - last_ratio) < kConstant * (1 - ratio);
+    last_ratio = ratio;
+    if (!constant || ratio < kLeastRatio || ratio > kMostRatio) continue;
+    if (iteration + 1 == most) break;
+    for (SchurBlock& b : blocks) {
+      const int count = b.has_tangents ? 3 : 1;
+      for (int k = 0; k < count; ++k) p[b.row + k] += b.step[k] *= ratio / (1 - ratio);
+      rows.push(b.row, count, b.step);
+    }
+    last_change = kUnknown;  // the next sweeps' are of another sequence
+    last_ratio = 0;
+  }
+  return false;
+}
+
+}  // namespace ragdoll

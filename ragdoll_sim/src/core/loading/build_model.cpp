@@ -1,0 +1,328 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/loading/skeleton.h"
+#include "core/loading/start_pose.h"
+#include "core/loading/system.h"
+#include "ragdoll_sim/core/bounds.h"
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/inputs.h"
+#include "ragdoll_sim/core/limits.h"
+#include "ragdoll_sim/core/model.h"
+#include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/core/number_text.h"
+#include "ragdoll_sim/core/self_pairs.h"
+#include "ragdoll_sim/core/state.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr int kMaxParticles = 1000000;  ///< in a scene; more is a typing error
+/// Of a scene's systems, whose matrices over particles and sticks are dense: 2 GB and about 10 s.
+constexpr double kMaxNumbers = 1e8, kMaxWork = 2e10;
+
+void checkSolver(const SolverSpec& s) {
+  if (!(s.step > 0 && s.step <= 1))
+    throw Error(s.where + ".step", "step is " + numberText(s.step) + "; it must be in (0, 1] s");
+  if (s.sweeps < 1 || s.sweeps > 100000)
+    throw Error(s.where + ".sweeps",
+                "sweeps is " + std::to_string(s.sweeps) + "; it must be in 1 ... 100000");
+  if (!(std::isfinite(s.tolerance) && s.tolerance >= 0))
+    throw Error(s.where + ".tolerance", "tolerance must be >= 0 [m]; 0 is a fixed step");
+  if (!(std::isfinite(s.damping) && s.damping >= 0))
+    throw Error(s.where + ".damping", "damping must be >= 0 [1/s]");
+  if (!(std::isfinite(s.joint_damping) && s.joint_damping >= 0))
+    throw Error(s.where + ".joint_damping", "joint_damping must be >= 0 [1/s]");
+}
+
+Quat frameWithZ(const Vec3& z) { return Quat::FromTwoVectors(Vec3::UnitZ(), z.normalized()); }
+
+Obstacle resolve(const ObstacleSpec& o) {
+  using Type = ObstacleSpec::Type;
+  Obstacle out;
+  out.type = o.type;
+  out.pose = {o.pose.position, o.pose.orientation.normalized()};
+  out.radius = o.radius;
+  out.friction = o.friction;
+  out.restitution = o.restitution;
+  out.frame = o.frame;
+  if (!(std::isfinite(o.friction) && o.friction >= 0))
+    throw Error(o.where + ".friction", "friction must be >= 0");
+  if (!(o.restitution >= 0 && o.restitution <= 1))
+    throw Error(o.where + ".restitution", "restitution must be in [0, 1]");
+  checkPosition(o.where + (o.type == Type::kPlane ? ".point" : ".position"), o.pose.position);
+  checkLength(o.where + ".radius", o.radius);
+  if ((o.type == Type::kSphere || o.type == Type::kCapsule) && !(o.radius > 0))
+    throw Error(o.where + ".radius", "radius must be > 0 [m]");
+  if (o.type == Type::kBox) {
+    if (!(o.size.minCoeff() > 0))
+      throw Error(o.where + ".size", "size must be > 0 [m] on each axis");
+    checkLength(o.where + ".size", o.size.maxCoeff());
+    out.half = 0.5 * o.size;
+  } else if (o.type == Type::kPlane) {
+    if (!(o.normal.norm() > kMinLength))
+      throw Error(o.where + ".normal", "normal must be a direction, not zero");
+    out.pose.orientation = frameWithZ(o.normal);
+  } else if (o.type == Type::kCapsule) {
+    checkPosition(o.where + ".from", o.from);
+    checkPosition(o.where + ".to", o.to);
+    const Vec3 axis = o.to - o.from;
+    out.pose = {0.5 * (o.from + o.to),
+                axis.norm() > kMinLength ? frameWithZ(axis) : Quat::Identity()};
+    out.half = Vec3(0, 0, 0.5 * axis.norm());
+  }
+  return out;
+}
+
+/// One RagdollSpec for each body: `count` unrolled on a square grid around the given position.
+std::vector<RagdollSpec> unrolled(const Scene& scene) {
+  std::vector<RagdollSpec> out;
+  for (const RagdollSpec& r : scene.ragdolls) {
+    if (!r.skeleton) throw Error(r.where, "ragdoll '" + r.name + "' has no model");
+    if (r.count < 0) throw Error(r.where + ".count", "count must be >= 1");
+    checkPosition(r.where + ".position", r.pose.position);
+    if (r.count == 0) {
+      out.push_back(r);
+      continue;
+    }
+    if (static_cast<double>(r.count) * r.skeleton->particles.size() > kMaxParticles)
+      throw Error(r.where + ".count", "more than " + std::to_string(kMaxParticles) + " particles");
+    const int side = static_cast<int>(std::ceil(std::sqrt(static_cast<double>(r.count))));
+    for (int i = 0; i < r.count; ++i) {
+      RagdollSpec one = r;
+      one.count = 0;
+      one.name = r.name + "_" + std::to_string(i);
+      one.pose.position += Vec3(i % side, i / side, i % side + i / side).cwiseProduct(r.spacing);
+      checkPosition(r.where + ".spacing", one.pose.position, "puts '" + one.name + "' at");
+      out.push_back(std::move(one));
+    }
+  }
+  return out;
+}
+
+/// start: the model's start pose.
+void placeRagdoll(const RagdollSpec& spec, const Skeleton& s, const Points& start, int first,
+                  Model& model) {
+  const int n = s.size();
+  auto x = model.start_position.middleCols(first, n);
+  auto v = model.start_velocity.middleCols(first, n);
+  const Quat q = spec.pose.orientation.normalized();
+  x = (q.toRotationMatrix() * start).colwise() + spec.pose.position;
+  const Eigen::RowVectorXd share =
+      Eigen::RowVectorXd::Ones(n) * s.M;  // mass that each point stands for
+  const Vec3 com = x * share.transpose() / share.sum();
+  checkSpeed(spec.where + ".velocity", spec.velocity);
+  for (int i = 0; i < n; ++i)
+    v.col(i) = spec.velocity + spec.angular_velocity.cross(x.col(i) - com);
+  Eigen::Index fastest = 0;
+  v.colwise().squaredNorm().maxCoeff(&fastest);
+  checkSpeed(spec.where + ".angular_velocity", v.col(fastest));
+  for (const auto& [name, position] : spec.place) {
+    const int i = s.particle(name);
+    if (i < 0 || i >= s.named)
+      throw Error(spec.where + ".place",
+                  "unknown particle '" + name + "'; the model has " +
+                      joined({s.particles.begin(), s.particles.begin() + s.named}));
+    checkPosition(spec.where + ".place." + name, position);
+    x.col(i) = position;
+  }
+}
+
+void addRagdolls(const Scene& scene, const std::vector<RagdollSpec>& specs, Model& model) {
+  std::map<const SkeletonSpec*, int> known;
+  std::set<std::string> names;
+  std::vector<Points> starts;  // of each skeleton
+  int size = 0;
+  if (specs.empty()) throw Error(scene.where, "ragdolls: a scene needs at least one ragdoll");
+  for (const RagdollSpec& r : specs) {
+    if (r.name.empty() || r.name.find('/') != std::string::npos)
+      throw Error(r.where + ".name", "name '" + r.name + "' must be a word without '/'");
+    if (!names.insert(r.name).second)
+      throw Error(r.where + ".name", "duplicate ragdoll name '" + r.name + "'");
+    auto [it, fresh] =
+        known.try_emplace(r.skeleton.get(), static_cast<int>(model.skeletons.size()));
+    if (fresh) {
+      model.skeletons.push_back(buildSkeleton(*r.skeleton));
+      starts.push_back(startPose(*r.skeleton, model.skeletons.back()));
+      const std::vector<std::string>& doubts = model.skeletons.back().warnings;
+      model.warnings.insert(model.warnings.end(), doubts.begin(), doubts.end());
+    }
+    model.ragdolls.push_back({r.name, it->second, 0, size});
+    size += model.skeletons[it->second].size();
+    if (size > kMaxParticles)
+      throw Error(r.where, "more than " + std::to_string(kMaxParticles) + " particles");
+  }
+  model.start_position.resize(3, size);
+  model.start_velocity.resize(3, size);
+  model.radius.resize(size);
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    const Ragdoll& r = model.ragdolls[i];
+    const Skeleton& s = model.skeletonOf(r);
+    placeRagdoll(specs[i], s, starts[r.skeleton], r.first, model);
+    model.radius.segment(r.first, s.size()) = s.radius;
+  }
+}
+
+std::vector<Pin> resolvePins(const Scene& scene, const Model& model) {
+  std::vector<Pin> pins;
+  for (const PinSpec& p : scene.pins) {
+    BodyRef body;
+    try {
+      body = findBody(model, p.particle);
+    } catch (const Error& e) {
+      throw Error(p.where, e.what());
+    }
+    if (body.particles.size() != 1)
+      throw Error(p.where, "'" + p.particle + "' is a segment; a pin holds a particle");
+    const int i = body.particles[0];
+    for (const Pin& other : pins)
+      if (other.particle == i)
+        throw Error(p.where, "particle '" + p.particle + "' is pinned twice");
+    pins.push_back({body.ragdoll, i, model.start_position.col(i), p.frame});
+  }
+  return pins;
+}
+
+Poke resolve(const PokeSpec& p, const Model& model) {
+  Poke poke;
+  try {
+    poke.body = findBody(model, p.body);
+  } catch (const Error& e) {
+    throw Error(p.where + ".body", e.what());
+  }
+  if (!p.force.allFinite()) throw Error(p.where + ".force", "force must be finite numbers [N]");
+  if (!p.point.allFinite()) throw Error(p.where + ".point", "point must be finite numbers [m]");
+  if (!std::isfinite(p.at)) throw Error(p.where + ".at", "at must be a finite number [s]");
+  if (!std::isfinite(p.duration))
+    throw Error(p.where + ".duration", "duration must be a finite number [s]");
+  poke.body_name = p.body;
+  poke.start = p.at;
+  poke.duration = p.duration;
+  poke.force = p.force;
+  poke.point = p.point;
+  try {
+    checkForce(model, poke);
+  } catch (const Error& e) {
+    throw Error(p.where, e.what());
+  }
+  return poke;
+}
+
+}  // namespace
+
+Model buildModel(const Scene& scene) {
+  Model model;
+  checkSolver(scene.solver);
+  checkGravity(scene.where + ": gravity", scene.gravity, scene.solver.step);
+  model.gravity = scene.gravity;
+  model.solver = scene.solver;
+  model.self_collision = scene.self_collision;
+  model.ragdoll_collision = scene.ragdoll_collision;
+  const std::vector<RagdollSpec> specs = unrolled(scene);
+  addRagdolls(scene, specs, model);
+  if (model.self_collision || model.ragdoll_collision)
+    for (Skeleton& s : model.skeletons) {
+      addCapsules(s, model.self_collision);
+      if (model.self_collision) model.notes.push_back(describePairs(s));
+    }
+  for (const ObstacleSpec& o : scene.obstacles) model.obstacles.push_back(resolve(o));
+  const std::vector<Pin> pins = resolvePins(scene, model);
+  try {
+    setPins(model, pins);
+  } catch (const Error& e) {  // it knows no file
+    throw Error(scene.where, e.what());
+  }
+  for (std::size_t i = 0; i < specs.size(); ++i)
+    if (!specs[i].place.empty()) correctStart(specs[i], model, static_cast<int>(i));
+  for (const PokeSpec& p : scene.pokes) model.pokes.push_back(resolve(p, model));
+  std::stable_sort(model.pokes.begin(), model.pokes.end(), [&](const Poke& a, const Poke& b) {
+    return actsBefore(a, b, model.solver.step);
+  });
+  return model;
+}
+
+BodyRef findBody(const Model& model, const std::string& name) {
+  const std::size_t slash = name.find('/');
+  const std::string prefix = slash == std::string::npos ? "" : name.substr(0, slash);
+  const std::string body = slash == std::string::npos ? name : name.substr(slash + 1);
+  std::vector<std::string> ragdolls, bodies;
+  for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
+    const Ragdoll& r = model.ragdolls[i];
+    if (i < 20) ragdolls.push_back(r.name);
+    if (!prefix.empty() && prefix != r.name) continue;
+    const Skeleton& s = model.skeletonOf(r);
+    BodyRef ref{static_cast<int>(i), {}, {}};
+    if (const int p = s.particle(body); p >= 0 && p < s.named) {
+      ref.particles = {p};
+    } else if (const int g = s.segment(body); g >= 0) {
+      ref.particles = s.segments[g].particles;
+    } else if (bodies.empty()) {
+      bodies.assign(s.particles.begin(), s.particles.begin() + s.named);
+      for (const Segment& segment : s.segments)
+        if (s.particle(segment.name) < 0) bodies.push_back(segment.name);
+    }
+    if (ref.particles.empty()) continue;
+    ref.weight.assign(ref.particles.size(), 1.0 / static_cast<double>(ref.particles.size()));
+    for (int& p : ref.particles) p += r.first;
+    return ref;
+  }
+  if (bodies.empty())
+    throw Error("", "unknown ragdoll '" + prefix + "'; there are " + joined(ragdolls) +
+                        (model.ragdolls.size() > 20 ? ", ..." : ""));
+  throw Error("", "unknown body '" + name + "'; there are " + joined(bodies));
+}
+
+void setPins(Model& model, const std::vector<Pin>& pins) {
+  std::map<std::pair<int, std::vector<int>>, int> known;
+  std::vector<std::pair<int, std::vector<int>>> wanted;  // skeleton and pins of each system
+  std::vector<int> chosen;
+  double numbers = 0, work = 0;
+  for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
+    const Ragdoll& r = model.ragdolls[i];
+    std::vector<int> local;
+    for (const Pin& p : pins)
+      if (p.ragdoll == static_cast<int>(i)) local.push_back(p.particle - r.first);
+    std::sort(local.begin(), local.end());
+    const auto [it, fresh] =
+        known.try_emplace({r.skeleton, local}, static_cast<int>(wanted.size()));
+    chosen.push_back(it->second);
+    if (!fresh) continue;
+    wanted.push_back(it->first);
+    const Skeleton& s = model.skeletonOf(r);
+    const double size = s.size() + static_cast<double>(s.sticks.size() + s.hidden_sticks.size());
+    numbers += size * size;
+    work += size * size * size;
+    if (numbers > kMaxNumbers || work > kMaxWork)
+      throw Error("ragdoll '" + r.name + "'",
+                  "is too much: its model and those before it, once for each set of pins, have "
+                  "matrices that are too large; use smaller models, or the same ones again");
+  }
+  std::vector<System> systems;
+  for (const auto& [skeleton, local] : wanted)
+    systems.push_back(buildSystem(model.skeletons[skeleton], skeleton, local, model.warnings));
+  model.pins = pins;
+  model.systems = std::move(systems);
+  for (std::size_t i = 0; i < chosen.size(); ++i) model.ragdolls[i].system = chosen[i];
+}
+
+State startState(const Model& model) {
+  State state;
+  state.x = model.start_position;
+  state.v = model.start_velocity;
+  for (const Ragdoll& r : model.ragdolls) {  // a particle placed apart from its rigid group
+    const Eigen::MatrixXd& affine = model.systemOf(r).direct.affine;
+    auto x = state.x.middleCols(r.first, affine.cols());
+    const Points together = x * affine.transpose();
+    if (!model.systemOf(r).lumped && (together - x).cwiseAbs().maxCoeff() > 1e-9) x = together;
+  }
+  for (const Pin& p : model.pins) state.v.col(p.particle).setZero();
+  for (const Obstacle& o : model.obstacles) state.obstacles.push_back(o.pose);
+  state.asleep.assign(model.ragdolls.size(), 0);
+  state.quiet.assign(model.ragdolls.size(), 0.0);
+  state.allowed = startAllowed(model);
+  return state;
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,46 @@
+#include "core/mechanics/joint_damping.h"
+
+#include <Eigen/Cholesky>
+
+namespace ragdoll {
+
+RigidMotion rigidMotion(const Eigen::MatrixXd& M, const std::vector<int>& pins,
+                        const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v) {
+  const Eigen::Index n = x.cols();
+  RigidMotion motion;
+  if (pins.empty()) {
+    const Eigen::VectorXd mass = M.rowwise().sum();
+    motion.centre = x.lazyProduct(mass) / mass.sum();
+    motion.drift = v.lazyProduct(mass) / mass.sum();
+  } else {
+    motion.centre = x.col(pins[0]);
+    motion.drift = v.col(pins[0]);
+  }
+  if (pins.size() >= 2) return motion;
+  const Points arm = x.colwise() - motion.centre;
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  Vec3 angular = Vec3::Zero();
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vec3 r = arm.col(i);
+    Vec3 w = Vec3::Zero();
+    for (Eigen::Index j = 0; j < n; ++j)  // M is sparse
+      if (M(j, i) != 0) w += M(j, i) * arm.col(j);
+    angular += w.cross(Vec3(v.col(i) - motion.drift));
+    inertia += r.dot(w) * Eigen::Matrix3d::Identity() - w * r.transpose();
+  }
+  // Regular but for bodies on a line, whose own axis takes no spin.
+  const double small = 1e-9 * inertia.trace() + 1e-300;
+  motion.spin = (inertia + small * Eigen::Matrix3d::Identity()).ldlt().solve(angular);
+  return motion;
+}
+
+void dampInnerMotion(const Eigen::MatrixXd& M, const std::vector<int>& pins, double keep,
+                     const Eigen::Ref<const Points>& x, Eigen::Ref<Points> v) {
+  const RigidMotion motion = rigidMotion(M, pins, x, v);
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    const Vec3 rigid = motion.velocityAt(x.col(i));
+    v.col(i) = rigid + keep * (v.col(i) - rigid);
+  }
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,128 @@
+#include "ragdoll_sim/core/sleep.h"
+
+#include <algorithm>
+
+#include "core/contact/contact.h"
+#include "core/contact/detect.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr double kTouched = 0.005;  ///< [m] a body that comes this near touches
+constexpr double kReach = 0.05;     ///< [m] an obstacle that moves this near wakes a body
+
+void wake(State& state, int ragdoll) {
+  state.asleep[ragdoll] = 0;
+  state.quiet[ragdoll] = 0;
+}
+
+bool moved(const Pose& a, const Pose& b) {
+  return a.position != b.position || a.orientation.coeffs() != b.orientation.coeffs();
+}
+
+/// Whether the obstacle comes near the ragdoll on its way from state to end.
+bool comesNear(const Model& model, const State& state, const SweptObstacle& obstacle, int ragdoll) {
+  const Ragdoll& r = model.ragdolls[ragdoll];
+  const int n = model.skeletonOf(r).size();
+  const auto x = state.x.middleCols(r.first, n);
+  const double pad = model.radius.segment(r.first, n).maxCoeff() + kReach;
+  return ((x.rowwise().minCoeff().array() - pad) <= obstacle.bounds.hi.array()).all() &&
+         ((x.rowwise().maxCoeff().array() + pad) >= obstacle.bounds.lo.array()).all();
+}
+
+bool isHung(const Model& model, int ragdoll) {
+  return !model.systemOf(model.ragdolls[ragdoll]).pins.empty();
+}
+
+struct Rest {
+  double speed;  ///< [m/s]
+  double time;   ///< [s]
+};
+
+Rest restOf(bool pressed, bool hung) {
+  if (hung) return {kHungSpeed, kHungTime};  // a wall that it touches does not hold a swing
+  if (pressed) return {kStillSpeed, kQuietTime};
+  return {kFloatSpeed, kHungTime};
+}
+
+/// Applies `pass` to pairs until it passes nothing on any more.
+template <class Pass>
+void spread(const std::vector<BodyPair>& pairs, const Pass& pass) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const BodyPair& pair : pairs) changed = pass(pair.first, pair.second) || changed;
+  }
+}
+
+}  // namespace
+
+void wakeDisturbed(const Model& model, const Inputs& inputs, double h, State& state) {
+  for (const Poke& poke : inputs.pokes)
+    if (isActive(poke, state.time, h)) wake(state, poke.body.ragdoll);
+  if (std::none_of(state.asleep.begin(), state.asleep.end(), [](auto a) { return a != 0; })) return;
+  for (std::size_t p = 0; p < inputs.pins.size(); ++p)
+    if (inputs.pins[p] != state.x.col(model.pins[p].particle)) wake(state, model.pins[p].ragdoll);
+  if (inputs.obstacles.empty()) return;
+  std::vector<SweptObstacle> obstacles;
+  sweepObstacles(model, state, inputs.obstacles, obstacles);
+  for (std::size_t k = 0; k < obstacles.size(); ++k) {
+    if (!moved(state.obstacles[k], inputs.obstacles[k])) continue;
+    for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
+      if (state.asleep[i] && comesNear(model, state, obstacles[k], static_cast<int>(i)))
+        wake(state, static_cast<int>(i));
+  }
+}
+
+bool wakeTouched(const std::vector<Contact>& contacts, const Points& x1, State& state) {
+  bool woke = false;
+  for (const Contact& c : contacts) {
+    if (c.other < 0 || c.moves[0] == c.moves[1]) continue;
+    const int sleeper = c.moves[0] ? c.other : c.ragdoll, mover = c.moves[0] ? c.ragdoll : c.other;
+    if (!state.asleep[sleeper] || state.quiet[mover] > 0) continue;
+    double gap = -c.offset;
+    for (int k = 0; k < c.count; ++k) gap += c.weight[k] * c.normal.dot(x1.col(c.particle[k]));
+    if (std::min(gap, c.gap_start) > kTouched) continue;
+    wake(state, sleeper);
+    woke = true;
+  }
+  return woke;
+}
+
+void putToSleep(const Model& model, const std::vector<BodyPair>& pressing, double h,
+                std::vector<std::uint8_t>& pressed, State& state) {
+  const auto supports = [&](int i) { return pressed[i] || state.asleep[i] || isHung(model, i); };
+  spread(pressing, [&](int i, int j) {
+    if (supports(i) == supports(j)) return false;
+    pressed[supports(i) ? j : i] = 1;
+    return true;
+  });
+  std::vector<std::uint8_t> still(model.ragdolls.size());
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    still[i] = state.asleep[i];
+    if (state.asleep[i]) continue;
+    const Ragdoll& r = model.ragdolls[i];
+    const Rest rest = restOf(pressed[i], isHung(model, static_cast<int>(i)));
+    const double v2 =
+        state.v.middleCols(r.first, model.skeletonOf(r).size()).colwise().squaredNorm().maxCoeff();
+    state.quiet[i] = v2 < rest.speed * rest.speed ? state.quiet[i] + h : 0;
+    still[i] = state.quiet[i] >= rest.time;
+  }
+  spread(pressing, [&](int i, int j) {
+    if (still[i] == still[j]) return false;
+    still[i] = still[j] = 0;
+    return true;
+  });
+  for (std::size_t i = 0; i < still.size(); ++i) {
+    if (state.asleep[i] || !still[i]) continue;
+    const Ragdoll& r = model.ragdolls[i];
+    state.asleep[i] = 1;
+    state.v.middleCols(r.first, model.skeletonOf(r).size()).setZero();
+  }
+}
+
+void wakeAll(State& state) {
+  std::fill(state.asleep.begin(), state.asleep.end(), 0);
+  std::fill(state.quiet.begin(), state.quiet.end(), 0.0);
+}
+
+}  // namespace ragdoll

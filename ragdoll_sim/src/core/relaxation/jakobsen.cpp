@@ -1,0 +1,102 @@
+#include "core/relaxation/jakobsen.h"
+
+#include <cmath>
+
+#include "core/contact/detect.h"
+#include "core/linear/relax.h"
+#include "core/mechanics/joint_damping.h"
+#include "core/relaxation/integrate.h"
+#include "core/relaxation/relaxation_guard.h"
+#include "core/step/workspace.h"
+#include "ragdoll_sim/core/sleep.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr double kMargin =
+    0.005;  ///< [m] contacts this near take part, since sweeps may close them
+
+void integrate(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
+               const State& state) {
+  ws.x1 = state.x;
+  ws.v1 = state.v;
+  const double decay = std::exp(-model.solver.damping * h);
+  for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
+    if (state.asleep[i]) continue;
+    const Ragdoll& r = model.ragdolls[i];
+    const System& s = model.systemOf(r);
+    const int n = model.skeletonOf(r).size();
+    ws.acceleration.noalias() = model.gravity * s.gravity;
+    if (ws.forced) ws.acceleration.noalias() += ws.force.middleCols(r.first, n) * s.W;
+    auto v = ws.v1.middleCols(r.first, n);
+    if (decay != 1) v *= decay;
+    if (model.solver.joint_damping > 0)
+      dampInnerMotion(model.skeletonOf(r).M, s.pins, std::exp(-model.solver.joint_damping * h),
+                      state.x.middleCols(r.first, n), v);
+    integrateFree(model.solver.integrator, h, ws.acceleration, ws.x1.middleCols(r.first, n), v);
+  }
+  for (std::size_t p = 0; p < inputs.pins.size(); ++p) {
+    const Pin& pin = model.pins[p];
+    const Ragdoll& r = model.ragdolls[pin.ragdoll];
+    const System& s = model.systemOf(r);
+    const Vec3 move = inputs.pins[p] - state.x.col(pin.particle);
+    int row = 0;
+    while (s.pins[row] != pin.particle - r.first) ++row;
+    ws.x1.middleCols(r.first, s.pin_motion.cols()) += move * s.pin_motion.row(row);
+    ws.v1.middleCols(r.first, s.pin_motion.cols()) += move / h * s.pin_motion.row(row);
+  }
+}
+
+void constrain(const Model& model, const State& start, Workspace::Impl& ws, Points& x) {
+  for (int sweep = 0; sweep < model.solver.sweeps; ++sweep) {
+    for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
+      if (start.asleep[i]) continue;
+      const Ragdoll& r = model.ragdolls[i];
+      const System& s = model.systemOf(r);
+      const Skeleton& k = model.skeletonOf(r);
+      if (s.lumped)
+        relaxSticks(s.relaxed, x.data() + 3 * r.first);
+      else
+        relaxCoupledSticks(s.coupled, s.relaxed_BW, s.relaxed_G, x.middleCols(r.first, k.size()));
+    }
+    if (!ws.limits.empty()) ws.limits.sweep(model, x);
+    ws.projection.sweep(x);
+  }
+}
+
+void findAllContacts(const Model& model, const Inputs& inputs, Workspace::Impl& ws,
+                     const State& state) {
+  findContacts(model, state, ws.x1, inputs.obstacles, kMargin, ws.contacts);
+  if (model.self_collision)
+    for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
+      if (!state.asleep[i])
+        ws.pairs.appendSelf(model, state.x, ws.x1, static_cast<int>(i),
+                            PairSearch::touches(kMargin), ws.contacts);
+  if (model.ragdoll_collision)
+    ws.pairs.appendBetween(model, state, state.x, ws.x1, PairSearch::touches(kMargin), ws.contacts);
+}
+
+}  // namespace
+
+void stepJakobsen(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
+                  State& state, StepReport& report) {
+  do {
+    integrate(model, inputs, h, ws, state);
+    findAllContacts(model, inputs, ws, state);
+  } while (model.ragdoll_collision && wakeTouched(ws.contacts, ws.x1, state));
+  ws.limits.prepare(model, state, ws.x1, h);
+  ws.projection.prepare(model, ws.contacts, state.x, ws.x1, ws.v1, h);
+  ws.x0 = state.x;
+  ws.v0 = state.v;
+  state.x = ws.x1;
+  constrain(model, state, ws, state.x);
+  state.v = ws.v1 + (state.x - ws.x1) / h;
+  ws.projection.bounce(state.v);
+  report.contacts = ws.projection.pressing();
+  ws.projection.markPressed(ws.pressed, ws.pressing);
+  if (!ws.unguarded) guardRelaxation(model, inputs, h, ws, state, report);
+  limitPairEnergy(model, inputs, ws, state, report);
+  keepAllowed(model, state);
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,144 @@
+#include "core/relaxation/projection.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ragdoll {
+namespace {
+
+constexpr double kBounceSteps = 4;    ///< bounce only above an approach speed of 4 g h: below, rest
+constexpr double kRecoverySpeed = 2;  ///< [m/s] at which an overlap found at the step's start opens
+
+Vec3 pointOf(const Contact& c, const Points& x) {
+  Vec3 p = c.weight[0] * x.col(c.particle[0]);
+  for (int k = 1; k < c.count; ++k) p += c.weight[k] * x.col(c.particle[k]);
+  return p;
+}
+
+}  // namespace
+
+void ContactProjection::addResponse(const Model& model, int ragdoll, const Contact& c) {
+  const Ragdoll& r = model.ragdolls[ragdoll];
+  const System& s = model.systemOf(r);
+  const int n = model.skeletonOf(r).size();
+  const auto mine = [&](int k) { return c.particle[k] >= r.first && c.particle[k] < r.first + n; };
+  if (s.lumped) {
+    for (int k = 0; k < c.count; ++k) {
+      const int i = c.particle[k] - r.first;
+      if (mine(k)) responses_.push_back({c.particle[k], c.weight[k] * s.W(i, i)});
+    }
+    return;
+  }
+  for (int j = 0; j < n; ++j) {
+    double weight = 0;
+    for (int k = 0; k < c.count; ++k)
+      if (mine(k)) weight += c.weight[k] * s.W(c.particle[k] - r.first, j);
+    responses_.push_back({r.first + j, weight});
+  }
+}
+
+void ContactProjection::prepare(const Model& model, const std::vector<Contact>& contacts,
+                                const Points& x0, const Points& x1, const Points& v1, double h) {
+  contacts_.clear();
+  responses_.clear();
+  for (const Contact& c : contacts) {
+    ProjectedContact p;
+    p.contact = c;
+    p.begin = static_cast<int>(responses_.size());
+    if (c.moves[0]) addResponse(model, c.ragdoll, c);
+    if (c.other >= 0 && c.moves[1]) addResponse(model, c.other, c);
+    p.end = static_cast<int>(responses_.size());
+    for (int e = p.begin; e < p.end; ++e)
+      for (int k = 0; k < c.count; ++k)
+        if (responses_[e].column == c.particle[k]) p.w += c.weight[k] * responses_[e].weight;
+    if (!(p.w > 0)) continue;  // all pinned: nothing to move
+    if (c.gap_start < 0) p.contact.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * h);
+
+    const Vec3& n = c.normal;
+    const double gap = n.dot(pointOf(c, x1)) - c.offset;
+    const double gravity = -n.dot(model.gravity);
+    const double speed = -n.dot(pointOf(c, v1) - c.surface_motion / h);
+    if (c.restitution > 0 && gap < 0 && c.gap_start > gap &&
+        speed > kBounceSteps * std::max(gravity, 0.0) * h) {
+      const double before = std::clamp(c.gap_start / (c.gap_start - gap), 0.0, 1.0);  // share of h
+      const double out = c.restitution * speed - (1 + c.restitution) * gravity * (1 - before) * h;
+      p.contact.offset += c.restitution * -gap;
+      p.bounce_speed = std::max(0.0, out) + n.dot(c.surface_motion) / h;
+    }
+    p.inverse_w = 1 / p.w;
+    p.held = pointOf(c, x0) + c.surface_motion;
+    contacts_.push_back(p);
+  }
+}
+
+void ContactProjection::apply(const ProjectedContact& p, const Vec3& impulse, Points& x) const {
+  for (int e = p.begin; e < p.end; ++e)
+    x.col(responses_[e].column) += responses_[e].weight * impulse;
+}
+
+Vec3 ContactProjection::impulse(ProjectedContact& p, const Vec3& point) const {
+  const Vec3& n = p.contact.normal;
+  const double gap = n.dot(point) - p.contact.offset;
+  const double lambda_n = std::max(0.0, p.lambda_n - gap * p.inverse_w);
+  Vec3 out = (lambda_n - p.lambda_n) * n;
+  p.lambda_n = lambda_n;
+  if (!(p.contact.friction > 0)) return out;
+  const Vec3 slip = point - p.held;
+  Vec3 lambda_t = p.lambda_t - p.inverse_w * (slip - n.dot(slip) * n);
+  const double limit = p.contact.friction * lambda_n, size2 = lambda_t.squaredNorm();
+  if (size2 > limit * limit) lambda_t *= limit / std::sqrt(size2);
+  out += lambda_t - p.lambda_t;
+  p.lambda_t = lambda_t;
+  return out;
+}
+
+void ContactProjection::sweep(Points& x) {
+  for (ProjectedContact& p : contacts_) {
+    const Contact& c = p.contact;
+    if (p.end - p.begin == 1) {  // a particle with a mass of its own: most contacts
+      auto position = x.col(c.particle[0]);
+      if (p.lambda_n == 0 && c.normal.dot(position) >= c.offset) continue;
+      position += responses_[p.begin].weight * impulse(p, position);
+    } else {
+      const Vec3 point = pointOf(c, x);
+      if (p.lambda_n == 0 && c.normal.dot(point) >= c.offset) continue;
+      apply(p, impulse(p, point), x);
+    }
+  }
+}
+
+void ContactProjection::bounce(Points& v) const {
+  for (const ProjectedContact& p : contacts_) {
+    if (p.bounce_speed <= 0 || p.lambda_n <= 0) continue;
+    const double speed = p.contact.normal.dot(pointOf(p.contact, v));
+    apply(p, (p.bounce_speed - speed) / p.w * p.contact.normal, v);
+  }
+}
+
+void ContactProjection::markPressed(std::vector<std::uint8_t>& pressed,
+                                    std::vector<BodyPair>& pressing) const {
+  for (const ProjectedContact& p : contacts_) {
+    if (p.lambda_n <= 0) continue;
+    const Contact& c = p.contact;
+    if (c.obstacle >= 0) pressed[c.ragdoll] = 1;
+    if (c.other >= 0) pressing.push_back({c.ragdoll, c.other});
+  }
+}
+
+void ContactProjection::addPairForces(int first, int n, double h, Points& force) const {
+  for (const ProjectedContact& p : contacts_) {
+    if (p.contact.other < 0 || p.lambda_n <= 0) continue;
+    const Vec3 pressed = (p.lambda_n * p.contact.normal + p.lambda_t) / (h * h);
+    for (int k = 0; k < p.contact.count; ++k) {
+      const int column = p.contact.particle[k];
+      if (column >= first && column < first + n) force.col(column) += p.contact.weight[k] * pressed;
+    }
+  }
+}
+
+int ContactProjection::pressing() const {
+  return static_cast<int>(std::count_if(contacts_.begin(), contacts_.end(),
+                                        [](const ProjectedContact& p) { return p.lambda_n > 0; }));
+}
+
+}  // namespace ragdoll

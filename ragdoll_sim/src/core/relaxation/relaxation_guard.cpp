@@ -1,0 +1,249 @@
+#include "core/relaxation/relaxation_guard.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/contact/distance.h"
+#include "core/direct/shake.h"
+#include "core/mechanics/energy_gain.h"
+#include "core/mechanics/pair_energy.h"
+#include "core/step/workspace.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr double kStretch = 0.25;  ///< of a stick's length; falls and swings of a human stay below
+constexpr double kDepth = 0.5;  ///< of the radius: deeper in an obstacle than sweeps leave behind
+constexpr double kGain =
+    0.25;  ///< of the energy there was: sweeps that work gain less than a third of it
+constexpr double kFreeSpeed = 1.0;  ///< [m/s] of the whole body: gains of less energy are let be
+constexpr double kReportedRise = 1e-6;  ///< [J] less is rounding
+constexpr double kStiff = 1.0;          ///< h sqrt(Omega2): above, sweeps would fail again
+
+class RelaxationGuard {
+ public:
+  RelaxationGuard(const Model& model, const Inputs& inputs, Workspace::Impl& ws, State& state)
+      : model_(model), inputs_(inputs), ws_(ws), state_(state) {}
+
+  /// Whether the sweeps failed on the body.
+  bool failed(int i) {
+    const Ragdoll& r = model_.ragdolls[i];
+    const int n = model_.skeletonOf(r).size();
+    const double sum =
+        state_.x.middleCols(r.first, n).sum() + state_.v.middleCols(r.first, n).sum();
+    return !std::isfinite(sum) || stretched(i) || inside(i) || gained(i);
+  }
+
+  /// Whether something that moves from outside may give energy.
+  bool driven() const { return !inputs_.pins.empty() || !inputs_.obstacles.empty(); }
+
+  /// [J] by how much the body gained more than gravity and pokes can have given it.
+  double rise(int i) {
+    const Ragdoll& r = model_.ragdolls[i];
+    const StickRows& rows = *model_.systemOf(r).direct.rows;
+    ws_.shake.stay = state_.x.middleCols(r.first, rows.n) - ws_.x0.middleCols(r.first, rows.n);
+    const Points& moved = ws_.shake.stay;
+    double rise =
+        energyGain(rows, ws_.v0.middleCols(r.first, rows.n), state_.v.middleCols(r.first, rows.n),
+                   moved, model_.gravity, ws_.shake.energy);
+    if (ws_.forced) rise -= ws_.force.middleCols(r.first, rows.n).cwiseProduct(moved).sum();
+    return rise;
+  }
+
+ private:
+  bool stretched(int i) const {
+    constexpr double kMost = (1 + kStretch) * (1 + kStretch);
+    constexpr double kLeast = (1 - kStretch) * (1 - kStretch);
+    const Ragdoll& r = model_.ragdolls[i];
+    const System& s = model_.systemOf(r);
+    const auto far = [&](int a, int b, double length) {
+      const double now = (state_.x.col(r.first + b) - state_.x.col(r.first + a)).squaredNorm();
+      return now > kMost * length * length || now < kLeast * length * length;
+    };
+    if (s.lumped)
+      return std::any_of(s.relaxed.begin(), s.relaxed.end(),
+                         [&](const RelaxedStick& k) { return far(k.a, k.b, k.length); });
+    for (std::size_t k = 0; k < s.coupled.size(); ++k)
+      if (s.relaxed_G[k] > 0 && far(s.coupled[k].a, s.coupled[k].b, s.coupled[k].length))
+        return true;
+    return false;
+  }
+
+  bool deep(const Contact& c) const {
+    double gap = -c.offset, radius = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < c.count; ++k) {
+      gap += c.weight[k] * c.normal.dot(state_.x.col(c.particle[k]));
+      radius = std::min(radius, model_.radius[c.particle[k]]);
+    }
+    return gap < std::min(-kDepth * radius, c.gap_start);
+  }
+
+  /// Deep in an obstacle, or beyond one that the sweeps carried it through.
+  bool inside(int i) {
+    for (const Contact& c : ws_.contacts)
+      if (c.ragdoll == i && c.obstacle >= 0 && deep(c)) return true;
+    if (model_.obstacles.empty()) return false;
+    const Ragdoll& r = model_.ragdolls[i];
+    bool beyond = false;  // so far that it may have passed through something
+    const double thinnest = thinnestObstacle();
+    for (int j = r.first; j < r.first + model_.skeletonOf(r).named; ++j) {
+      const double radius = model_.radius[j];
+      const double carried2 = (state_.x.col(j) - ws_.x1.col(j)).squaredNorm();
+      if (carried2 < kDepth * kDepth * radius * radius) continue;
+      if (insideObstacle(j)) return true;
+      beyond = beyond || carried2 > (thinnest + radius) * (thinnest + radius);
+    }
+    if (!beyond) return false;
+    sweepObstacles(model_, state_, inputs_.obstacles, ws_.obstacles);
+    ws_.shake.missed.clear();
+    appendContacts(model_, ws_.obstacles, ws_.x0, state_.x, i, 0, ws_.shake.missed);
+    return std::any_of(ws_.shake.missed.begin(), ws_.shake.missed.end(),
+                       [this](const Contact& c) { return deep(c); });
+  }
+
+  /// Whether the particle is deep in an obstacle, and deeper than it was.
+  bool insideObstacle(int particle) const {
+    const double radius = model_.radius[particle];
+    for (std::size_t k = 0; k < model_.obstacles.size(); ++k) {
+      const Pose& start = state_.obstacles[k];
+      const Pose& end = inputs_.obstacles.empty() ? start : inputs_.obstacles[k];
+      const auto gap = [&](const Pose& pose, const Vec3& x) {
+        const Vec3 local = pose.orientation.conjugate() * (x - pose.position);
+        return signedDistanceValue(model_.obstacles[k], local) - radius;
+      };
+      const double now = gap(end, state_.x.col(particle));
+      if (now < -kDepth * radius && now < gap(start, ws_.x0.col(particle))) return true;
+    }
+    return false;
+  }
+
+  /// [m] across the thinnest one.
+  double thinnestObstacle() const {
+    double thinnest = std::numeric_limits<double>::infinity();
+    for (const Obstacle& o : model_.obstacles)
+      if (o.type == ObstacleSpec::Type::kBox)
+        thinnest = std::min(thinnest, 2 * o.half.minCoeff());
+      else if (o.type != ObstacleSpec::Type::kPlane)
+        thinnest = std::min(thinnest, 2 * o.radius);
+    return thinnest;
+  }
+
+  /// More energy than the start's and the work: stretched sticks that the sweeps let go.
+  bool gained(int i) {
+    if (driven() || model_.ragdoll_collision) return false;  // other bodies may give it, too
+    const double gain = rise(i);
+    const Ragdoll& r = model_.ragdolls[i];
+    const StickRows& rows = *model_.systemOf(r).direct.rows;
+    if (gain < 0.5 * rows.mass.sum() * kFreeSpeed * kFreeSpeed * rows.scale) return false;
+    return !(gain <=
+             kGain * kineticEnergy(rows, ws_.v0.middleCols(r.first, rows.n), ws_.shake.energy));
+  }
+
+  const Model& model_;
+  const Inputs& inputs_;
+  Workspace::Impl& ws_;
+  State& state_;
+};
+
+/// Of one body's tension, which the guard's last step left behind.
+class Tension {
+ public:
+  Tension(const Model& model, const Workspace::Impl& ws, State& state, int i)
+      : rows_(*model.systemOf(model.ragdolls[i]).direct.rows),
+        multipliers_(state.multipliers.data() + ws.first_stick[i], multiplierCount(rows_)) {}
+
+  /// Whether it is still beyond what sweeps can take.
+  bool isStiff(double h) const {
+    if (rows_.s == 0) return false;
+    const double omega2 =
+        2 * (rows_.absolute_G.leftCols(rows_.s) * multipliers_.head(rows_.s).cwiseAbs()).maxCoeff();
+    return h * std::sqrt(omega2) > kStiff;
+  }
+  void forget() { multipliers_.setZero(); }
+
+ private:
+  const StickRows& rows_;
+  Eigen::Map<Eigen::VectorXd> multipliers_;
+};
+
+/// While it lives, what others gave a body in the sweeps, and got from it, acts on it as a force:
+/// its step alone does not see them, and momentum stays.
+class PairForces {
+ public:
+  PairForces(int i, int first, int n, double h, Workspace::Impl& ws) : ws_(ws), was_(ws.forced) {
+    const auto has = [i](const BodyPair& pair) { return pair.first == i || pair.second == i; };
+    acts_ = std::any_of(ws.pressing.begin(), ws.pressing.end(), has);
+    if (!acts_) return;
+    if (!was_) ws_.force.setZero(3, ws.x0.cols());
+    force_ = ws_.force;
+    ws_.projection.addPairForces(first, n, h, ws_.force);
+    ws_.forced = true;
+    if (!ws_.force.allFinite()) ws_.force = force_;
+  }
+  ~PairForces() {
+    if (acts_) ws_.force = force_;
+    ws_.forced = was_;
+  }
+  PairForces(const PairForces&) = delete;
+  PairForces& operator=(const PairForces&) = delete;
+
+ private:
+  Workspace::Impl& ws_;
+  bool was_, acts_ = false;
+  Points force_;
+};
+
+}  // namespace
+
+void guardRelaxation(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
+                     State& state, StepReport& report) {
+  RelaxationGuard guard(model, inputs, ws, state);
+  const bool acted = !state.multipliers.empty();  // in the last step
+  if (acted) prepareShake(model, inputs, ws, state);
+  bool acts = false;
+  for (std::size_t k = 0; k < model.ragdolls.size(); ++k) {
+    const int i = static_cast<int>(k);
+    if (state.asleep[k]) continue;
+    if (!(acted && Tension(model, ws, state, i).isStiff(h)) && !guard.failed(i)) {
+      if (acted) Tension(model, ws, state, i).forget();
+      continue;
+    }
+    if (!acted && !acts) prepareShake(model, inputs, ws, state);
+    acts = true;
+    const Ragdoll& r = model.ragdolls[i];
+    const int n = model.skeletonOf(r).size();
+    state.x.middleCols(r.first, n) = ws.x0.middleCols(r.first, n);
+    state.v.middleCols(r.first, n) = ws.v0.middleCols(r.first, n);
+    ws.pressed[k] = 0;
+    const PairForces given(i, r.first, n, h, ws);
+    stepBodyShake(model, inputs, h, ws, state, i, report);
+  }
+  if (acted && !acts) state.multipliers.clear();
+}
+
+void limitPairEnergy(const Model& model, const Inputs& inputs, Workspace::Impl& ws, State& state,
+                     StepReport& report) {
+  if (ws.pressing.empty()) return;
+  RelaxationGuard guard(model, inputs, ws, state);
+  if (guard.driven()) return;
+  std::vector<int>& bodies = ws.together.head;
+  bodies.clear();
+  bool held = false;
+  for (const BodyPair& pair : ws.pressing) {
+    for (const int i : {pair.first, pair.second}) {
+      held = held || state.asleep[i] || ws.pressed[i] ||
+             !model.systemOf(model.ragdolls[i]).pins.empty();
+      if (!state.asleep[i]) bodies.push_back(i);
+    }
+  }
+  std::sort(bodies.begin(), bodies.end());
+  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+  double rise = 0;
+  for (const int i : bodies) rise += guard.rise(i);
+  if (!(rise > 0)) return;
+  takeOutOfGroup(model, bodies, held, rise, state);
+  if (rise > kReportedRise) report.limited += static_cast<int>(bodies.size());
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,90 @@
+// Contacts that all but contradict each other: what sweeps of Gauss-Seidel alone do not find.
+#include "core/linear/schur.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+
+#include "support/worlds.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+/// A stick whose end b lies on the floor, and which something presses down near that end.
+class Pinched {
+ public:
+  Pinched(double nearness, double friction) : model_(buildModel(sceneOf(oneStick()))) {
+    const StickRows& rows = *model_.systemOf(model_.ragdolls[0]).direct.rows;
+    StickSolver sticks;
+    sticks.resize(rows);
+    const State state = startState(model_);
+    sticks.setPose(rows, state.x.data());
+    Contact floor, above;
+    floor.particle = {1};
+    floor.weight = {1};
+    floor.count = 1;
+    above.particle = {0, 1};
+    above.weight = {nearness, 1 - nearness};
+    above.count = 2;
+    above.normal = -Vec3::UnitZ();
+    floor.friction = above.friction = friction;
+    schur.start(0);
+    schur.addContact(floor, 0);
+    schur.addContact(above, 1);
+    schur.assemble(rows, sticks);
+  }
+
+  Schur schur;
+
+ private:
+  Model model_;
+};
+
+TEST(Schur, GoesOnWhereTheSweepsGaveUp) {
+  Pinched pinched(0.02, 0);
+  const Eigen::Vector2d b(-1e-4, -1e-4);
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(2);
+  const Eigen::Vector2d exact = -Eigen::Matrix2d(pinched.schur.matrix()).inverse() * b;
+  EXPECT_NEAR(exact[0], (0.98 * 0.98 + 0.02 * 0.02 + 0.98) * 1e-4 / 4e-4, 1e-9);  // by Cramer
+  EXPECT_FALSE(pinched.schur.solve(b, p));
+  EXPECT_GT((p - exact).norm(), 0.5 * exact.norm());
+  EXPECT_TRUE(pinched.schur.solveOn(b, p));
+  EXPECT_LT((p - exact).norm(), 1e-6 * exact.norm());
+}
+
+TEST(Schur, GoesOnWithFriction) {
+  constexpr double kMu = 0.5;
+  Pinched pinched(0.02, kMu);
+  Eigen::VectorXd b(6), p = Eigen::VectorXd::Zero(6);
+  b << -1e-4, 2e-5, 0.3, -1e-4, 0, 1e-5;  // the floor slides by 0.3 m: the cone is reached there
+  EXPECT_FALSE(pinched.schur.solve(b, p));
+  EXPECT_TRUE(pinched.schur.solveOn(b, p));
+  const Eigen::VectorXd w = b + pinched.schur.matrix() * p;
+  for (int i = 0; i < 6; i += 3) {
+    EXPECT_GT(p[i], 0);
+    EXPECT_NEAR(w[i], 0, 1e-6);
+    const Eigen::Vector2d pull = p.segment<2>(i + 1), slip = w.segment<2>(i + 1);
+    const double spare = kMu * p[i] - pull.norm();
+    EXPECT_GT(spare, -1e-12);
+    if (spare > 1e-9)
+      EXPECT_LT(slip.norm(), 1e-6) << i;  // sticks
+    else
+      EXPECT_LT((slip / slip.norm() + pull / pull.norm()).norm(), 1e-3) << i;  // against the slip
+  }
+}
+
+TEST(Schur, SaysSoWhereNothingCanOpen) {
+  Pinched pinched(0, 0);  // pressed down right above the floor
+  const Eigen::Vector2d b(-1e-4, -1e-4);
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(2);
+  EXPECT_FALSE(pinched.schur.solve(b, p));
+  const double before = p.norm();
+  EXPECT_FALSE(pinched.schur.solveOn(b, p));
+  EXPECT_LE(p.norm(), 1e4 * before);
+}
+
+}  // namespace
+}  // namespace ragdoll
