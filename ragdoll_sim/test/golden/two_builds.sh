@@ -39,7 +39,7 @@ if revision=$(list_revision); then
 else
   say "there is no history to take the list's revision from: the other build is this source with -O1"
   source=$package
-  flags=(-DCMAKE_CXX_FLAGS_RELEASE="-O1 -DNDEBUG")
+  flags=(-DCMAKE_BUILD_TYPE=Other -DCMAKE_CXX_FLAGS_OTHER="-O1 -DNDEBUG")
 fi
 
 # name:type=value, as cmake -D takes them
