@@ -117,7 +117,7 @@ void addShipped(std::vector<Case>& cases) {
 
 void addExtremes(std::vector<Case>& cases) {
   constexpr double kSeconds = 2.5;  ///< simulated
-  constexpr int kSteps = 600;
+  constexpr int kSteps = 2500;
   for (const lab::Extreme& extreme : lab::extremeTests(true))
     for (const lab::ExtremeMethod& method : lab::extremeMethods()) {
       if (extreme.sweeps > 0 && method.solver.method != Method::kJakobsen) continue;

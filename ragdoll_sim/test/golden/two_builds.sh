@@ -9,8 +9,8 @@
 set -euo pipefail
 build=$(cd "$1" && pwd)
 out=$2
-here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-package=$(cd "$here/../.." && pwd)
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd -P)
+package=$(cd "$here/../.." && pwd -P)
 mkdir -p "$build/golden" "$(dirname "$out")"
 
 say() { echo "two_builds.sh: $*"; }
@@ -21,36 +21,37 @@ list_revision() {
   local revision
   revision=$(git -C "$here" log -1 --format=%H -- golden.txt 2>/dev/null) || return 1
   [ -n "$revision" ] || return 1
-  grep -qsx "$revision" "$(git -C "$here" rev-parse --absolute-git-dir)/shallow" && return 1
+  (cd "$here" && grep -qsx "$revision" "$(git rev-parse --git-path shallow)") && return 1
   echo "$revision"
 }
 
+names='CMAKE_(BUILD_TYPE|PREFIX_PATH|CXX_COMPILER|CXX_COMPILER_LAUNCHER|CXX_FLAGS(_[A-Z]+)?)'
+names+='|RAGDOLL_NATIVE|(Eigen3|yaml-cpp|nlohmann_json|Boost|GTest)_DIR'
+mapfile -t options < <(sed -nE "s/^($names):/-D&/p" "$build/CMakeCache.txt")
+
 if revision=$(list_revision); then
   say "the other build is revision $revision, for which the list was written"
-  source=$build/golden/$revision
-  flags=()
-  if [ ! -d "$source" ]; then
-    top=$(git -C "$here" rev-parse --show-toplevel)
-    mkdir -p "$source.part"
-    git -C "$top" archive "$revision" -- "${package#"$top"/}" | tar -x -C "$source.part"
-    mv "$source.part" "$source"
+  top=$(git -C "$here" rev-parse --show-toplevel)
+  copy=$build/golden/$revision
+  if [ ! -d "$copy" ]; then
+    rm -rf "$copy.part" && mkdir "$copy.part"
+    git -C "$top" archive "$revision" -- "${package#"$top"/}" | tar -x -C "$copy.part"
+    mv "$copy.part" "$copy"
   fi
-  source=$source/${package#"$(git -C "$here" rev-parse --show-toplevel)"/}
+  source=$copy/${package#"$top"/}
+  other=$copy/build
 else
-  say "there is no history to take the list's revision from: the other build is this source with -O1"
+  say "no history tells which revision the list was written for:" \
+    "the other build is this source with -O1"
+  options+=(-DCMAKE_BUILD_TYPE=Other -DCMAKE_CXX_FLAGS_OTHER="-O1 -DNDEBUG")
   source=$package
-  flags=(-DCMAKE_CXX_FLAGS_RELEASE="-O1 -DNDEBUG")
+  other=$build/golden/O1
 fi
 
-# name:type=value, as cmake -D takes them
-mapfile -t cache < <(sed -nE \
-  '/^(CMAKE_BUILD_TYPE|CMAKE_CXX_COMPILER|CMAKE_CXX_COMPILER_LAUNCHER|CMAKE_CXX_FLAGS(_[A-Z]+)?|RAGDOLL_NATIVE):/s/^/-D/p' \
-  "$build/CMakeCache.txt")
-other=$source/golden_build
-[ "$source" = "$package" ] && other=$build/golden/O1
-cmake -S "$source" -B "$other" "${cache[@]}" -DRAGDOLL_ROS=OFF "${flags[@]}" >"$other.log" 2>&1 ||
-  { tail -n 20 "$other.log"; exit 1; }
-cmake --build "$other" --target golden_test --parallel "$(nproc)" >>"$other.log" 2>&1 ||
-  { tail -n 20 "$other.log"; exit 1; }
+log=$other.log
+say "building it takes minutes; log: $log"
+cmake -S "$source" -B "$other" "${options[@]}" -DRAGDOLL_ROS=OFF >"$log" 2>&1 &&
+  cmake --build "$other" --target golden_test --parallel "$(nproc)" >>"$log" 2>&1 ||
+  { tail -n 30 "$log"; exit 1; }
 # Its own scenes and models, not those of whoever calls.
-env -u RAGDOLL_SHARE_DIR -u ROS_PACKAGE_PATH "$other/golden_test" --write "$out" >>"$other.log"
+env -u RAGDOLL_SHARE_DIR -u ROS_PACKAGE_PATH "$other/golden_test" --write "$out"
