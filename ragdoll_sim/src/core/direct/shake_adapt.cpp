@@ -6,7 +6,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kMaxSubsteps = 1024;  ///< of one step; as small as substeps get
+constexpr int kMaxPieces = 1024;  ///< of one step; as small as substeps get
 constexpr double kSafety = 0.9, kLargestGrowth = 4, kSmallestGrowth = 0.2;
 
 }  // namespace
@@ -18,7 +18,7 @@ void ShakeStep::adapt(double h) {
   int taken = 0;
   while (left > 1e-9 * h) {
     const double sub = left / std::ceil(left / std::min(next, left) - 1e-6);
-    const bool least = sub < 1.01 * h / kMaxSubsteps;
+    const bool least = sub < 1.01 * h / kMaxPieces;
     save();
     failed_ = false;
     if (!smoothMotion(sub)) {

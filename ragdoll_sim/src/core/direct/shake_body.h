@@ -51,7 +51,7 @@ struct ShakeScratch {
   Eigen::VectorXd free_lambda;
   std::vector<LimitRow::Softness> softness;  ///< of the limits
   std::vector<double> warm;                  ///< impulses at which the velocity stage starts
-  std::vector<Press> presses;                ///< of the last motion
+  std::vector<Press> presses, saved_presses;  ///< of the last motion
   Points v1;
   RungeKuttaScratch stages;
   ImplicitScratch implicit;

@@ -139,12 +139,14 @@ void ShakeStep::save() {
   scratch_.saved_x = x();
   scratch_.saved_v = v();
   scratch_.saved_multipliers.assign(multipliers(), multipliers() + 2 * rows_.s);
+  scratch_.saved_presses = scratch_.presses;
 }
 
 void ShakeStep::restore() {
   x() = scratch_.saved_x;
   v() = scratch_.saved_v;
   std::copy(scratch_.saved_multipliers.begin(), scratch_.saved_multipliers.end(), multipliers());
+  scratch_.presses = scratch_.saved_presses;
 }
 
 }  // namespace ragdoll

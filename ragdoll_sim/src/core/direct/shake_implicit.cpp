@@ -14,8 +14,7 @@ constexpr int kMaxRelaxations = 60;    ///< Newton iterations of the projection 
 constexpr double kLargestShare = 0.5;  ///< of a stick's length: how far an iteration moves its ends
 constexpr double kSmallShare = 0.49;   ///< below, by a bound, no stick needs to be looked at
 constexpr double kBalance = 1e-9;      ///< of the longest stick: positions against multipliers
-constexpr double kProgress = 0.8;      ///< of the last round's violation: more is no progress
-constexpr int kMaxRounds = 12;         ///< of contacts and sticks in turn
+constexpr int kImplicitRounds = 12;    ///< of contacts and sticks in turn
 constexpr double kLargestTurn = 1;     ///< [rad] of a rigid motion; faster spin is lost
 constexpr double kRounding = 1e-9;     ///< of the energy: less is no rise
 constexpr int kMaxShortenings = 30;    ///< of a rigid motion that touches
@@ -137,7 +136,7 @@ void ShakeStep::pressImplicit(double h) {
   const bool goes_on = squeezed_ == Squeezed::kNo && model_.solver.method != Method::kJakobsen;
   double violation = worstViolation();
   bool done = violation < contact_tolerance_;
-  for (int round = 0; round < kMaxRounds && !done; ++round) {
+  for (int round = 0; round < kImplicitRounds && !done; ++round) {
     gather(h, false);
     if (scratch_.total.size() != schur.size()) scratch_.total.setZero(schur.size());  // other rows
     body_.end.setPose(rows_, ws_.x1.data() + 3 * ragdoll_.first);

@@ -49,6 +49,7 @@ class ShakeIsland {
   double firstArrival(double h);
   void freeMotion(double h);
   void press(double h);
+  bool anyCloses() const;
   bool pressFound(double h);
   void pressImplicit(double h);
   void gather(double h, bool leapfrog);

@@ -63,7 +63,7 @@ double ShakeIsland::firstDeepPair(double h) const {
   for (const ShakeStep& step : steps_) scale = std::min(scale, step.rows_.scale);
   for (const Contact& c : s_.pairs) {  // they do not bounce
     const double end = gapAt(c);
-    if (c.gap_start < -ShakeStep::kContactTolerance || end >= -ShakeStep::kDeepImpact * scale)
+    if (c.gap_start < -steps_[0].contact_tolerance_ || end >= -ShakeStep::kDeepImpact * scale)
       continue;
     double v0 = 0;
     for (int k = 0; k < 4; ++k) v0 += c.weight[k] * c.normal.dot(state_.v.col(c.particle[k]));
@@ -185,7 +185,7 @@ bool ShakeIsland::forceViolated() {
   bool any = false;
   for (ShakeStep& step : steps_) any = step.forceViolated() || any;
   for (std::size_t i = 0; i < s_.pairs.size(); ++i) {
-    if (s_.row[i] >= 0 || gapAt(s_.pairs[i]) >= -ShakeStep::kContactTolerance) continue;
+    if (s_.row[i] >= 0 || gapAt(s_.pairs[i]) >= -steps_[0].contact_tolerance_) continue;
     s_.forced[i] = 1;
     any = true;
   }
@@ -236,26 +236,36 @@ void ShakeIsland::solveRound(bool at_start) {
   for (std::size_t k = 0; k < steps_.size(); ++k) s_.bodies[k].total = s_.parts[k];
 }
 
+bool ShakeIsland::anyCloses() const {
+  for (int i = 0; i < s_.joint.size(); ++i)
+    if (s_.joint.row(i).kind != Schur::Row::Kind::kTangent && s_.b[i] < 0) return true;
+  return false;
+}
+
 bool ShakeIsland::pressFound(double h) {
   gather(h, true);
   const int size = s_.joint.size();
   s_.total.setZero(size);
+  for (ShakeStep& step : steps_) step.scratch_.total.setZero(step.body_.schur.size());
+  if (size == 0) return true;
+  fillGaps(h);
+  if (!anyCloses()) return true;
   for (ShakeStep& step : steps_) {
     Schur& schur = step.body_.schur;
-    step.scratch_.total.setZero(schur.size());
     if (!schur.empty()) schur.assemble(step.rows_, step.body_.start);
   }
-  if (size == 0) return true;
   recall(h);
   double violation = 0;
   for (int round = 0; round < ShakeStep::kMaxRounds; ++round) {
-    fillGaps(h);
-    if (round > 0) s_.p = s_.total;
+    if (round > 0) {
+      fillGaps(h);
+      s_.p = s_.total;
+    }
     solveRound(true);
     if (failed()) return false;
     double now = worstViolation();
     for (ShakeStep& step : steps_) now = std::max(now, step.worstViolation());
-    if (now < ShakeStep::kContactTolerance) return true;
+    if (now < steps_[0].contact_tolerance_) return true;
     if (round > 1 && now > ShakeStep::kUnsettled && now > ShakeStep::kProgress * violation)
       return false;
     violation = now;
@@ -313,7 +323,7 @@ void ShakeIsland::pressImplicit(double h) {
   s_.total.setZero(s_.joint.size());
   for (ShakeStep& step : steps_) step.scratch_.total.setZero(step.body_.schur.size());
   double violation = worst();
-  bool done = violation < ShakeStep::kContactTolerance;
+  bool done = violation < steps_[0].contact_tolerance_;
   for (int round = 0; round < kMaxImplicitRounds && !done; ++round) {
     gather(h, false);
     if (s_.joint.size() != s_.total.size()) break;  // planes that changed their mind
@@ -327,7 +337,7 @@ void ShakeIsland::pressImplicit(double h) {
     solveRound(false);
     if (failed()) return;
     const double now = worst();
-    done = now < ShakeStep::kContactTolerance;
+    done = now < steps_[0].contact_tolerance_;
     if (!done && round > 1 && now > ShakeStep::kProgress * violation) break;
     violation = now;
   }

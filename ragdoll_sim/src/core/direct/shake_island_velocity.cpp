@@ -10,7 +10,7 @@ void ShakeIsland::finish(double h, bool leapfrog, bool impact) {
   s_.touching.clear();
   s_.warm.clear();
   for (std::size_t i = 0; i < s_.pairs.size(); ++i) {
-    if (gapAt(s_.pairs[i]) >= ShakeStep::kTouching) continue;
+    if (gapAt(s_.pairs[i]) >= steps_[0].touching_) continue;
     s_.touching.push_back(s_.pairs[i]);
     const bool known = s_.total.size() > 0 && s_.row[i] >= 0;
     for (int k = 0; k < 3; ++k) s_.warm.push_back(known ? s_.total[s_.row[i] + k] / h : 0.0);
@@ -29,7 +29,7 @@ void ShakeIsland::bounce() {
   }
   s_.touching.clear();
   for (const Contact& c : s_.pairs)
-    if (gapAt(c) < ShakeStep::kTouching) s_.touching.push_back(c);
+    if (gapAt(c) < steps_[0].touching_) s_.touching.push_back(c);
   s_.warm.assign(3 * s_.touching.size(), 0.0);
   pushVelocities(false, true, 0);
 }
