@@ -27,7 +27,7 @@ class Hash {
     return *this << static_cast<std::int64_t>(points.cols());
   }
   Hash& operator<<(const Pose& p) { return *this << p.position << p.orientation; }
-  Hash& operator<<(const Press& p) {
+  Hash& operator<<(const CachedImpulse& p) {
     return *this << p.ragdoll << p.a << p.b << p.obstacle << p.other[0] << p.other[1] << p.impulse;
   }
   template <class T>
@@ -59,7 +59,7 @@ void Run::step() {
   ++outcome_.steps;
   outcome_.memory = (Hash(outcome_.memory) << state.step << state.time << state.x << state.v
                                            << state.obstacles << state.asleep << state.quiet
-                                           << state.multipliers << state.presses << state.allowed)
+                                           << state.multipliers << state.impulses << state.allowed)
                         .value();
 }
 

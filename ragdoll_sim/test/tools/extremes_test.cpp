@@ -148,7 +148,7 @@ TEST(Extremes, TheEnergyLimiterLeavesAFreeBodyAlone) {
   int held = 0;
   for (int i = 0; i < 360; ++i) {
     ASSERT_EQ(world.steps(1).limited, 0) << i;
-    held += !world.state.presses.empty();
+    held += !world.state.impulses.empty();
   }
   EXPECT_GT(held, 100);  // or the scene does not show what it is for
 }

@@ -11,7 +11,7 @@
 namespace ragdoll {
 
 /// What a contact or a limit pressed with in the last step: where the next one's solver starts.
-struct Press {
+struct CachedImpulse {
   int ragdoll = 0;
   int a = 0, b = -1;                 ///< contact: its first two particles; limit: -1 - limit, joint
   int obstacle = -1;                 ///< of a contact
@@ -30,8 +30,8 @@ struct State {
   /// [kg/s^2] of stick impulses per h^2, direct methods: per ragdoll those of the last motion, then
   /// those of the one before; last, adaptive rk only, the substep [s] that it would try next.
   std::vector<double> multipliers;
-  std::vector<Press>
-      presses;     ///< direct methods: in the order of the last step's contacts and limits
+  /// Direct methods: in the order of the last step's contacts and limits.
+  std::vector<CachedImpulse> impulses;
   Points allowed;  ///< 3 x planes joints: the child's last allowed direction in its parent's axes
 };
 

@@ -47,6 +47,7 @@ void JointSchur::clear() {
   bodies_.clear();
   first_.clear();
   rows_.clear();
+  shared_ = 0;
 }
 
 int JointSchur::addBody(Schur& schur) {
@@ -58,6 +59,7 @@ int JointSchur::addBody(Schur& schur) {
 }
 
 void JointSchur::addShared(const Contact& contact, int body, int row, int other, int other_row) {
+  shared_ += contact.friction > 0 ? 3 : 1;
   for (int k = 0; k < (contact.friction > 0 ? 3 : 1); ++k)
     rows_.push_back({{body, other}, {row + k, other_row + k}});
 }
@@ -68,10 +70,15 @@ const Schur::Row& JointSchur::row(int i) const {
 }
 
 bool JointSchur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
+  if (isOneBody()) return bodies_[0]->solve(b, p);
   for (Schur* s : bodies_) s->w_.setZero(s->columns_);
   View rows{*this, b};
   findBlocks(rows, blocks_);
   return projectedGaussSeidel(rows, blocks_, p.data());
+}
+
+bool JointSchur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
+  return isOneBody() && bodies_[0]->solveOn(b, p);
 }
 
 void JointSchur::split(const Eigen::VectorXd& p, std::vector<Eigen::VectorXd>& parts) const {

@@ -27,6 +27,8 @@ class JointSchur {
 
   /// p from b, starting at p. Returns whether it settled.
   bool solve(const Eigen::VectorXd& b, Eigen::VectorXd& p);
+  /// Goes on where solve gave up (Schur::solveOn), where all rows are one body's; else false.
+  bool solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p);
 
   /// What of p belongs to each body's rows, in their order.
   void split(const Eigen::VectorXd& p, std::vector<Eigen::VectorXd>& parts) const;
@@ -41,9 +43,13 @@ class JointSchur {
   };
   struct View;
 
+  /// All rows are one body's, in its order: its own matrix answers, by vectors.
+  bool isOneBody() const { return bodies_.size() == 1 && shared_ == 0; }
+
   std::vector<Schur*> bodies_;
   std::vector<int> first_;
   std::vector<Row> rows_;
+  int shared_ = 0;  ///< rows of contacts between bodies
   std::vector<SchurBlock> blocks_;
 };
 

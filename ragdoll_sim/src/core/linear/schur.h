@@ -47,7 +47,7 @@ class Schur {
     double compliance = 0;          ///< added to A's diagonal
     double least = 0;               ///< limit rows: of the impulse
     double friction = 0;            ///< normal rows: of the two tangent rows that follow
-    bool held = false;              ///< its impulse stays as it is
+    bool locked = false;            ///< its impulse stays as it is
 
     /// gradient times x, the body's first coordinates.
     double along(const double* x) const {
@@ -69,7 +69,7 @@ class Schur {
   bool empty() const { return now_.rows.empty(); }
   int size() const { return static_cast<int>(now_.rows.size()); }
   const Row& row(int i) const { return now_.rows[i]; }
-  void hold(int i, bool held = true) { now_.rows[i].held = held; }
+  void lock(int i, bool locked = true) { now_.rows[i].locked = locked; }
   auto matrix() const { return now_.A.leftCols(size()); }
 
   /// A at the pose of `sticks`. What the assembly before has of the same rows at the same pose

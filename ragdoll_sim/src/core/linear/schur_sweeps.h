@@ -23,7 +23,7 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
   const auto moves = [&](int i) { return rows.matrix(i, i) > kHeld * rows.free(i); };
   for (int i = 0; i < m; ++i) {
     const Schur::Row& row = rows.row(i);
-    if (row.kind == Kind::kTangent || row.held) continue;
+    if (row.kind == Kind::kTangent || row.locked) continue;
     SchurBlock b;
     b.row = i;
     b.least = row.least;

@@ -137,12 +137,12 @@ void visit(Writer& a, const Poke& poke) { visitPoke(a, poke); }
 void visit(Reader& a, Poke& poke) { visitPoke(a, poke); }
 
 template <class Archive, class T>
-void visitPress(Archive& a, T& press) {
-  auto& [ragdoll, p, q, obstacle, other, impulse] = press;
+void visitImpulse(Archive& a, T& cached) {
+  auto& [ragdoll, p, q, obstacle, other, impulse] = cached;
   a(ragdoll), a(p), a(q), a(obstacle), a(other[0]), a(other[1]), a(impulse);
 }
-void visit(Writer& a, const Press& press) { visitPress(a, press); }
-void visit(Reader& a, Press& press) { visitPress(a, press); }
+void visit(Writer& a, const CachedImpulse& impulse) { visitImpulse(a, impulse); }
+void visit(Reader& a, CachedImpulse& impulse) { visitImpulse(a, impulse); }
 
 template <class Archive, class T>
 void visitSolver(Archive& a, T& solver) {
@@ -154,9 +154,9 @@ void visitSolver(Archive& a, T& solver) {
 
 template <class Archive, class T>
 void visitState(Archive& a, T& state) {
-  auto& [step, time, x, v, obstacles, asleep, quiet, multipliers, presses, allowed] = state;
+  auto& [step, time, x, v, obstacles, asleep, quiet, multipliers, impulses, allowed] = state;
   a(step), a(time), a(x), a(v), a(obstacles), a(asleep), a(quiet), a(multipliers);
-  a(presses), a(allowed);
+  a(impulses), a(allowed);
 }
 
 template <class Archive, class T>

@@ -53,8 +53,8 @@ void checkState(const Model& model, const State& state) {
     require(areReached(pose.position) &&
                 std::abs(pose.orientation.coeffs().norm() - 1) < kUnitTolerance,
             "an obstacle is nowhere");
-  for (const Press& press : state.presses)
-    require(isIndex(press.ragdoll, bodies) && press.impulse.allFinite(),
+  for (const CachedImpulse& impulse : state.impulses)
+    require(isIndex(impulse.ragdoll, bodies) && impulse.impulse.allFinite(),
             "a contact of a ragdoll out of range");
 }
 

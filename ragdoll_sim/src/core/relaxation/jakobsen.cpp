@@ -7,7 +7,6 @@
 #include "core/mechanics/joint_damping.h"
 #include "core/relaxation/integrate.h"
 #include "core/relaxation/relaxation_guard.h"
-#include "core/step/workspace.h"
 #include "ragdoll_sim/core/sleep.h"
 
 namespace ragdoll {
@@ -16,8 +15,11 @@ namespace {
 constexpr double kMargin =
     0.005;  ///< [m] contacts this near take part, since sweeps may close them
 
-void integrate(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
-               const State& state) {
+void integrate(const StepContext& context, RelaxationWorkspace& ws) {
+  const Model& model = context.model;
+  const Inputs& inputs = context.inputs;
+  const State& state = context.state;
+  const double h = context.h;
   ws.x1 = state.x;
   ws.v1 = state.v;
   const double decay = std::exp(-model.solver.damping * h);
@@ -27,7 +29,7 @@ void integrate(const Model& model, const Inputs& inputs, double h, Workspace::Im
     const System& s = model.systemOf(r);
     const int n = model.skeletonOf(r).size();
     ws.acceleration.noalias() = model.gravity * s.gravity;
-    if (ws.forced) ws.acceleration.noalias() += ws.force.middleCols(r.first, n) * s.W;
+    if (context.force) ws.acceleration.noalias() += context.force->middleCols(r.first, n) * s.W;
     auto v = ws.v1.middleCols(r.first, n);
     if (decay != 1) v *= decay;
     if (model.solver.joint_damping > 0)
@@ -47,7 +49,7 @@ void integrate(const Model& model, const Inputs& inputs, double h, Workspace::Im
   }
 }
 
-void constrain(const Model& model, const State& start, Workspace::Impl& ws, Points& x) {
+void constrain(const Model& model, const State& start, RelaxationWorkspace& ws, Points& x) {
   for (int sweep = 0; sweep < model.solver.sweeps; ++sweep) {
     for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
       if (start.asleep[i]) continue;
@@ -64,7 +66,7 @@ void constrain(const Model& model, const State& start, Workspace::Impl& ws, Poin
   }
 }
 
-void findAllContacts(const Model& model, const Inputs& inputs, Workspace::Impl& ws,
+void findAllContacts(const Model& model, const Inputs& inputs, RelaxationWorkspace& ws,
                      const State& state) {
   findContacts(model, state, ws.x1, inputs.obstacles, kMargin, ws.contacts);
   if (model.self_collision)
@@ -78,11 +80,13 @@ void findAllContacts(const Model& model, const Inputs& inputs, Workspace::Impl& 
 
 }  // namespace
 
-void stepJakobsen(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
-                  State& state, StepReport& report) {
+void stepJakobsen(const StepContext& context, RelaxationWorkspace& ws, StepReport& report) {
+  const Model& model = context.model;
+  State& state = context.state;
+  const double h = context.h;
   do {
-    integrate(model, inputs, h, ws, state);
-    findAllContacts(model, inputs, ws, state);
+    integrate(context, ws);
+    findAllContacts(model, context.inputs, ws, state);
   } while (model.ragdoll_collision && wakeTouched(ws.contacts, ws.x1, state));
   ws.limits.prepare(model, state, ws.x1, h);
   ws.projection.prepare(model, ws.contacts, state.x, ws.x1, ws.v1, h);
@@ -93,9 +97,9 @@ void stepJakobsen(const Model& model, const Inputs& inputs, double h, Workspace:
   state.v = ws.v1 + (state.x - ws.x1) / h;
   ws.projection.bounce(state.v);
   report.contacts = ws.projection.pressing();
-  ws.projection.markPressed(ws.pressed, ws.pressing);
-  if (!ws.unguarded) guardRelaxation(model, inputs, h, ws, state, report);
-  limitPairEnergy(model, inputs, ws, state, report);
+  ws.projection.markPressed(context.supports.pressed, context.supports.pressing);
+  if (context.guarded) guardRelaxation(context, ws, report);
+  limitPairEnergy(context, ws, report);
   keepAllowed(model, state);
 }
 

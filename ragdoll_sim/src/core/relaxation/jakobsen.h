@@ -3,12 +3,13 @@
 // number of sweeps, because it projects along the new stick directions; robust at any step.
 #pragma once
 
-#include "ragdoll_sim/core/step.h"
+#include "core/direct/body.h"
+#include "core/relaxation/workspace.h"
+#include "ragdoll_sim/core/step_report.h"
 
 namespace ragdoll {
 
 /// Moves x and v by h; time, step count and obstacles are the caller's.
-void stepJakobsen(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
-                  State& state, StepReport& report);
+void stepJakobsen(const StepContext& context, RelaxationWorkspace& ws, StepReport& report);
 
 }  // namespace ragdoll

@@ -5,10 +5,9 @@
 #include <limits>
 
 #include "core/contact/distance.h"
-#include "core/direct/shake.h"
+#include "core/direct/direct_step.h"
 #include "core/mechanics/energy_gain.h"
 #include "core/mechanics/pair_energy.h"
-#include "core/step/workspace.h"
 
 namespace ragdoll {
 namespace {
@@ -23,8 +22,12 @@ constexpr double kStiff = 1.0;          ///< h sqrt(Omega2): above, sweeps would
 
 class RelaxationGuard {
  public:
-  RelaxationGuard(const Model& model, const Inputs& inputs, Workspace::Impl& ws, State& state)
-      : model_(model), inputs_(inputs), ws_(ws), state_(state) {}
+  RelaxationGuard(const StepContext& context, RelaxationWorkspace& ws)
+      : model_(context.model),
+        inputs_(context.inputs),
+        force_(context.force),
+        ws_(ws),
+        state_(context.state) {}
 
   /// Whether the sweeps failed on the body.
   bool failed(int i) {
@@ -42,12 +45,12 @@ class RelaxationGuard {
   double rise(int i) {
     const Ragdoll& r = model_.ragdolls[i];
     const StickRows& rows = *model_.systemOf(r).direct.rows;
-    ws_.shake.stay = state_.x.middleCols(r.first, rows.n) - ws_.x0.middleCols(r.first, rows.n);
-    const Points& moved = ws_.shake.stay;
+    Points& moved = ws_.moved;
+    moved = state_.x.middleCols(r.first, rows.n) - ws_.x0.middleCols(r.first, rows.n);
     double rise =
         energyGain(rows, ws_.v0.middleCols(r.first, rows.n), state_.v.middleCols(r.first, rows.n),
-                   moved, model_.gravity, ws_.shake.energy);
-    if (ws_.forced) rise -= ws_.force.middleCols(r.first, rows.n).cwiseProduct(moved).sum();
+                   moved, model_.gravity, ws_.energy);
+    if (force_) rise -= force_->middleCols(r.first, rows.n).cwiseProduct(moved).sum();
     return rise;
   }
 
@@ -96,9 +99,9 @@ class RelaxationGuard {
     }
     if (!beyond) return false;
     sweepObstacles(model_, state_, inputs_.obstacles, ws_.obstacles);
-    ws_.shake.missed.clear();
-    appendContacts(model_, ws_.obstacles, ws_.x0, state_.x, i, 0, ws_.shake.missed);
-    return std::any_of(ws_.shake.missed.begin(), ws_.shake.missed.end(),
+    ws_.passed.clear();
+    appendContacts(model_, ws_.obstacles, ws_.x0, state_.x, i, 0, ws_.passed);
+    return std::any_of(ws_.passed.begin(), ws_.passed.end(),
                        [this](const Contact& c) { return deep(c); });
   }
 
@@ -136,22 +139,23 @@ class RelaxationGuard {
     const Ragdoll& r = model_.ragdolls[i];
     const StickRows& rows = *model_.systemOf(r).direct.rows;
     if (gain < 0.5 * rows.mass.sum() * kFreeSpeed * kFreeSpeed * rows.scale) return false;
-    return !(gain <=
-             kGain * kineticEnergy(rows, ws_.v0.middleCols(r.first, rows.n), ws_.shake.energy));
+    return !(gain <= kGain * kineticEnergy(rows, ws_.v0.middleCols(r.first, rows.n), ws_.energy));
   }
 
   const Model& model_;
   const Inputs& inputs_;
-  Workspace::Impl& ws_;
+  const Points* force_;
+  RelaxationWorkspace& ws_;
   State& state_;
 };
 
 /// Of one body's tension, which the guard's last step left behind.
 class Tension {
  public:
-  Tension(const Model& model, const Workspace::Impl& ws, State& state, int i)
-      : rows_(*model.systemOf(model.ragdolls[i]).direct.rows),
-        multipliers_(state.multipliers.data() + ws.first_stick[i], multiplierCount(rows_)) {}
+  Tension(const StepContext& context, int i)
+      : rows_(*context.model.systemOf(context.model.ragdolls[i]).direct.rows),
+        multipliers_(context.state.multipliers.data() + context.ws.first_multiplier[i],
+                     multiplierCount(rows_)) {}
 
   /// Whether it is still beyond what sweeps can take.
   bool isStiff(double h) const {
@@ -167,74 +171,71 @@ class Tension {
   Eigen::Map<Eigen::VectorXd> multipliers_;
 };
 
-/// While it lives, what others gave a body in the sweeps, and got from it, acts on it as a force:
-/// its step alone does not see them, and momentum stays.
-class PairForces {
- public:
-  PairForces(int i, int first, int n, double h, Workspace::Impl& ws) : ws_(ws), was_(ws.forced) {
-    const auto has = [i](const BodyPair& pair) { return pair.first == i || pair.second == i; };
-    acts_ = std::any_of(ws.pressing.begin(), ws.pressing.end(), has);
-    if (!acts_) return;
-    if (!was_) ws_.force.setZero(3, ws.x0.cols());
-    force_ = ws_.force;
-    ws_.projection.addPairForces(first, n, h, ws_.force);
-    ws_.forced = true;
-    if (!ws_.force.allFinite()) ws_.force = force_;
-  }
-  ~PairForces() {
-    if (acts_) ws_.force = force_;
-    ws_.forced = was_;
-  }
-  PairForces(const PairForces&) = delete;
-  PairForces& operator=(const PairForces&) = delete;
+/// [N] Pokes, and what others gave a body in the sweeps and got from it: its step alone does not
+/// see them, and momentum stays.
+const Points* forcesOn(const StepContext& context, int i, RelaxationWorkspace& ws) {
+  const auto has = [i](const BodyPair& pair) { return pair.first == i || pair.second == i; };
+  const std::vector<BodyPair>& pressing = context.supports.pressing;
+  if (std::none_of(pressing.begin(), pressing.end(), has)) return context.force;
+  if (context.force)
+    ws.force = *context.force;
+  else
+    ws.force.setZero(3, ws.x0.cols());
+  const Ragdoll& r = context.model.ragdolls[i];
+  ws.projection.addPairForces(r.first, context.model.skeletonOf(r).size(), context.h, ws.force);
+  return ws.force.allFinite() ? &ws.force : context.force;
+}
 
- private:
-  Workspace::Impl& ws_;
-  bool was_, acts_ = false;
-  Points force_;
-};
+/// The body's step anew, by the direct method's implicit steps.
+void stepAnew(const StepContext& context, int i, RelaxationWorkspace& ws, StepReport& report) {
+  State& state = context.state;
+  const Ragdoll& r = context.model.ragdolls[i];
+  const int n = context.model.skeletonOf(r).size();
+  state.x.middleCols(r.first, n) = ws.x0.middleCols(r.first, n);
+  state.v.middleCols(r.first, n) = ws.v0.middleCols(r.first, n);
+  context.supports.pressed[i] = 0;
+  const StepContext own{context.model,   context.inputs, context.h, forcesOn(context, i, ws),
+                        context.guarded, true,           state,     context.ws,
+                        context.supports};
+  ws.bodies.assign(1, i);
+  stepBodies(own, ws.bodies, {}, context.ws.impulses, context.supports.pressing, report);
+}
 
 }  // namespace
 
-void guardRelaxation(const Model& model, const Inputs& inputs, double h, Workspace::Impl& ws,
-                     State& state, StepReport& report) {
-  RelaxationGuard guard(model, inputs, ws, state);
+void guardRelaxation(const StepContext& context, RelaxationWorkspace& ws, StepReport& report) {
+  State& state = context.state;
+  RelaxationGuard guard(context, ws);
   const bool acted = !state.multipliers.empty();  // in the last step
-  if (acted) prepareShake(model, inputs, ws, state);
+  if (acted) prepareDirect(context);
   bool acts = false;
-  for (std::size_t k = 0; k < model.ragdolls.size(); ++k) {
+  for (std::size_t k = 0; k < context.model.ragdolls.size(); ++k) {
     const int i = static_cast<int>(k);
     if (state.asleep[k]) continue;
-    if (!(acted && Tension(model, ws, state, i).isStiff(h)) && !guard.failed(i)) {
-      if (acted) Tension(model, ws, state, i).forget();
+    if (!(acted && Tension(context, i).isStiff(context.h)) && !guard.failed(i)) {
+      if (acted) Tension(context, i).forget();
       continue;
     }
-    if (!acted && !acts) prepareShake(model, inputs, ws, state);
+    if (!acted && !acts) prepareDirect(context);
     acts = true;
-    const Ragdoll& r = model.ragdolls[i];
-    const int n = model.skeletonOf(r).size();
-    state.x.middleCols(r.first, n) = ws.x0.middleCols(r.first, n);
-    state.v.middleCols(r.first, n) = ws.v0.middleCols(r.first, n);
-    ws.pressed[k] = 0;
-    const PairForces given(i, r.first, n, h, ws);
-    stepBodyShake(model, inputs, h, ws, state, i, report);
+    stepAnew(context, i, ws, report);
   }
   if (acted && !acts) state.multipliers.clear();
 }
 
-void limitPairEnergy(const Model& model, const Inputs& inputs, Workspace::Impl& ws, State& state,
-                     StepReport& report) {
-  if (ws.pressing.empty()) return;
-  RelaxationGuard guard(model, inputs, ws, state);
+void limitPairEnergy(const StepContext& context, RelaxationWorkspace& ws, StepReport& report) {
+  const Supports& supports = context.supports;
+  if (supports.pressing.empty()) return;
+  RelaxationGuard guard(context, ws);
   if (guard.driven()) return;
-  std::vector<int>& bodies = ws.together.head;
+  std::vector<int>& bodies = ws.bodies;
   bodies.clear();
   bool held = false;
-  for (const BodyPair& pair : ws.pressing) {
+  for (const BodyPair& pair : supports.pressing) {
     for (const int i : {pair.first, pair.second}) {
-      held = held || state.asleep[i] || ws.pressed[i] ||
-             !model.systemOf(model.ragdolls[i]).pins.empty();
-      if (!state.asleep[i]) bodies.push_back(i);
+      held = held || context.state.asleep[i] || supports.pressed[i] ||
+             !context.model.systemOf(context.model.ragdolls[i]).pins.empty();
+      if (!context.state.asleep[i]) bodies.push_back(i);
     }
   }
   std::sort(bodies.begin(), bodies.end());
@@ -242,7 +243,7 @@ void limitPairEnergy(const Model& model, const Inputs& inputs, Workspace::Impl& 
   double rise = 0;
   for (const int i : bodies) rise += guard.rise(i);
   if (!(rise > 0)) return;
-  takeOutOfGroup(model, bodies, held, rise, state);
+  takeOutOfGroup(context.model, bodies, held, rise, context.state);
   if (rise > kReportedRise) report.limited += static_cast<int>(bodies.size());
 }
 

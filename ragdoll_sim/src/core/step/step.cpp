@@ -1,6 +1,6 @@
 #include "ragdoll_sim/core/step.h"
 
-#include "core/direct/shake.h"
+#include "core/direct/direct_step.h"
 #include "core/relaxation/jakobsen.h"
 #include "core/step/workspace.h"
 #include "ragdoll_sim/core/sleep.h"
@@ -12,18 +12,20 @@ Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
-void Workspace::setGuard(bool on) { impl_->unguarded = !on; }
+void Workspace::setGuard(bool on) { impl_->guarded = on; }
 
 namespace {
 
-void gatherForces(const Inputs& inputs, double h, Workspace::Impl& ws, const State& state) {
-  ws.forced = false;
+/// [N] of the pokes that act in this step; null: none.
+const Points* gatherForces(const Inputs& inputs, double h, const State& state, Points& force) {
+  bool any = false;
   for (const Poke& poke : inputs.pokes) {
     if (!isActive(poke, state.time, h)) continue;
-    if (!ws.forced) ws.force.setZero(3, state.x.cols());
-    ws.forced = true;
-    addForce(poke, state, ws.force);
+    if (!any) force.setZero(3, state.x.cols());
+    any = true;
+    addForce(poke, state, force);
   }
+  return any ? &force : nullptr;
 }
 
 }  // namespace
@@ -33,14 +35,17 @@ StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, 
   const double h = model.solver.step;
   StepReport report;
   wakeDisturbed(model, inputs, h, state);
-  gatherForces(inputs, h, ws, state);
-  ws.pressed.assign(model.ragdolls.size(), 0);
-  ws.pressing.clear();
-  if (model.solver.method == Method::kJakobsen)
-    stepJakobsen(model, inputs, h, ws, state, report);
+  ws.supports.pressed.assign(model.ragdolls.size(), 0);
+  ws.supports.pressing.clear();
+  const bool relaxed = model.solver.method == Method::kJakobsen;
+  const StepContext context{model,      inputs,  h,     gatherForces(inputs, h, state, ws.force),
+                            ws.guarded, relaxed, state, ws.direct,
+                            ws.supports};
+  if (relaxed)
+    stepJakobsen(context, ws.relaxation, report);
   else
-    stepShake(model, inputs, h, ws, state, report);
-  if (model.solver.sleep) putToSleep(model, ws.pressing, h, ws.pressed, state);
+    stepDirect(context, report);
+  if (model.solver.sleep) putToSleep(model, ws.supports.pressing, h, ws.supports.pressed, state);
   if (!inputs.obstacles.empty()) state.obstacles = inputs.obstacles;
   ++state.step;
   state.time += h;

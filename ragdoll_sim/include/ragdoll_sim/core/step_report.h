@@ -1,0 +1,33 @@
+// What a step tells about itself.
+#pragma once
+
+namespace ragdoll {
+
+/// What a step did that a user may want to know. Nothing is mended silently.
+struct StepReport {
+  int contacts = 0;    ///< contact points that pressed
+  int substeps = 1;    ///< most substeps that any ragdoll took
+  int guarded = 0;     ///< ragdolls for which the step guard changed the method or the step
+  int limited = 0;     ///< ragdolls whose energy was limited: contact, limit's blow, implicit step
+  int implicit = 0;    ///< implicit steps that the guard took in place of explicit ones
+  int rigid = 0;       ///< motions with the joints frozen, where even implicit steps failed
+  int joining = 0;     ///< ragdolls whose sticks were drawn towards their lengths from far
+  int unresolved = 0;  ///< ragdolls whose constraints did not converge
+
+  /// Of other bodies of the same step.
+  StepReport& operator+=(const StepReport& other);
+};
+
+inline StepReport& StepReport::operator+=(const StepReport& other) {
+  contacts += other.contacts;
+  substeps = substeps > other.substeps ? substeps : other.substeps;
+  guarded += other.guarded;
+  limited += other.limited;
+  implicit += other.implicit;
+  rigid += other.rigid;
+  joining += other.joining;
+  unresolved += other.unresolved;
+  return *this;
+}
+
+}  // namespace ragdoll

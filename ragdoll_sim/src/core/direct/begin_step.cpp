@@ -1,0 +1,84 @@
+#include "core/direct/begin_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/direct/constants.h"
+#include "core/direct/length_recovery.h"
+#include "core/mechanics/joint_damping.h"
+
+namespace ragdoll {
+namespace {
+
+bool obstaclesMove(const StepContext& step) {
+  const std::vector<Pose>& end = step.inputs.obstacles;
+  for (std::size_t k = 0; k < end.size(); ++k)
+    if (end[k].position != step.state.obstacles[k].position ||
+        end[k].orientation.coeffs() != step.state.obstacles[k].orientation.coeffs())
+      return true;
+  return false;
+}
+
+/// Pinned particles move evenly to their targets and carry what is rigid with them.
+void movePins(Body& body) {
+  const StepContext& step = *body.context;
+  const std::vector<int>& pins = body.pinned->pins;
+  for (std::size_t p = 0; p < step.inputs.pins.size(); ++p) {
+    const Pin& pin = step.model.pins[p];
+    if (pin.ragdoll != body.index) continue;
+    const auto row = std::find(pins.begin(), pins.end(), pin.particle - body.first) - pins.begin();
+    const Vec3 speed = (step.inputs.pins[p] - step.state.x.col(pin.particle)) / step.h;
+    body.pin_speed = std::max(body.pin_speed, speed.norm());
+    body.v() += (speed - step.state.v.col(pin.particle)) * body.system->pin_motion.row(row);
+  }
+}
+
+void damp(Body& body) {
+  const SolverSpec& solver = body.context->model.solver;
+  const double h = body.context->h;
+  if (solver.damping > 0) body.v() *= std::exp(-solver.damping * h);
+  if (solver.joint_damping > 0)
+    dampInnerMotion(body.skeleton->M, body.pinned->pins, std::exp(-solver.joint_damping * h),
+                    body.x(), body.v());
+}
+
+/// Impulses of the last step: the body's own, and between the island's bodies.
+void fillCaches(Island& island) {
+  for (const CachedImpulse& impulse : island.context.state.impulses) {
+    const int place = island.placeOf(impulse.ragdoll);
+    if (place < 0) continue;
+    Body& body = *island.bodies[place];
+    const bool on_other = impulse.other[0] >= body.first + body.n;
+    if (!on_other)
+      body.cache.add(impulse);
+    else if (!island.isLone())
+      island.pairs.cache.add(impulse);
+  }
+}
+
+}  // namespace
+
+void makeAffine(Body& body) {
+  if (body.skeleton->groups.empty()) return;  // then `affine` is the identity
+  body.x() = (body.x() * body.system->affine.transpose()).eval();
+  body.v() = (body.v() * body.system->affine.transpose()).eval();
+}
+
+void beginStep(Body& body, StepReport& report) {
+  const StepContext& step = *body.context;
+  if (step.state.step % kAffineEvery == 0 || step.relaxed) makeAffine(body);
+  damp(body);
+  movePins(body);  // what moves them is not damped
+  body.driven = body.pin_speed > 0 || obstaclesMove(step);
+  report.joining += restoreLengths(body, step.h);
+  body.acceleration.noalias() = step.model.gravity * body.system->gravity;
+  if (step.force)
+    body.acceleration.noalias() += step.force->middleCols(body.first, body.n) * body.system->W;
+}
+
+void beginStep(Island& island, StepReport& report) {
+  for (Body* body : island.bodies) beginStep(*body, report);
+  fillCaches(island);
+}
+
+}  // namespace ragdoll

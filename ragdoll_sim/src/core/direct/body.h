@@ -1,0 +1,118 @@
+// One body during one step of a direct method: constants, views of the state, and what the stages
+// hand to each other. Plain data; the stages are free functions, a file each.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/contact/pair_detect.h"
+#include "core/direct/constraint_set.h"
+#include "core/direct/implicit_scratch.h"
+#include "core/direct/impulse_cache.h"
+#include "core/direct/runge_kutta.h"
+#include "core/direct/tolerances.h"
+#include "core/limits/limit_angles.h"
+#include "core/linear/body_response.h"
+#include "core/mechanics/energy_gain.h"
+#include "core/mechanics/supports.h"
+#include "ragdoll_sim/core/inputs.h"
+#include "ragdoll_sim/core/step_report.h"
+
+namespace ragdoll {
+
+struct DirectWorkspace;
+
+/// What all bodies of a step share.
+struct StepContext {
+  const Model& model;
+  const Inputs& inputs;
+  double h;             ///< [s] the whole step
+  const Points* force;  ///< [N] 3 x N, of pokes; null: none
+  bool guarded;         ///< false: the step guard is off, to measure what it costs
+  /// The bodies come from relaxation: off their lengths and their groups' shape, and they move as
+  /// it does, implicitly.
+  bool relaxed;
+  State& state;
+  DirectWorkspace& ws;
+  Supports& supports;
+};
+
+/// Of one body, kept from step to step: what is known of a step's end serves at the next start.
+struct BodyMemory {
+  BodyResponse response;
+  LimitAngles angles;
+  Schur schur;
+};
+
+/// A motion over a part of the step.
+struct Motion {
+  Points dx;               ///< [m] 3 x n
+  Eigen::VectorXd lambda;  ///< [kg] impulses of the sticks times h, padded
+};
+
+/// What a substep that is done again starts from.
+struct SavedBody {
+  Points x, v;
+  std::vector<double> multipliers;
+  ImpulseCache cache;
+  int located = 0;
+};
+
+/// A place of the workspace: its buffers stay from step to step.
+struct Body {
+  /// Binds a place of the workspace to a ragdoll.
+  void bind(const StepContext& context, int ragdoll);
+
+  const StepContext* context = nullptr;
+  const Ragdoll* ragdoll = nullptr;
+  const Skeleton* skeleton = nullptr;
+  const System* pinned = nullptr;  ///< its pins
+  const DirectSystem* system = nullptr;
+  const StickRows* rows = nullptr;
+  BodyMemory* memory = nullptr;
+  int index = 0, first = 0, n = 0;
+
+  Tolerances tolerances;
+  StickLengths lengths;  ///< that sticks keep in this step
+  double pin_speed = 0;  ///< [m/s] of pins that move
+  bool driven = false;   ///< something moves that gives energy: obstacles, pins
+  bool limited = false;  ///< energy was taken out in this step
+  int located = 0;       ///< impacts found in time in this step
+  OverlapPolicy overlaps = OverlapPolicy::kResolve;
+
+  auto x() const { return context->state.x.middleCols(first, n); }
+  auto v() const { return context->state.v.middleCols(first, n); }
+  double* xData() const { return context->state.x.data() + 3 * first; }
+  double* vData() const { return context->state.v.data() + 3 * first; }
+  /// [kg/s^2] stick impulses per h^2: of the last motion, s of them, then of the one before.
+  double* multipliers() const;
+  // Of the stages.
+  Motion motion, free;  ///< free: before contacts and limits
+  ConstraintSet constraints;
+  TouchingSet touching;
+  ImpulseCache cache;
+  SavedBody saved;
+  Points acceleration;     ///< [m/s^2] of gravity and pokes, without sticks
+  Points v1, moved, kept;  ///< scratch of single stages
+  EnergyScratch energy;
+  PairDetector detector;  ///< of the body with itself
+  RungeKuttaScratch stages;
+  ImplicitScratch implicit;
+  Eigen::VectorXd b, total;  ///< of the Schur complement's rows: gaps or rates, impulses
+  Eigen::VectorXd tension, row_sums;
+  Eigen::VectorXd lengths2, inverse_lengths2;  ///< of sticks that recover their lengths
+
+  /// Whether the sticks have their lengths; before that angles mean nothing.
+  bool isWhole() const { return lengths.length2 == rows->length2.data(); }
+};
+
+/// Values in State::multipliers of one body.
+inline int multiplierCount(const StickRows& rows) { return 2 * rows.s + 1; }
+
+/// All positions (3 x N) with this body's at the end of its motion; valid until the next call.
+const Points& poseAfter(const Body& body);
+/// Limit angles there, and at the present positions.
+LimitAngles::Pose& anglesAfter(const Body& body);
+LimitAngles::Pose& anglesBefore(const Body& body);
+
+}  // namespace ragdoll

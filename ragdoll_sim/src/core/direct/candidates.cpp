@@ -1,0 +1,192 @@
+#include "core/direct/candidates.h"
+
+#include <algorithm>
+
+#include "core/direct/constants.h"
+#include "core/direct/penetration.h"
+#include "core/direct/workspace.h"
+
+namespace ragdoll {
+namespace {
+
+void setOffset(Body& body, Contact& c, const MotionSpan& span) {
+  c.offset = allowedOffset(c, span);
+  if (!isIgnored(c, body.overlaps)) return;
+  c.surface_motion.setZero();
+  body.kept.setZero(3, body.n);
+  c.offset = std::min(c.offset, c.offset + gapAt(body, c, body.kept.data()));
+}
+
+void startContact(Body& body, Contact& c, double h) {
+  const double* dx = body.motion.dx.data();
+  const double share = h / body.context->h;
+  c.found = c.offset;
+  c.before = gapAt(body, c, dx) - c.normal.dot(motionOf(body, c, dx) - share * c.surface_motion);
+  setOffset(body, c, {h, h, body.context->h});
+}
+
+void startLimit(Body& body, LimitRow& limit, double h) {
+  limit.before = anglesBefore(body)[limit.limit];
+  if (limit.compliance > 0)
+    limit.start = std::min(0.0, limit.before);
+  else
+    limit.opening = allowedViolation(limit, {h, h, body.context->h}, body.overlaps);
+}
+
+bool isPassed(const Body& body, const Contact& c) {
+  const std::vector<int>& passed = body.constraints.passed;
+  return body.overlaps == OverlapPolicy::kPassThrough &&
+         std::count(passed.begin(), passed.end(), c.obstacle) > 0;
+}
+
+/// Takes out the contacts with the obstacles that the body is in.
+void passThrough(Body& body) {
+  std::vector<Contact>& all = body.constraints.contacts;
+  double deepest = 0;
+  for (const Contact& c : all) deepest = std::min(deepest, c.gap_start);
+  body.constraints.passed.clear();
+  for (const Contact& c : all)
+    if (c.gap_start < 0.5 * deepest) body.constraints.passed.push_back(c.obstacle);
+  all.erase(
+      std::remove_if(all.begin(), all.end(), [&](const Contact& c) { return isPassed(body, c); }),
+      all.end());
+}
+
+}  // namespace
+
+double gapAt(const Body& body, const Contact& c, const double* dx) {
+  double gap = -c.offset;
+  for (int k = 0; k < c.count; ++k) {
+    const int i = c.particle[k];
+    gap += c.weight[k] * c.normal.dot(body.context->state.x.col(i) +
+                                      Eigen::Map<const Vec3>(dx + 3 * (i - body.first)));
+  }
+  return gap;
+}
+
+Vec3 motionOf(const Body& body, const Contact& c, const double* dx) {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < c.count; ++k)
+    sum += c.weight[k] * Eigen::Map<const Vec3>(dx + 3 * (c.particle[k] - body.first));
+  return sum;
+}
+
+void findCandidates(Body& body, double h) {
+  ConstraintSet& set = body.constraints;
+  const StepContext& step = *body.context;
+  set.contacts.clear();
+  set.limits.clear();
+  set.limit_role.clear();
+  if (step.ws.obstacles.empty() && body.skeleton->joints.empty() && !step.model.self_collision)
+    return;
+  const Points& after = poseAfter(body);
+  if (!step.ws.obstacles.empty())
+    appendContacts(step.model, step.ws.obstacles, step.state.x, after, body.index, kContactMargin,
+                   set.contacts);
+  if (step.model.self_collision)
+    body.detector.appendSelf(step.model, step.state.x, after, body.index,
+                             PairSearch::touches(kContactMargin), set.contacts);
+  if (body.overlaps == OverlapPolicy::kPassThrough) passThrough(body);
+  set.overlap = 0;
+  for (Contact& c : set.contacts) {
+    set.overlap = std::max(set.overlap, -c.gap_start);
+    startContact(body, c, h);
+  }
+  set.contact_role.assign(set.contacts.size(), Role::kIfNear);
+  if (body.isWhole()) addLimits(body, kLimitMargin, h, Role::kIfNear);
+}
+
+void limitDepenetration(Body& body, double h, double substep) {
+  const MotionSpan span{h, substep, body.context->h};
+  for (Contact& c : body.constraints.contacts) setOffset(body, c, span);
+  for (LimitRow& limit : body.constraints.limits)
+    if (limit.compliance == 0) limit.opening = allowedViolation(limit, span, body.overlaps);
+}
+
+bool addLimits(Body& body, double margin, double h, Role role) {
+  const std::vector<Limit>& limits = body.skeleton->limits;
+  ConstraintSet& set = body.constraints;
+  if (limits.empty()) return false;
+  const std::size_t known = set.limits.size();
+  const LimitAngles::Pose& angles = anglesAfter(body);
+  for (int k = 0; k < static_cast<int>(limits.size()); ++k) {
+    if (angles[k] >= margin) continue;
+    const auto same = [k](const LimitRow& l) { return l.limit == k; };
+    const auto end = set.limits.begin() + static_cast<std::ptrdiff_t>(known);
+    if (std::any_of(set.limits.begin(), end, same)) continue;
+    LimitRow& row = set.limits.emplace_back(limitRow(body.context->model, body.index, k));
+    row.value = angles[k];
+    startLimit(body, row, h);
+    set.limit_role.push_back(role);
+  }
+  return set.limits.size() > known;
+}
+
+bool findMissed(Body& body, double h) {
+  const StepContext& step = *body.context;
+  ConstraintSet& set = body.constraints;
+  // The relaxation leaves sticks off their lengths, too, but not so far.
+  const bool limits = body.isWhole() || step.relaxed;
+  bool any = limits && addLimits(body, -kMissed / kLever, step.h, Role::kActive);
+  const Points& after = poseAfter(body);
+  set.missed.clear();
+  if (!step.ws.obstacles.empty()) {
+    appendContacts(step.model, step.ws.obstacles, step.state.x, after, body.index, 0, set.missed);
+    appendStickOverlaps(step.model, step.ws.obstacles, step.state.x, after, body.index,
+                        kMissedStick, set.missed);
+  }
+  const std::size_t obstacles = set.missed.size();
+  if (step.model.self_collision)
+    body.detector.appendSelf(step.model, step.state.x, after, body.index,
+                             PairSearch::overlaps(kPairSlop), set.missed);
+  for (std::size_t i = 0; i < set.missed.size(); ++i) {
+    Contact& c = set.missed[i];
+    if (isPassed(body, c)) continue;
+    startContact(body, c, i < obstacles ? step.h : h);
+    if (i < obstacles)  // what overlaps opens in a part of a step by a part of it
+      c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - kRecoverySpeed * h));
+    if (gapAfter(body, c) >= (i < obstacles ? -kMissed : -kPairSlop)) continue;
+    set.contacts.push_back(c);
+    set.contact_role.push_back(Role::kActive);
+    any = true;
+  }
+  return any;
+}
+
+bool activateViolated(Body& body) {
+  ConstraintSet& set = body.constraints;
+  bool any = false;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    if (set.contact_row[i] >= 0 || set.contact_role[i] == Role::kComing) continue;
+    if (gapAfter(body, set.contacts[i]) >= -body.tolerances.contact) continue;
+    set.contact_role[i] = Role::kActive;
+    any = true;
+  }
+  const LimitAngles::Pose& angles = anglesAfter(body);
+  for (std::size_t i = 0; i < set.limits.size(); ++i) {
+    if (set.limit_row[i] >= 0 || set.limit_role[i] == Role::kComing) continue;
+    if (angles[set.limits[i].limit] * kLever >= -body.tolerances.contact) continue;
+    set.limit_role[i] = Role::kActive;
+    any = true;
+  }
+  return any;
+}
+
+void activateAll(Body& body) {
+  for (std::vector<Role>* roles : {&body.constraints.contact_role, &body.constraints.limit_role})
+    std::replace(roles->begin(), roles->end(), Role::kIfNear, Role::kActive);
+}
+
+bool isSqueezed(const Body& body) {
+  if (body.constraints.overlap <= kSoundOverlap) return false;
+  const std::vector<Contact>& all = body.constraints.contacts;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].gap_start > -kTouching) continue;
+    if (all[i].count == 4) return true;
+    for (std::size_t j = 0; j < all.size(); ++j)
+      if (all[j].gap_start < kTouching && all[i].normal.dot(all[j].normal) < 0) return true;
+  }
+  return false;
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,42 @@
+// Which contacts and limits a motion may meet.
+#pragma once
+
+#include "core/direct/body.h"
+
+namespace ragdoll {
+
+/// [m] of the contact's plane after the motion dx (the body's, 3 x n, columns).
+double gapAt(const Body& body, const Contact& contact, const double* dx);
+inline double gapAfter(const Body& body, const Contact& contact) {
+  return gapAt(body, contact, body.motion.dx.data());
+}
+/// [m] or [m/s] of the contact's point, by the body's dx or velocities.
+Vec3 motionOf(const Body& body, const Contact& contact, const double* dx);
+
+/// All that the present motion over h comes near to, in place of what was known.
+void findCandidates(Body& body, double h);
+
+/// What may stay of overlaps, anew: the motion is cut short to h of its substep.
+void limitDepenetration(Body& body, double h, double substep);
+
+/// Adds the limits that come nearer than the margin [rad] at the motion's end; whether there are
+/// new ones.
+bool addLimits(Body& body, double margin, double h, Role role);
+
+/// Adds, as active, what a motion was pushed into by what it was solved for; whether there is any.
+bool findMissed(Body& body, double h);
+
+/// Makes rows of those that the solution of the others violates; whether there are any.
+bool activateViolated(Body& body);
+/// Makes rows of all that are not to be reached later.
+void activateAll(Body& body);
+
+/// Whether what overlaps at the start, by more than sound steps leave, leaves no direction to open
+/// in: it presses from opposite sides, or is a body.
+bool isSqueezed(const Body& body);
+/// Whether a step that fails means that the overlap at its start cannot open.
+inline bool hasNoWayOut(const Body& body) {
+  return body.overlaps == OverlapPolicy::kResolve && isSqueezed(body);
+}
+
+}  // namespace ragdoll

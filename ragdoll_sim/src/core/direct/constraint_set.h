@@ -1,0 +1,53 @@
+// The contacts and limits that one motion of a body may meet, and which of them it is solved for.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/contact/contact.h"
+#include "ragdoll_sim/core/limits.h"
+
+namespace ragdoll {
+
+/// What a candidate is to the present motion.
+enum class Role : std::uint8_t {
+  kIfNear,  ///< a row while it is near
+  kActive,  ///< a row in any case
+  kComing,  ///< reached from afar: no row before its time is known
+  kHit,     ///< reached at the motion's end: the impact that the motion was cut short for
+};
+
+/// Which overlaps have no way out and are ignored: they may stay as they are.
+enum class OverlapPolicy : std::uint8_t {
+  kResolve,     ///< none
+  kIgnoreDeep,  ///< those deeper than kSoundOverlap
+  kIgnoreAll,
+  kPassThrough,  ///< moving pins drag the body through the obstacles that it is in
+};
+
+struct ConstraintSet {
+  std::vector<Contact> contacts;
+  std::vector<LimitRow> limits;
+  std::vector<Role> contact_role, limit_role;
+  std::vector<int> contact_row, limit_row;   ///< the first row of each, or -1
+  std::vector<LimitRow::Softness> softness;  ///< of the limits
+  int own_rows = 0;                          ///< rows of contacts with other bodies come after
+  double overlap = 0;                        ///< [m] the deepest, at the motion's start
+  std::vector<int> passed;                   ///< obstacles that the body is dragged through
+  std::vector<Contact> missed;               ///< scratch: what the motion was pushed into
+};
+
+/// What touches at a motion's end: what its velocities are solved for.
+struct TouchingSet {
+  std::vector<Contact> contacts;
+  std::vector<LimitRow> limits;
+  std::vector<double> warm;  ///< of all their rows: the position stage's impulses over h
+
+  void clear() {
+    contacts.clear();
+    limits.clear();
+    warm.clear();
+  }
+};
+
+}  // namespace ragdoll

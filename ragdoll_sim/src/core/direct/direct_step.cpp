@@ -1,0 +1,89 @@
+#include "core/direct/direct_step.h"
+
+#include <utility>
+
+#include "core/direct/begin_step.h"
+#include "core/direct/motion.h"
+#include "core/direct/step_island.h"
+#include "ragdoll_sim/core/limits.h"
+
+namespace ragdoll {
+namespace {
+
+/// What pressed on sleepers goes on doing so.
+void keepSleepersImpulses(const StepContext& context, std::vector<CachedImpulse>& impulses) {
+  for (const CachedImpulse& impulse : context.state.impulses) {
+    const Ragdoll& r = context.model.ragdolls[impulse.ragdoll];
+    if (context.state.asleep[impulse.ragdoll] &&
+        impulse.other[0] < r.first + context.model.skeletonOf(r).size())
+      impulses.push_back(impulse);
+  }
+}
+
+}  // namespace
+
+void prepareDirect(const StepContext& context) {
+  const Model& model = context.model;
+  DirectWorkspace& ws = context.ws;
+  State& state = context.state;
+  ws.bodies.resize(model.ragdolls.size());
+  ws.first_multiplier.clear();
+  int count = 0;
+  for (const Ragdoll& r : model.ragdolls) {
+    ws.first_multiplier.push_back(count);
+    count += multiplierCount(*model.systemOf(r).direct.rows);
+  }
+  if (static_cast<int>(state.multipliers.size()) != count) state.multipliers.assign(count, 0.0);
+  ws.predicted.resize(3, model.size());
+  sweepObstacles(model, state, context.inputs.obstacles, ws.obstacles);
+  ws.impulses.clear();
+}
+
+void stepBodies(const StepContext& context, const std::vector<int>& bodies,
+                const std::vector<int>& sleepers, std::vector<CachedImpulse>& impulses,
+                std::vector<BodyPair>& pressing, StepReport& report) {
+  Island island(context, context.ws.island);
+  bindIsland(island, bodies, sleepers);
+  stepIsland(island, report);
+  for (const Body* body : island.bodies) {
+    const std::vector<CachedImpulse>& own = body->cache.impulses();
+    for (const CachedImpulse& impulse : own)
+      if (impulse.obstacle >= 0) context.supports.pressed[body->index] = 1;
+    impulses.insert(impulses.end(), own.begin(), own.end());
+  }
+  const std::vector<CachedImpulse>& shared = island.pairs.cache.impulses();
+  impulses.insert(impulses.end(), shared.begin(), shared.end());
+  pressing.insert(pressing.end(), island.pairs.pressing.begin(), island.pairs.pressing.end());
+}
+
+void predictFreely(const StepContext& context, int ragdoll) {
+  IslandScratch& scratch = context.ws.island;
+  if (scratch.places.empty()) scratch.places.resize(1);
+  Body& body = scratch.places[0];
+  body.bind(context, ragdoll);
+  StepReport ignored;
+  beginStep(body, ignored);
+  body.memory->response.setStart(body.xData());
+  freeMotion(body, context.h);
+  body.x() += body.motion.dx;
+}
+
+void stepDirect(const StepContext& context, StepReport& report) {
+  prepareDirect(context);
+  DirectWorkspace& ws = context.ws;
+  State& state = context.state;
+  if (context.model.ragdoll_collision)
+    ws.builder.step(context, report);
+  else
+    for (std::size_t i = 0; i < context.model.ragdolls.size(); ++i) {
+      if (state.asleep[i]) continue;
+      ws.lone_body.assign(1, static_cast<int>(i));
+      stepBodies(context, ws.lone_body, ws.no_bodies, ws.impulses, context.supports.pressing,
+                 report);
+    }
+  keepSleepersImpulses(context, ws.impulses);
+  std::swap(state.impulses, ws.impulses);
+  keepAllowed(context.model, state);
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,27 @@
+// The direct methods, shake and rk: a step of all bodies. Second order, symplectic, time-reversible
+// where nothing presses (docs/equations.md#shake).
+#pragma once
+
+#include <vector>
+
+#include "core/direct/workspace.h"
+
+namespace ragdoll {
+
+/// Sizes what bodies need and sweeps the obstacles; before the bodies of a step.
+void prepareDirect(const StepContext& context);
+
+/// Moves x and v of all awake ragdolls by the step; time, step count and obstacles are the
+/// caller's.
+void stepDirect(const StepContext& context, StepReport& report);
+
+/// Those bodies' part of it, as one island (ascending; sleepers: near them). What presses is
+/// appended, and marked in the context's supports.
+void stepBodies(const StepContext& context, const std::vector<int>& bodies,
+                const std::vector<int>& sleepers, std::vector<CachedImpulse>& impulses,
+                std::vector<BodyPair>& pressing, StepReport& report);
+
+/// Positions <- where the body would go if it met nothing; velocities are left as they then are.
+void predictFreely(const StepContext& context, int ragdoll);
+
+}  // namespace ragdoll

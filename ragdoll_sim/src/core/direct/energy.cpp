@@ -1,0 +1,154 @@
+#include "core/direct/energy.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/direct/constants.h"
+#include "core/mechanics/joint_damping.h"
+#include "core/mechanics/pair_energy.h"
+
+namespace ragdoll {
+namespace {
+
+/// [J] that soft limits gave to the motion: less than at its start is stored in them.
+double releasedEnergy(const Body& body) {
+  double released = 0;
+  for (const LimitRow& limit : body.constraints.limits) {
+    if (limit.compliance == 0) continue;
+    const double value = std::min(0.0, anglesBefore(body)[limit.limit]);
+    released += (limit.start * limit.start - value * value) / (2 * limit.compliance);
+  }
+  return released;
+}
+
+bool isSmooth(const Body& body) {
+  const auto presses = [&body](const LimitRow& limit) {
+    return limit.compliance == 0 && std::abs(limit.before) < body.tolerances.touching_angle;
+  };
+  const auto touches = [&body](const CachedImpulse& impulse) {
+    return std::any_of(body.touching.limits.begin(), body.touching.limits.end(),
+                       [&](const LimitRow& limit) { return impulse.a == -1 - limit.limit; });
+  };
+  const std::vector<CachedImpulse>& impulses = body.cache.impulses();
+  return body.located == body.saved.located && body.touching.contacts.empty() &&
+         std::all_of(body.touching.limits.begin(), body.touching.limits.end(), presses) &&
+         std::all_of(impulses.begin(), impulses.end(), touches);
+}
+
+bool pressesObstacle(const Body& body) {
+  const std::vector<CachedImpulse>& impulses = body.cache.impulses();
+  return std::any_of(impulses.begin(), impulses.end(),
+                     [](const CachedImpulse& impulse) { return impulse.obstacle >= 0; });
+}
+
+/// Whether something takes the body's momentum.
+bool isHeld(const Body& body) {
+  return !body.pinned->pins.empty() || pressesObstacle(body) ||
+         std::any_of(body.touching.contacts.begin(), body.touching.contacts.end(),
+                     [](const Contact& contact) { return contact.obstacle >= 0; });
+}
+
+bool isHeld(const Island& island) {
+  for (const Body* body : island.bodies)
+    if (!body->pinned->pins.empty() || pressesObstacle(*body)) return true;
+  return std::any_of(island.pairs.pressing.begin(), island.pairs.pressing.end(),
+                     [&island](const BodyPair& pair) {  // a sleeper
+                       return island.placeOf(pair.first) < 0 || island.placeOf(pair.second) < 0;
+                     });
+}
+
+bool removeFromBody(Body& body, double gain) {
+  const double before = kineticEnergy(body);
+  body.kept = body.v();
+  dampInnerMotion(body.skeleton->M, body.pinned->pins, 0, body.x(), body.v());
+  const double rigid = kineticEnergy(body);
+  const double inner = before - rigid;
+  const bool held = isHeld(body);
+  if (inner > gain) {
+    body.v() += std::sqrt(1 - gain / inner) * (body.kept - body.v());
+  } else if (held) {
+    body.v() *= rigid > 0 ? std::sqrt(std::max(0.0, (before - gain) / rigid)) : 0;
+  }  // else v() is the rigid motion now, whose momentum is nobody's to take
+  return inner > gain || held || gain - inner <= kRedoRise * before;
+}
+
+}  // namespace
+
+double kineticEnergy(Body& body) { return kineticEnergy(*body.rows, body.v(), body.energy); }
+
+double swingScale(Body& body) {
+  const StickRows& rows = *body.rows;
+  return kineticEnergy(body) + rows.mass.sum() * body.context->model.gravity.norm() * rows.scale;
+}
+
+double driveSpeed(const Body& body) {
+  if (!body.driven) return 0;
+  double speed = body.pin_speed;
+  for (const Contact& c : body.constraints.contacts)
+    speed = std::max(speed, c.surface_motion.norm() / body.context->h);
+  return speed;
+}
+
+double gainedEnergy(Body& body, double drive) {
+  const StepContext& step = *body.context;
+  const StickRows& rows = *body.rows;
+  Points& moved = body.moved;
+  moved = body.x() - body.saved.x;
+  double gain = energyGain(rows, body.saved.v, body.v(), moved, step.model.gravity, body.energy);
+  if (step.force) gain -= step.force->middleCols(body.first, body.n).cwiseProduct(moved).sum();
+  gain -= releasedEnergy(body);
+  if (drive > 0) {
+    // Seen from what drives it the body gains nothing; here it may be faster by twice its speed.
+    const double mass = rows.mass.sum();
+    const double before = kineticEnergy(rows, body.saved.v, body.energy);
+    gain -= 2 * mass * drive * (std::sqrt(2 * before / mass) + drive);
+  }
+  return gain;
+}
+
+bool isSmooth(const Island& island) {
+  return island.pairs.cache.empty() && island.pairs.touching.empty() &&
+         std::all_of(island.bodies.begin(), island.bodies.end(),
+                     [](const Body* body) { return isSmooth(*body); });
+}
+
+double explicitGain(Island& island, bool smooth) {
+  double gain = 0;
+  for (Body* body : island.bodies) {
+    if (body->pin_speed > 0) return 0;
+    gain += gainedEnergy(*body, smooth ? 0 : driveSpeed(*body));
+  }
+  return gain;
+}
+
+bool isLargeGain(Island& island, double gain, bool smooth) {
+  if (smooth ? gain == 0 : gain <= kRedoRise) return false;
+  double energy = 0;
+  for (Body* body : island.bodies) energy += smooth ? swingScale(*body) : kineticEnergy(*body);
+  return smooth ? std::abs(gain) > kRedoSwing * energy : gain > kRedoRise * energy;
+}
+
+double implicitGain(Island& island) {
+  double gain = 0;
+  for (Body* body : island.bodies) gain += gainedEnergy(*body, driveSpeed(*body));
+  return gain;
+}
+
+double wildGain(Island& island) {
+  double wild = 0;
+  for (Body* body : island.bodies)
+    wild += kineticEnergy(*body->rows, body->saved.v, body->energy) +
+            0.5 * body->rows->mass.sum() * kWildSpeed * kWildSpeed;
+  return wild;
+}
+
+bool removeEnergy(Island& island, double gain) {
+  if (!(gain > 0)) return true;
+  for (Body* body : island.bodies) body->limited = body->limited || gain > kReportedGain;
+  if (island.isLone()) return removeFromBody(*island.bodies[0], gain);
+  takeOutOfGroup(island.context.model, island.s.ragdolls, isHeld(island), gain,
+                 island.context.state);
+  return true;
+}
+
+}  // namespace ragdoll

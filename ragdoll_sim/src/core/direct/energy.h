@@ -1,0 +1,40 @@
+// What a trial gained more than gravity, pokes, soft limits and what drives the bodies can have
+// given them, and how that is taken out again: contact only takes energy
+// (docs/equations.md#energy).
+#pragma once
+
+#include "core/direct/island.h"
+
+namespace ragdoll {
+
+/// [J] of a body; and what swings is compared with: that, and a fall of 1 m.
+double kineticEnergy(Body& body);
+double swingScale(Body& body);
+
+/// [J] by how much the body gained more since it was saved than what acts on it, driven at `drive`
+/// [m/s], can have given it.
+double gainedEnergy(Body& body, double drive);
+/// [m/s] of what moves the body from outside: pins, obstacles that it may touch.
+double driveSpeed(const Body& body);
+
+/// Whether the trial met nothing but limits that pressed all the while: the energy stays but for
+/// leapfrog's swing, which is not to be taken out.
+bool isSmooth(const Island& island);
+
+/// [J] the gain of an explicit trial; 0 while pins move.
+double explicitGain(Island& island, bool smooth);
+/// Whether a trial that gained so much is to be done again at half.
+bool isLargeGain(Island& island, double gain, bool smooth);
+
+/// [J] the gain of an implicit trial; and what a trial that gains more than that has gone astray
+/// by: more than the kinetic energy, and than would bring the bodies from rest to a speed that no
+/// overlap opens at.
+double implicitGain(Island& island);
+double wildGain(Island& island);
+
+/// Takes the gain out of the motion within the bodies, which leaves their momentum; out of the
+/// whole motion only where that is not enough and something presses that takes momentum. Whether
+/// all of it is out, or nearly.
+bool removeEnergy(Island& island, double gain);
+
+}  // namespace ragdoll

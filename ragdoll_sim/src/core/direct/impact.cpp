@@ -1,0 +1,177 @@
+#include "core/direct/impact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/direct/candidates.h"
+#include "core/direct/constants.h"
+
+namespace ragdoll {
+namespace {
+
+/// [m/s] at which the gap opens at the motion's start.
+double rateOf(const Body& body, const Contact& c) {
+  return c.normal.dot(motionOf(body, c, body.vData()) - c.surface_motion / body.context->h);
+}
+
+/// [rad/s] the same of a limit.
+double rateOf(const Body& body, const LimitRow& limit) {
+  const State& state = body.context->state;
+  LimitRow row = limit;
+  anglesBefore(body).evaluate(body.context->model, state.x, row);
+  double rate = 0;
+  for (int k = 0; k < row.count; ++k) rate += row.gradient[k].dot(state.v.col(row.particle[k]));
+  return rate;
+}
+
+bool isComing(const Body& body, const Contact& c, double h) {
+  if (c.gap_start < -body.tolerances.contact) return false;
+  const double end = gapAfter(body, c);
+  if (end < -kDeepImpact * body.rows->scale) return body.located < kMaxDeepImpacts;
+  if (c.obstacle < 0 || body.located >= kMaxLocated) return false;
+  const double rate = c.before < body.tolerances.touching ? rateOf(body, c) : (end - c.before) / h;
+  const double pull = std::abs(c.normal.dot(body.context->model.gravity));
+  return -rate > kSlowSteps * body.context->h * std::max(kLeastPull, pull);
+}
+
+bool isComing(const Body& body, const LimitRow& limit, double h) {
+  if (limit.compliance > 0 || body.located >= kMaxLocated) return false;
+  if (limit.before < -body.tolerances.touching_angle) return false;
+  const double rate = limit.before < body.tolerances.touching_angle
+                          ? rateOf(body, limit)
+                          : (limit.value - limit.before) / h;
+  const double pull = std::max(kLeastPull, body.context->model.gravity.norm());
+  return -rate > kSlowSteps * body.context->h * pull / kLimb;
+}
+
+bool reachesComing(const Body& body) {
+  const ConstraintSet& set = body.constraints;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i)
+    if (set.contact_role[i] == Role::kComing &&
+        gapAfter(body, set.contacts[i]) < -body.tolerances.contact)
+      return true;
+  const LimitAngles::Pose& angles = anglesAfter(body);
+  for (std::size_t i = 0; i < set.limits.size(); ++i)
+    if (set.limit_role[i] == Role::kComing && angles[set.limits[i].limit] < 0) return true;
+  return false;
+}
+
+/// Keeps the earlier of the two.
+void consider(double time, Role& role, double h, Impact& first) {
+  if (time < first.time) first = {std::clamp(time, 0.0, h), &role};
+}
+
+Impact firstImpact(Body& body, double h) {
+  ConstraintSet& set = body.constraints;
+  Impact first{2 * h, nullptr};
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const Contact& c = set.contacts[i];
+    if (set.contact_role[i] != Role::kComing) continue;
+    const double end = gapAfter(body, c);
+    if (end < -body.tolerances.contact)
+      consider(timeOfZero(c.before, rateOf(body, c), end, h), set.contact_role[i], h, first);
+  }
+  const LimitAngles::Pose& angles = anglesAfter(body);
+  for (std::size_t i = 0; i < set.limits.size(); ++i) {
+    if (set.limit_role[i] != Role::kComing) continue;
+    const LimitRow& limit = set.limits[i];
+    const double end = angles[limit.limit];
+    if (end < 0)
+      consider(timeOfZero(limit.before, rateOf(body, limit), end, h), set.limit_role[i], h, first);
+  }
+  if (!first.role) return first;
+  if (first.time < kSnap * h) first.time = 0;
+  if (first.time > (1 - kSnap) * h) first.time = h;
+  return first;
+}
+
+}  // namespace
+
+double timeOfZero(double start, double rate, double end, double h) {
+  if (start <= 0) return 0;
+  const double q = (end - start - rate * h) / (h * h);
+  const double root = std::sqrt(std::max(0.0, rate * rate - 4 * q * start));
+  return 2 * start / (root - rate);
+}
+
+void findComing(Body& body, double h) {
+  ConstraintSet& set = body.constraints;
+  if (set.overlap > kSoundOverlap) return;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i)
+    if (isComing(body, set.contacts[i], h)) set.contact_role[i] = Role::kComing;
+  for (std::size_t i = 0; i < set.limits.size(); ++i)
+    if (isComing(body, set.limits[i], h)) set.limit_role[i] = Role::kComing;
+}
+
+void findComing(Island& island, double h) {
+  for (Body* body : island.bodies) findComing(*body, h);
+}
+
+bool reachesComing(const Island& island) {
+  return std::any_of(island.bodies.begin(), island.bodies.end(),
+                     [](const Body* body) { return reachesComing(*body); });
+}
+
+Impact firstImpact(Island& island, double h) {
+  Impact first{2 * h, nullptr};
+  for (Body* body : island.bodies) {
+    const Impact own = firstImpact(*body, h);
+    if (own.time < first.time) first = own;
+  }
+  return first;
+}
+
+Impact firstDeepPair(const Island& island, double h) {
+  double first = 2 * h, scale = 1;
+  for (const Body* body : island.bodies) scale = std::min(scale, body->rows->scale);
+  for (const Contact& c : island.pairs.contacts) {
+    const double end = pairGapAfter(island, c);
+    if (c.gap_start < -island.bodies[0]->tolerances.contact || end >= -kDeepImpact * scale)
+      continue;
+    const double t = timeOfZero(c.before, pairRate(island.context.state, c), end, h);
+    if (t >= 0 && t < h) first = std::min(first, t);
+  }
+  return {first, nullptr};
+}
+
+void takeImpact(Island& island, const Impact& impact) {
+  if (!impact.role) return;
+  *impact.role = Role::kHit;
+  for (Body* body : island.bodies) {
+    for (std::vector<Role>* roles :
+         {&body->constraints.contact_role, &body->constraints.limit_role})
+      std::replace(roles->begin(), roles->end(), Role::kComing, Role::kIfNear);
+    ++body->located;
+  }
+}
+
+bool touchesOther(const Body& body) {
+  const ConstraintSet& set = body.constraints;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i)
+    if (set.contact_role[i] != Role::kComing &&
+        (set.contacts[i].before <= body.tolerances.touching ||
+         gapAfter(body, set.contacts[i]) <= body.tolerances.touching))
+      return true;
+  for (std::size_t i = 0; i < set.limits.size(); ++i)
+    if (set.limit_role[i] != Role::kComing &&
+        (set.limits[i].value <= 0 || set.limits[i].start != 0))
+      return true;
+  return false;
+}
+
+double impactAgain(const Body& body, double h) {
+  const ConstraintSet& set = body.constraints;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i)
+    if (set.contact_role[i] == Role::kHit) {
+      const Contact& c = set.contacts[i];
+      return timeOfZero(c.before, rateOf(body, c), gapAfter(body, c), h);
+    }
+  for (std::size_t i = 0; i < set.limits.size(); ++i)
+    if (set.limit_role[i] == Role::kHit) {
+      const LimitRow& limit = set.limits[i];
+      return timeOfZero(limit.before, rateOf(body, limit), anglesAfter(body)[limit.limit], h);
+    }
+  return h;
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,38 @@
+// Limits and contacts that are reached inside a step: located in time, so that the impact falls
+// where it belongs and the order of the method survives it (docs/equations.md#contacts-and-limits).
+#pragma once
+
+#include "core/direct/island.h"
+
+namespace ragdoll {
+
+/// The first thing that motions over h reach.
+struct Impact {
+  double time = 0;       ///< [s]; more than h: nothing is reached
+  Role* role = nullptr;  ///< of what is reached; null: two bodies that reach each other
+};
+
+/// Time at which start + rate t + q t^2 = 0, with q from the value `end` at h.
+double timeOfZero(double start, double rate, double end, double h);
+
+/// Marks as coming what the bodies come to from afar, faster than gravity would bring them there:
+/// it does not press until it is reached.
+void findComing(Body& body, double h);
+void findComing(Island& island, double h);
+
+/// Whether the motions go through something that is coming: they will be cut short.
+bool reachesComing(const Island& island);
+
+Impact firstImpact(Island& island, double h);
+/// Bodies that would be deep in each other. They do not bounce.
+Impact firstDeepPair(const Island& island, double h);
+
+/// Marks that one as hit, and whatever else was coming as usual.
+void takeImpact(Island& island, const Impact& impact);
+
+/// What rk has to ask of a lone body: whether something else than what is coming touches; and the
+/// time again at which what is hit is reached, by a motion over h that should have ended there.
+bool touchesOther(const Body& body);
+double impactAgain(const Body& body, double h);
+
+}  // namespace ragdoll

@@ -1,0 +1,13 @@
+// The step guard's first resort: backward Euler, of first order and dissipative, stable for any
+// tension (docs/equations.md#guard).
+#pragma once
+
+#include "core/direct/body.h"
+
+namespace ragdoll {
+
+/// The motion of a backward Euler step over h without contacts, by Newton's method with the
+/// tension's stiffness in its matrix. False: none was found.
+bool solveImplicitMotion(Body& body, double h);
+
+}  // namespace ragdoll

@@ -1,0 +1,41 @@
+// What contacts and limits pressed with in the last motion: where the next one's solver starts
+// (warm starting), and which of them are solved for again even if their gap is open.
+#pragma once
+
+#include <vector>
+
+#include "core/contact/contact.h"
+#include "ragdoll_sim/core/limits.h"
+#include "ragdoll_sim/core/state.h"
+
+namespace ragdoll {
+
+/// Which contact or limit an impulse is of, without the impulse.
+CachedImpulse keyOf(const Contact& contact);
+CachedImpulse keyOf(const LimitRow& limit);
+
+/// One body's, or those between the bodies of an island.
+class ImpulseCache {
+ public:
+  void clear() { impulses_.clear(); }
+  bool empty() const { return impulses_.empty(); }
+  const std::vector<CachedImpulse>& impulses() const { return impulses_; }
+  void add(const CachedImpulse& impulse) { impulses_.push_back(impulse); }
+  /// The last one added.
+  CachedImpulse& last() { return impulses_.back(); }
+
+  /// Of the same contact or limit; null: it did not press.
+  const CachedImpulse* find(const CachedImpulse& key) const;
+  const CachedImpulse* find(const Contact& contact) const { return find(keyOf(contact)); }
+  const CachedImpulse* find(const LimitRow& limit) const { return find(keyOf(limit)); }
+
+  /// For contacts of which a pair of capsules has several: each answer is given out once.
+  void startHandingOut() { handed_out_.assign(impulses_.size(), 0); }
+  const CachedImpulse* handOut(const Contact& contact);
+
+ private:
+  std::vector<CachedImpulse> impulses_;
+  std::vector<std::uint8_t> handed_out_;
+};
+
+}  // namespace ragdoll

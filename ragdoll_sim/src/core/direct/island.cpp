@@ -1,0 +1,164 @@
+#include "core/direct/island.h"
+
+#include <algorithm>
+
+#include "core/direct/candidates.h"
+#include "core/direct/constants.h"
+#include "core/direct/penetration.h"
+#include "core/direct/workspace.h"
+
+namespace ragdoll {
+namespace {
+
+/// Where the bodies' motions lead, sleepers where they are.
+const Points& posesAfter(const Island& island) {
+  Points& after = island.context.ws.predicted;
+  const State& state = island.context.state;
+  for (const int i : island.s.all) {
+    const Ragdoll& r = island.context.model.ragdolls[i];
+    const int n = island.context.model.skeletonOf(r).size();
+    if (island.placeOf(i) < 0) after.middleCols(r.first, n) = state.x.middleCols(r.first, n);
+  }
+  for (const Body* body : island.bodies) poseAfter(*body);
+  return after;
+}
+
+void startPair(const Island& island, Contact& c, double h) {
+  const Points& x = island.context.state.x;
+  c.found = c.offset;
+  c.before = -c.offset;
+  for (int k = 0; k < 4; ++k) c.before += c.weight[k] * c.normal.dot(x.col(c.particle[k]));
+  limitDepenetration(island, c, h);
+}
+
+}  // namespace
+
+int Island::placeOf(int ragdoll) const {
+  const auto it = std::lower_bound(s.ragdolls.begin(), s.ragdolls.end(), ragdoll);
+  return it != s.ragdolls.end() && *it == ragdoll ? static_cast<int>(it - s.ragdolls.begin()) : -1;
+}
+
+void bindIsland(Island& island, const std::vector<int>& bodies, const std::vector<int>& others) {
+  IslandScratch& s = island.s;
+  s.ragdolls = bodies;
+  s.all.resize(bodies.size() + others.size());
+  std::merge(bodies.begin(), bodies.end(), others.begin(), others.end(), s.all.begin());
+  if (s.places.size() < bodies.size()) s.places.resize(bodies.size());
+  s.bodies.clear();
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    s.places[k].bind(island.context, bodies[k]);
+    s.bodies.push_back(&s.places[k]);
+  }
+  s.pairs.contacts.clear();
+  s.pairs.touching.clear();
+  s.pairs.cache.clear();
+  s.pairs.pressing.clear();
+}
+
+void bindLone(Island& island, Body& body) {
+  IslandScratch& s = island.s;
+  s.ragdolls.assign(1, body.index);
+  s.all = s.ragdolls;
+  s.bodies.assign(1, &body);
+  s.pairs.contacts.clear();
+  s.pairs.touching.clear();
+  s.pairs.cache.clear();
+  s.pairs.pressing.clear();
+}
+
+double pairGapAfter(const Island& island, const Contact& c) {
+  const Points& x = island.context.state.x;
+  double gap = -c.offset;
+  for (int k = 0; k < 4; ++k) gap += c.weight[k] * c.normal.dot(x.col(c.particle[k]));
+  for (int side = 0; side < 2; ++side) {
+    const int place = island.placeOf(side == 0 ? c.ragdoll : c.other);
+    if (place < 0) continue;
+    const Body& body = *island.bodies[place];
+    for (int k = 2 * side; k < 2 * side + 2; ++k)
+      gap += c.weight[k] * c.normal.dot(body.motion.dx.col(c.particle[k] - body.first));
+  }
+  return gap;
+}
+
+double pairRate(const State& state, const Contact& c) {
+  double rate = 0;
+  for (int k = 0; k < 4; ++k) rate += c.weight[k] * c.normal.dot(state.v.col(c.particle[k]));
+  return rate;
+}
+
+void limitDepenetration(const Island& island, Contact& pair, double h) {
+  pair.offset = pair.found - allowedPenetration(pair, h, island.context.h);
+}
+
+void findCandidates(Island& island, double h) {
+  for (Body* body : island.bodies) findCandidates(*body, h);
+  PairSet& pairs = island.pairs;
+  pairs.contacts.clear();
+  if (island.isLone()) return;
+  island.s.detector.appendBetween(island.context.model, island.context.state, island.s.all,
+                                  island.context.state.x, posesAfter(island),
+                                  PairSearch::touches(kContactMargin), pairs.contacts);
+  for (Contact& c : pairs.contacts) startPair(island, c, h);
+}
+
+bool findMissed(Island& island, double h) {
+  bool any = false;
+  for (Body* body : island.bodies) any = findMissed(*body, h) || any;
+  if (island.isLone()) return any;
+  PairSet& pairs = island.pairs;
+  pairs.missed.clear();
+  island.s.detector.appendBetween(island.context.model, island.context.state, island.s.all,
+                                  island.context.state.x, posesAfter(island),
+                                  PairSearch::overlaps(kPairSlop), pairs.missed);
+  for (Contact& c : pairs.missed) {
+    startPair(island, c, h);
+    if (pairGapAfter(island, c) >= -kPairSlop) continue;
+    pairs.contacts.push_back(c);
+    pairs.active.push_back(1);
+    any = true;
+  }
+  return any;
+}
+
+bool activateViolated(Island& island) {
+  bool any = false;
+  for (Body* body : island.bodies) any = activateViolated(*body) || any;
+  PairSet& pairs = island.pairs;
+  for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
+    if (pairs.row[i] >= 0) continue;
+    if (pairGapAfter(island, pairs.contacts[i]) >= -island.bodies[0]->tolerances.contact) continue;
+    pairs.active[i] = 1;
+    any = true;
+  }
+  return any;
+}
+
+void activateAll(Island& island) {
+  for (Body* body : island.bodies) activateAll(*body);
+  island.pairs.active.assign(island.pairs.contacts.size(), 1);
+}
+
+void save(Island& island) {
+  for (Body* body : island.bodies) {
+    SavedBody& saved = body->saved;
+    saved.located = body->located;
+    saved.x = body->x();
+    saved.v = body->v();
+    saved.multipliers.assign(body->multipliers(), body->multipliers() + 2 * body->rows->s);
+    saved.cache = body->cache;
+  }
+  island.pairs.saved = island.pairs.cache;
+}
+
+void restore(Island& island) {
+  for (Body* body : island.bodies) {
+    const SavedBody& saved = body->saved;
+    body->x() = saved.x;
+    body->v() = saved.v;
+    std::copy(saved.multipliers.begin(), saved.multipliers.end(), body->multipliers());
+    body->cache = saved.cache;
+  }
+  island.pairs.cache = island.pairs.saved;
+}
+
+}  // namespace ragdoll

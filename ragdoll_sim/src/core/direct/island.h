@@ -1,0 +1,79 @@
+// Bodies that touch each other, taken through a step as one. A lone body is an island of one.
+//
+// Every stage is taken by all bodies in turn; contacts between them are rows beside each body's own
+// contacts and limits (joint_schur.h), so that everything that presses is solved for at once. They
+// share the substeps. Sleepers that they touch stand still.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/contact/pair_detect.h"
+#include "core/direct/body.h"
+#include "core/linear/joint_schur.h"
+
+namespace ragdoll {
+
+/// The contacts between the bodies of an island.
+struct PairSet {
+  std::vector<Contact> contacts, missed;
+  std::vector<int> row;              ///< of each in the joint rows, or -1
+  std::vector<std::uint8_t> active;  ///< a row in any case
+  std::vector<Contact> touching;     ///< at the motion's end
+  std::vector<double> warm;          ///< of their rows: the position stage's impulses over h
+  ImpulseCache cache, saved;         ///< saved: before the present substep
+  std::vector<BodyPair> pressing;    ///< in the last motion
+};
+
+/// Memory of islands, as large as the largest.
+struct IslandScratch {
+  std::vector<Body> places;
+  std::vector<Body*> bodies;  ///< awake, ascending
+  std::vector<int> all;       ///< ragdolls: the bodies, and sleepers near them, ascending
+  PairSet pairs;
+  PairDetector detector;
+  JointSchur joint;
+  Eigen::VectorXd b, p, total, change;
+  std::vector<Eigen::VectorXd> parts;
+  std::vector<int> ragdolls;  ///< of the bodies
+};
+
+struct Island {
+  const StepContext& context;
+  IslandScratch& s;
+  std::vector<Body*>& bodies;
+  PairSet& pairs;
+
+  Island(const StepContext& step, IslandScratch& scratch)
+      : context(step), s(scratch), bodies(scratch.bodies), pairs(scratch.pairs) {}
+
+  /// One body that has nothing to do with others.
+  bool isLone() const { return s.all.size() == 1; }
+  /// Place of a ragdoll among the bodies; -1: it does not move.
+  int placeOf(int ragdoll) const;
+};
+
+/// Binds the island's places to bodies (awake, ascending); others: sleepers near them.
+void bindIsland(Island& island, const std::vector<int>& bodies, const std::vector<int>& others);
+/// Binds an island to a body that is a place of another one.
+void bindLone(Island& island, Body& body);
+
+/// [m] of a contact between bodies after their motions; and how it opens [m/s] at the start.
+double pairGapAfter(const Island& island, const Contact& contact);
+double pairRate(const State& state, const Contact& contact);
+
+/// What may stay of its overlap in a motion over h.
+void limitDepenetration(const Island& island, Contact& pair, double h);
+
+/// All candidates of the bodies' motions over h: their own, and between them.
+void findCandidates(Island& island, double h);
+/// As those of a body, for all together.
+bool findMissed(Island& island, double h);
+bool activateViolated(Island& island);
+void activateAll(Island& island);
+
+/// What changes in a trial; and back to it. Impulses of a rejected trial are forgotten.
+void save(Island& island);
+void restore(Island& island);
+
+}  // namespace ragdoll

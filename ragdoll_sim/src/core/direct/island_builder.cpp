@@ -1,0 +1,207 @@
+#include "core/direct/island_builder.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/direct/constants.h"
+#include "core/direct/direct_step.h"
+#include "core/direct/motion.h"
+#include "core/direct/penetration.h"
+#include "core/direct/workspace.h"
+#include "ragdoll_sim/core/sleep.h"
+
+namespace ragdoll {
+namespace {
+
+int sizeOf(const Model& model, int ragdoll) {
+  return model.skeletonOf(model.ragdolls[ragdoll]).size();
+}
+
+/// Which bodies pressed on another one in the last step.
+void markPressedPairs(const StepContext& step, std::vector<std::uint8_t>& marked) {
+  const std::vector<Ragdoll>& ragdolls = step.model.ragdolls;
+  marked.assign(ragdolls.size(), 0);
+  for (const CachedImpulse& impulse : step.state.impulses) {
+    if (impulse.other[0] < ragdolls[impulse.ragdoll].first + sizeOf(step.model, impulse.ragdoll))
+      continue;
+    const auto after = [](int column, const Ragdoll& r) { return column < r.first; };
+    const auto other = std::upper_bound(ragdolls.begin(), ragdolls.end(), impulse.other[0], after);
+    marked[impulse.ragdoll] = marked[other - ragdolls.begin() - 1] = 1;
+  }
+}
+
+double gapNow(const StepContext& step, const Contact& c) {
+  double gap = -c.offset + allowedPenetration(c, step.h, step.h);
+  for (int k = 0; k < 4; ++k) gap += c.weight[k] * c.normal.dot(step.state.x.col(c.particle[k]));
+  return gap;
+}
+
+}  // namespace
+
+void IslandBuilder::step(const StepContext& context, StepReport& report) {
+  begin(context);
+  predict(context);
+  for (int round = 0; round < kIslandRounds; ++round) {
+    findContacts(context, round > 0);
+    unite(context, round == 0 ? kIslandGap : -kPairSlop);
+    if (!stepIslands(context)) break;
+    if (holdsAll(context.state)) break;
+  }
+  end(context, report);
+}
+
+int IslandBuilder::root(int i) {
+  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+  return i;
+}
+
+void IslandBuilder::begin(const StepContext& context) {
+  const std::size_t count = context.model.ragdolls.size();
+  x0_ = context.state.x;
+  v0_ = context.state.v;
+  multipliers0_ = context.state.multipliers;
+  parent_.resize(count);
+  std::iota(parent_.begin(), parent_.end(), 0);
+  outcomes_.resize(count);
+  for (Outcome& outcome : outcomes_) {
+    outcome.island.clear();
+    outcome.near_sleepers.clear();
+    outcome.sleepers.clear();
+    outcome.impulses.clear();
+    outcome.pressing.clear();
+  }
+}
+
+void IslandBuilder::restore(const StepContext& context, int i) {
+  const Ragdoll& r = context.model.ragdolls[i];
+  const int n = sizeOf(context.model, i), first = context.ws.first_multiplier[i];
+  State& state = context.state;
+  state.x.middleCols(r.first, n) = x0_.middleCols(r.first, n);
+  state.v.middleCols(r.first, n) = v0_.middleCols(r.first, n);
+  std::copy_n(multipliers0_.begin() + first,
+              multiplierCount(*context.model.systemOf(r).direct.rows),
+              state.multipliers.begin() + first);
+  context.supports.pressed[i] = 0;
+}
+
+/// Where each would go by itself: its whole step, which may stand, or its free motion, where that
+/// is unlikely.
+void IslandBuilder::predict(const StepContext& context) {
+  markPressedPairs(context, pressed_pair_);
+  for (std::size_t i = 0; i < outcomes_.size(); ++i) {
+    if (context.state.asleep[i]) continue;
+    if (!pressed_pair_[i]) {
+      stepAlone(context, static_cast<int>(i));
+      continue;
+    }
+    predictFreely(context, static_cast<int>(i));
+  }
+}
+
+void IslandBuilder::stepAlone(const StepContext& context, int i) {
+  restore(context, i);
+  Outcome& outcome = outcomes_[i];
+  outcome.report = StepReport();
+  outcome.island.assign(1, i);
+  alone_.assign(1, i);
+  outcome.impulses.clear();
+  outcome.pressing.clear();
+  stepBodies(context, alone_, no_sleepers_, outcome.impulses, outcome.pressing, outcome.report);
+}
+
+void IslandBuilder::findContacts(const StepContext& context, bool overlaps_only) {
+  State& state = context.state;
+  for (;;) {
+    contacts_.clear();
+    if (!overlaps_only)
+      detector_.appendBetween(context.model, state, x0_, state.x,
+                              PairSearch::touches(kIslandMargin), contacts_);
+    detector_.appendBetween(context.model, state, x0_, state.x, PairSearch::overlaps(kPairSlop),
+                            contacts_);
+    was_asleep_ = state.asleep;
+    if (!wakeTouched(contacts_, state.x, state)) return;
+    for (std::size_t i = 0; i < outcomes_.size(); ++i)
+      if (was_asleep_[i] && !state.asleep[i]) stepAlone(context, static_cast<int>(i));
+  }
+}
+
+void IslandBuilder::unite(const StepContext& context, double near) {
+  for (const Contact& c : contacts_) {
+    if (gapNow(context, c) > near) continue;
+    if (c.moves[0] && c.moves[1]) {
+      parent_[root(c.ragdoll)] = root(c.other);
+      continue;
+    }
+    outcomes_[c.moves[0] ? c.ragdoll : c.other].near_sleepers.push_back(c.moves[0] ? c.other
+                                                                                   : c.ragdoll);
+  }
+}
+
+bool IslandBuilder::stepIslands(const StepContext& context) {
+  const int count = static_cast<int>(outcomes_.size());
+  members_.resize(count);
+  sleepers_.resize(count);
+  for (int i = 0; i < count; ++i) {
+    members_[i].clear();
+    sleepers_[i].clear();
+  }
+  for (int i = 0; i < count; ++i) {
+    if (context.state.asleep[i]) continue;
+    const int r = root(i);
+    members_[r].push_back(i);
+    const std::vector<int>& near = outcomes_[i].near_sleepers;
+    sleepers_[r].insert(sleepers_[r].end(), near.begin(), near.end());
+  }
+  bool any = false;
+  for (int r = 0; r < count; ++r) {
+    if (members_[r].empty()) continue;
+    std::vector<int>& still = sleepers_[r];
+    std::sort(still.begin(), still.end());
+    still.erase(std::unique(still.begin(), still.end()), still.end());
+    any = stepTogether(context, members_[r], still) || any;
+  }
+  return any;
+}
+
+bool IslandBuilder::stepTogether(const StepContext& context, const std::vector<int>& bodies,
+                                 const std::vector<int>& sleepers) {
+  Outcome& front = outcomes_[bodies[0]];
+  if (bodies.size() == 1 && sleepers.empty()) {
+    if (!front.island.empty()) return false;
+    stepAlone(context, bodies[0]);
+    return true;
+  }
+  if (front.island == bodies && front.sleepers == sleepers) return false;
+  for (const int i : bodies) {
+    restore(context, i);
+    outcomes_[i].impulses.clear();
+    outcomes_[i].pressing.clear();
+    outcomes_[i].report = StepReport();
+    outcomes_[i].island = bodies;
+  }
+  front.sleepers = sleepers;
+  stepBodies(context, bodies, sleepers, front.impulses, front.pressing, front.report);
+  return true;
+}
+
+bool IslandBuilder::holdsAll(const State& state) const {
+  for (std::size_t i = 0; i < outcomes_.size(); ++i)
+    if (!state.asleep[i])
+      return outcomes_[i].island.size() + outcomes_[i].sleepers.size() == outcomes_.size();
+  return true;
+}
+
+void IslandBuilder::end(const StepContext& context, StepReport& report) {
+  context.ws.impulses.clear();
+  for (std::size_t i = 0; i < outcomes_.size(); ++i) {
+    if (context.state.asleep[i]) continue;
+    const Outcome& outcome = outcomes_[i];
+    context.ws.impulses.insert(context.ws.impulses.end(), outcome.impulses.begin(),
+                               outcome.impulses.end());
+    context.supports.pressing.insert(context.supports.pressing.end(), outcome.pressing.begin(),
+                                     outcome.pressing.end());
+    report += outcome.report;
+  }
+}
+
+}  // namespace ragdoll

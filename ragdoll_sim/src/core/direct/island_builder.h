@@ -1,0 +1,62 @@
+// Bodies that touch bodies: who takes the step with whom.
+//
+// Bodies that meet in a step, or pressed on each other in the last one, make an island and take the
+// step together (island.h); all others take it alone. Who meets is found on the way to where each
+// would go by itself; what islands push together beyond that makes larger islands, which take the
+// step anew.
+#pragma once
+
+#include <vector>
+
+#include "core/contact/contact.h"
+#include "core/contact/pair_detect.h"
+#include "core/direct/body.h"
+#include "ragdoll_sim/core/step_report.h"
+
+namespace ragdoll {
+
+class IslandBuilder {
+ public:
+  /// As a step of every awake body in turn, and keeps them apart.
+  void step(const StepContext& context, StepReport& report);
+
+ private:
+  /// What a body's step came to; an island's is with its first body.
+  struct Outcome {
+    std::vector<int> island;         ///< bodies that it took the step with; empty: none yet
+    std::vector<int> near_sleepers;  ///< that it came near
+    std::vector<int> sleepers;       ///< island's first: that it took the step with
+    std::vector<CachedImpulse> impulses;
+    std::vector<BodyPair> pressing;
+    StepReport report;
+  };
+
+  void begin(const StepContext& context);
+  void restore(const StepContext& context, int ragdoll);
+  void predict(const StepContext& context);
+  void stepAlone(const StepContext& context, int ragdoll);
+  /// Contacts between where the bodies were and where they are now; wakes sleepers.
+  void findContacts(const StepContext& context, bool overlaps_only);
+  /// Bodies whose gap is below `near` [m] share an island.
+  void unite(const StepContext& context, double near);
+  /// Steps what has not been stepped with just those bodies; whether there was any.
+  bool stepIslands(const StepContext& context);
+  bool stepTogether(const StepContext& context, const std::vector<int>& bodies,
+                    const std::vector<int>& sleepers);
+  /// Whether one island has every body, so that nothing is left to meet.
+  bool holdsAll(const State& state) const;
+  void end(const StepContext& context, StepReport& report);
+  int root(int ragdoll);
+
+  PairDetector detector_;
+  Points x0_, v0_;
+  std::vector<double> multipliers0_;
+  std::vector<Contact> contacts_;
+  std::vector<int> parent_;  ///< per ragdoll: disjoint sets
+  std::vector<Outcome> outcomes_;
+  std::vector<std::uint8_t> pressed_pair_, was_asleep_;
+  std::vector<std::vector<int>> members_, sleepers_;  ///< per root
+  std::vector<int> alone_, no_sleepers_;
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,88 @@
+#include "core/direct/length_recovery.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/direct/constants.h"
+#include "core/direct/motion.h"
+
+namespace ragdoll {
+namespace {
+
+/// Relative error of the worst squared length.
+double lengthError(Body& body) {
+  BodyResponse& response = body.memory->response;
+  response.setStart(body.xData());
+  double worst = 0;
+  for (int s = 0; s < body.rows->s; ++s)
+    worst = std::max(worst, std::abs(response.startLength2(s) / body.rows->length2[s] - 1));
+  return worst;
+}
+
+/// Gives collapsed sticks a direction, that of the rest pose.
+void spreadCollapsed(Body& body) {
+  const BodyResponse& response = body.memory->response;
+  bool collapsed = false;
+  for (int s = 0; s < body.rows->s; ++s)
+    collapsed =
+        collapsed || response.startLength2(s) < kNoLength * kNoLength * body.rows->length2[s];
+  if (!collapsed) return;
+  const Points& rest = body.skeleton->rest;
+  const Vec3 middle = rest.rowwise().mean();
+  for (int i = 0; i < body.n; ++i)
+    if (body.system->W(i, i) > 0) body.x().col(i) += kSpread * (rest.col(i) - middle);
+}
+
+/// One stick after the other, where Newton's method fails.
+void relaxInTurn(Body& body) {
+  const DirectSystem& system = *body.system;
+  Points moved = body.x();
+  for (int sweep = 0; sweep < kRecoverySweeps; ++sweep)
+    for (int s = 0; s < body.rows->s; ++s) {
+      const Vec3 d = moved * system.B.row(s).transpose();
+      const double now = std::max(d.norm(), kMinLength);
+      if (!(system.G(s, s) > 0)) continue;
+      moved +=
+          (std::sqrt(body.lengths.length2[s]) / now - 1) / system.G(s, s) * d * system.BW.row(s);
+    }
+  body.x() = moved;
+}
+
+}  // namespace
+
+bool restoreLengths(Body& body, double h) {
+  const StickRows& rows = *body.rows;
+  if (rows.s == 0) return false;
+  BodyResponse& response = body.memory->response;
+  body.lengths.tolerance =
+      std::max(BodyResponse::kTolerance, kPositionRounding * body.x().cwiseAbs().maxCoeff() /
+                                             std::sqrt(rows.length2.head(rows.s).minCoeff()));
+  if (lengthError(body) < std::max(kWhole, 10 * body.lengths.tolerance)) return false;
+  spreadCollapsed(body);
+  response.setStart(body.xData());
+  const double keep = std::exp(-h / kRecoveryTime);
+  body.lengths2 = rows.length2;
+  for (int s = 0; s < rows.s; ++s) {
+    const double length = std::sqrt(rows.length2[s]), now = std::sqrt(response.startLength2(s));
+    body.lengths2[s] = std::pow(length + keep * (now - length), 2);
+  }
+  body.lengths.length2 = body.lengths2.data();
+  body.motion.dx.setZero(3, body.n);
+  body.motion.lambda.setZero(rows.width);
+  body.kept = body.x();
+  if (satisfySticksAlongNew(body)) {
+    body.x() += body.motion.dx;
+  } else {
+    relaxInTurn(body);
+    if (!body.x().allFinite()) body.x() = body.kept;
+  }
+  response.setStart(body.xData());
+  for (int s = 0; s < rows.s; ++s) body.lengths2[s] = response.startLength2(s);
+  body.inverse_lengths2 = rows.inverse_length2;
+  body.inverse_lengths2.head(rows.s) = body.lengths2.head(rows.s).cwiseInverse();
+  body.lengths.inverse_length2 = body.inverse_lengths2.data();
+  response.projectAtStart(body.vData());
+  return true;
+}
+
+}  // namespace ragdoll

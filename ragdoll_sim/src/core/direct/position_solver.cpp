@@ -1,0 +1,164 @@
+#include "core/direct/position_solver.h"
+
+#include <algorithm>
+
+#include "core/direct/candidates.h"
+#include "core/direct/constants.h"
+#include "core/direct/impact.h"
+#include "core/direct/motion.h"
+#include "core/direct/pair_rows.h"
+#include "core/direct/rows.h"
+
+namespace ragdoll {
+namespace {
+
+bool hasCandidates(const Island& island) {
+  return !island.pairs.contacts.empty() ||
+         std::any_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
+           return !body->constraints.contacts.empty() || !body->constraints.limits.empty();
+         });
+}
+
+void forgetImpulses(Island& island) {
+  for (Body* body : island.bodies) body->cache.clear();
+  island.pairs.cache.clear();
+  island.pairs.pressing.clear();
+}
+
+double worst(Island& island) {
+  double violation = worstPairViolation(island);
+  for (Body* body : island.bodies) violation = std::max(violation, worstViolation(*body));
+  return violation;
+}
+
+void assemble(Island& island, bool at_end) {
+  for (Body* body : island.bodies) {
+    BodyMemory& memory = *body->memory;
+    if (at_end) memory.response.setEnd(poseAfter(*body).data() + 3 * body->first);
+    if (!memory.schur.empty()) memory.response.assemble(memory.schur, at_end);
+  }
+}
+
+/// The impulses that are gone on from: as many as there are rows.
+void startTotals(Island& island) {
+  island.s.total.setZero(island.s.joint.size());
+  island.s.joint.split(island.s.total, island.s.parts);
+  for (std::size_t k = 0; k < island.bodies.size(); ++k)
+    island.bodies[k]->total = island.s.parts[k];
+}
+
+/// Solves the rows, whose gaps and first impulses are given, and moves the bodies. on_and_on:
+/// sweeps that do not settle are accelerated. False: sticks cannot follow, or there is no way out.
+bool solveRound(Island& island, bool at_start, bool on_and_on) {
+  IslandScratch& s = island.s;
+  s.joint.addAnswer(-1, s.parts, s.b);
+  const bool settled = s.joint.solve(s.b, s.p) || (on_and_on && s.joint.solveOn(s.b, s.p));
+  if (!settled && island.isLone() && hasNoWayOut(*island.bodies[0])) return false;
+  s.change = s.p - s.total;
+  s.joint.split(s.change, s.parts);
+  s.total = s.p;
+  bool whole = true;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Body& body = *island.bodies[k];
+    Schur& schur = body.memory->schur;
+    if (schur.empty()) continue;
+    schur.move(s.parts[k], body.motion.dx.data());
+    whole = ((at_start && satisfySticks(body)) || satisfySticksAlongNew(body)) && whole;
+  }
+  s.joint.split(s.total, s.parts);
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) island.bodies[k]->total = s.parts[k];
+  return whole;
+}
+
+/// Solves for the candidates that are rows.
+bool solveRows(Island& island, double h) {
+  IslandScratch& s = island.s;
+  buildRows(island, h, true);
+  startTotals(island);
+  if (s.joint.size() == 0) return true;
+  evaluateGaps(island, h);
+  if (!anyCloses(island)) return true;
+  assemble(island, false);
+  warmStart(island, h);
+  double violation = 0;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    if (round > 0) {
+      evaluateGaps(island, h);
+      s.p = s.total;
+    }
+    if (!solveRound(island, true, false)) return false;
+    const double now = worst(island);
+    if (now < island.bodies[0]->tolerances.contact) return true;
+    if (round > 1 && now > kUnsettled && now > kProgress * violation) return true;
+    violation = now;
+  }
+  return true;
+}
+
+int countContacts(const Island& island) {
+  int contacts = 0;
+  for (int i = 0; i < island.s.joint.size(); ++i)
+    if (island.s.joint.row(i).kind == Schur::Row::Kind::kNormal && island.s.total[i] > 0)
+      ++contacts;
+  return contacts;
+}
+
+void rememberAll(Island& island, double h) {
+  for (Body* body : island.bodies) rememberImpulses(*body, h);
+  rememberPairs(island, h);
+}
+
+}  // namespace
+
+bool solvePositions(Island& island, double h, int& contacts) {
+  if (!hasCandidates(island)) {
+    forgetImpulses(island);
+    return true;
+  }
+  for (Body* body : island.bodies) body->free = body->motion;
+  island.pairs.active.assign(island.pairs.contacts.size(), 0);
+  for (int search = 0;; ++search) {
+    if (!solveRows(island, h)) return false;
+    const bool violated = activateViolated(island);
+    // What is reached on the way cuts the motion short: what lies beyond is not met.
+    const bool missed = !reachesComing(island) && findMissed(island, h);
+    if (!violated && !missed) break;
+    if (search + 1 == kMaxSearches) return false;         // smaller steps meet fewer things at once
+    if (search + 2 == kMaxSearches) activateAll(island);  // the last one solves for all
+    for (Body* body : island.bodies) body->motion = body->free;
+  }
+  if (worst(island) > kUnsettled) return false;
+  contacts += countContacts(island);
+  rememberAll(island, h);
+  return true;
+}
+
+bool solvePositionsImplicitly(Island& island, double h) {
+  if (!hasCandidates(island)) return true;
+  IslandScratch& s = island.s;
+  activateAll(island);
+  buildRows(island, h, false);
+  startTotals(island);
+  // Bodies that relaxation moves sank in more with it (test/laws/lying_start_test.cpp).
+  const bool on_and_on =
+      island.bodies[0]->overlaps == OverlapPolicy::kResolve && !island.context.relaxed;
+  double violation = worst(island);
+  bool done = violation < island.bodies[0]->tolerances.contact;
+  for (int round = 0; round < kImplicitRounds && !done; ++round) {
+    buildRows(island, h, false);
+    if (s.total.size() != s.joint.size()) startTotals(island);  // other rows
+    assemble(island, true);
+    evaluateGaps(island, h);
+    s.p = s.total;
+    if (!solveRound(island, false, on_and_on)) return false;
+    const double now = worst(island);
+    done = now < island.bodies[0]->tolerances.contact;
+    if (!done && round > 1 && now > kProgress * violation) break;
+    violation = now;
+  }
+  if (worst(island) > kUnsettled || findMissed(island, h)) return false;
+  rememberAll(island, h);
+  return true;
+}
+
+}  // namespace ragdoll

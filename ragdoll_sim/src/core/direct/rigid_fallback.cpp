@@ -1,0 +1,92 @@
+#include "core/direct/rigid_fallback.h"
+
+#include <algorithm>
+
+#include "core/direct/candidates.h"
+#include "core/direct/constants.h"
+#include "core/direct/energy.h"
+#include "core/direct/velocity_solver.h"
+#include "core/mechanics/joint_damping.h"
+
+namespace ragdoll {
+namespace {
+
+/// [m/s] of what several pins carry along, which need not be rigid.
+Points carriedVelocities(const Body& body) {
+  const std::vector<int>& pins = body.pinned->pins;
+  Points carried = Points::Zero(3, body.n);
+  if (pins.size() > 1)
+    for (std::size_t p = 0; p < pins.size(); ++p)
+      carried += body.saved.v.col(pins[p]) * body.system->pin_motion.row(p);
+  return carried;
+}
+
+/// The motion dx over t; motion.spin is shortened to what one motion can turn.
+void setRigidMotion(Body& body, const Points& start, const Points& carried, double t,
+                    RigidMotion& motion) {
+  const double angle = motion.spin.norm() * t;
+  if (angle > kLargestTurn) motion.spin *= kLargestTurn / angle;
+  Points& dx = body.motion.dx;
+  dx = t * carried;
+  if (angle > 0) {
+    const Eigen::AngleAxisd turn(std::min(angle, kLargestTurn), motion.spin.normalized());
+    dx +=
+        (turn.toRotationMatrix() - Eigen::Matrix3d::Identity()) * (start.colwise() - motion.centre);
+  }
+  dx.colwise() += t * motion.drift;
+}
+
+/// [m] by how much the motion goes deeper into anything than it was.
+double deepening(const Body& body) {
+  double deepest = 0;
+  for (const Contact& c : body.constraints.contacts) {
+    const double gap = gapAfter(body, c) + c.offset - c.found;  // none of it may stay
+    deepest = std::max(deepest, std::min(0.0, c.gap_start) - gap);
+  }
+  return deepest;
+}
+
+}  // namespace
+
+void moveRigidly(Island& island, double h, StepReport& report) {
+  ++report.rigid;
+  Body& body = *island.bodies[0];
+  const std::vector<int>& pins = body.pinned->pins;
+  const Points start = body.x(), v0 = body.v(), carried = carriedVelocities(body);
+  RigidMotion motion;
+  double t = h;
+  for (int i = 0; i < kMaxShortenings; ++i, t *= 0.5) {
+    if (i + 1 == kMaxShortenings) t = 0;
+    motion = rigidMotion(body.skeleton->M, pins, start, v0 + t * body.acceleration);
+    if (pins.size() > 1) motion.drift.setZero();
+    setRigidMotion(body, start, carried, t, motion);
+    if (!body.motion.dx.allFinite()) continue;
+    findCandidates(body, h);
+    if (deepening(body) < kTouchDepth) break;
+  }
+  if (!body.motion.dx.allFinite()) {
+    body.motion.dx.setZero();
+    findCandidates(body, h);  // those that are there may be another body's
+  }
+  body.cache.clear();
+  std::fill(body.multipliers(), body.multipliers() + 2 * body.rows->s, 0.0);
+  findTouching(body, 0);
+  body.x() += body.motion.dx;
+  motion.centre += t * motion.drift;
+  for (int i = 0; i < body.n; ++i)
+    body.v().col(i) = motion.velocityAt(body.x().col(i)) + carried.col(i);
+  BodyResponse& response = body.memory->response;
+  response.setEnd(body.xData());
+  response.projectAtEnd(body.vData());
+  solveVelocities(island, Stage::kMotion, 0);
+  response.endIsStart();
+  report.unresolved += !body.v().allFinite();
+  const bool touches = !pins.empty() || !body.touching.contacts.empty();
+  if (!body.v().allFinite() ||
+      (touches && gainedEnergy(body, 0) > kEnergyRounding * kineticEnergy(body))) {
+    body.limited = true;
+    body.v().setZero();
+  }
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,146 @@
+#include "core/direct/rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/direct/candidates.h"
+#include "core/direct/constants.h"
+
+namespace ragdoll {
+namespace {
+
+using Kind = Schur::Row::Kind;
+
+void buildContactRows(Body& body) {
+  ConstraintSet& set = body.constraints;
+  Schur& schur = body.memory->schur;
+  set.contact_row.assign(set.contacts.size(), -1);
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const Contact& c = set.contacts[i];
+    if (set.contact_role[i] == Role::kComing) continue;
+    if (set.contact_role[i] == Role::kIfNear && gapAfter(body, c) > kActiveGap &&
+        !body.cache.find(c))
+      continue;
+    set.contact_row[i] = schur.size();
+    schur.addContact(c, static_cast<int>(i));
+  }
+}
+
+void buildLimitRows(Body& body, double h, bool leapfrog) {
+  ConstraintSet& set = body.constraints;
+  Schur& schur = body.memory->schur;
+  const Model& model = body.context->model;
+  set.softness.resize(set.limits.size());
+  set.limit_row.assign(set.limits.size(), -1);
+  const Points& after = poseAfter(body);
+  LimitAngles::Pose& angles = anglesAfter(body);
+  for (std::size_t i = 0; i < set.limits.size(); ++i) {
+    LimitRow& limit = set.limits[i];
+    if (set.limit_role[i] == Role::kComing) continue;
+    if (set.limit_role[i] == Role::kIfNear && limit.compliance == 0 &&
+        angles[limit.limit] > kActiveAngle && !body.cache.find(limit))
+      continue;
+    // One that touches at the start pushes along its direction there, as the sticks do.
+    if (leapfrog && limit.compliance == 0 &&
+        std::abs(limit.before) < body.tolerances.touching_angle)
+      anglesBefore(body).evaluate(model, body.context->state.x, limit);
+    else
+      angles.evaluate(model, after, limit);
+    set.softness[i] = leapfrog ? limit.middleSoftness(h) : limit.eulerSoftness(h);
+    set.limit_row[i] = schur.size();
+    schur.addLimit(limit, static_cast<int>(i), set.softness[i].compliance);
+  }
+}
+
+CachedImpulse keyOfRow(const Body& body, const Schur::Row& row) {
+  return row.kind == Kind::kLimit ? keyOf(body.constraints.limits[row.source])
+                                  : keyOf(body.constraints.contacts[row.source]);
+}
+
+}  // namespace
+
+void buildRows(Body& body, double h, bool leapfrog) {
+  body.memory->schur.start(body.first);
+  buildContactRows(body);
+  buildLimitRows(body, h, leapfrog);
+  body.constraints.own_rows = body.memory->schur.size();
+}
+
+void evaluateGaps(Body& body, double h) {
+  const double share = h / body.context->h;
+  const ConstraintSet& set = body.constraints;
+  const Schur& schur = body.memory->schur;
+  body.b.resize(set.own_rows);
+  const LimitAngles::Pose& angles = anglesAfter(body);
+  for (int i = 0; i < set.own_rows; ++i) {
+    const Schur::Row& row = schur.row(i);
+    if (row.kind == Kind::kLimit) {
+      const LimitRow& limit = set.limits[row.source];
+      body.b[i] = angles[limit.limit] + limit.opening + set.softness[row.source].offset +
+                  row.compliance * body.total[i];
+    } else if (row.kind == Kind::kNormal) {
+      body.b[i] = gapAfter(body, set.contacts[row.source]);
+    } else {
+      const Contact& c = set.contacts[row.source];
+      body.b[i] =
+          schur.along(i, body.motion.dx.data()) - row.direction.dot(share * c.surface_motion);
+    }
+  }
+}
+
+bool anyCloses(const Body& body) {
+  for (int i = 0; i < body.constraints.own_rows; ++i)
+    if (body.memory->schur.row(i).kind != Kind::kTangent && body.b[i] < 0) return true;
+  return false;
+}
+
+double worstViolation(Body& body) {
+  const ConstraintSet& set = body.constraints;
+  double worst = 0;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i)
+    if (set.contact_row[i] >= 0) worst = std::max(worst, -gapAfter(body, set.contacts[i]));
+  const LimitAngles::Pose& angles = anglesAfter(body);
+  for (std::size_t i = 0; i < set.limits.size(); ++i) {
+    const LimitRow& limit = set.limits[i];
+    if (set.limit_row[i] >= 0 && limit.compliance == 0)
+      worst = std::max(worst, -(angles[limit.limit] + limit.opening) * kLever);
+  }
+  return worst;
+}
+
+void warmStart(const Body& body, double h, Eigen::Ref<Eigen::VectorXd> p) {
+  p.setZero();
+  if (body.cache.empty()) return;
+  const Schur& schur = body.memory->schur;
+  const CachedImpulse* last = nullptr;
+  for (int i = 0; i < body.constraints.own_rows; ++i) {
+    const Schur::Row& row = schur.row(i);
+    if (row.kind != Kind::kTangent) last = body.cache.find(keyOfRow(body, row));
+    if (!last) continue;
+    if (row.kind == Kind::kLimit)
+      p[i] = last->impulse.x() * h * h;
+    else
+      p[i] = last->impulse.dot(row.direction) * h * h;
+    if (row.kind == Kind::kNormal) p[i] = std::max(0.0, p[i]);
+  }
+}
+
+void rememberImpulses(Body& body, double h) {
+  body.cache.clear();
+  bool pressed = false;  // the contact whose friction follows
+  for (int i = 0; i < body.constraints.own_rows; ++i) {
+    const Schur::Row& row = body.memory->schur.row(i);
+    const double force = body.total[i] / (h * h);
+    if (row.kind == Kind::kTangent) {
+      if (pressed && force != 0) body.cache.last().impulse += force * row.direction;
+      continue;
+    }
+    pressed = row.kind == Kind::kNormal && force != 0;
+    if (force == 0) continue;
+    body.cache.add(keyOfRow(body, row));
+    body.cache.last().impulse =
+        row.kind == Kind::kLimit ? Vec3(force, 0, 0) : Vec3(force * row.direction);
+  }
+}
+
+}  // namespace ragdoll

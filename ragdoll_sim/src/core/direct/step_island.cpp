@@ -1,0 +1,105 @@
+#include "core/direct/step_island.h"
+
+#include <algorithm>
+
+#include "core/direct/begin_step.h"
+#include "core/direct/constants.h"
+#include "core/direct/energy.h"
+#include "core/direct/smooth_motion.h"
+#include "core/direct/stability.h"
+#include "core/direct/trial.h"
+
+namespace ragdoll {
+namespace {
+
+using Way = SubstepControl::Way;
+
+/// What is to become of a trial.
+struct Verdict {
+  bool accepted = false;
+  double gain = 0;  ///< [J] to be taken out
+};
+
+/// Whether anything pressed in the trial.
+bool presses(const Island& island) {
+  return std::any_of(island.bodies.begin(), island.bodies.end(),
+                     [](const Body* body) { return !body->cache.empty(); });
+}
+
+Verdict judgeExplicit(Island& island, const Trial& trial, const SubstepControl& control) {
+  const bool smooth = isSmooth(island);
+  const auto any = [&](const auto& is) {
+    return std::any_of(island.bodies.begin(), island.bodies.end(),
+                       [&](Body* body) { return is(*body); });
+  };
+  const double h = control.substep(), took = trial.took;
+  const bool steady = smooth && !any([&](Body& body) { return swings(body, took); });
+  const double gain = steady ? 0 : explicitGain(island, smooth);
+  const bool large = isLargeGain(island, gain, smooth);
+  if (control.canHalve() && (large || any([&](Body& body) { return exceedsStable(body, h, 2); })))
+    return {false, 0};
+  if (control.canHalveTwice() && any([&](Body& body) { return tensionJumped(body, took); }))
+    return {false, 0};
+  // What leapfrog's energy swings by comes back; not so what limits that press have given it.
+  const bool comes_back = smooth && !(large && presses(island));
+  return {true, comes_back ? 0 : std::max(0.0, gain)};
+}
+
+Verdict judgeImplicit(Island& island) {
+  const double gain = implicitGain(island);
+  // Another solution than the one sought: not to be taken out.
+  return {!(gain > wildGain(island)), std::max(0.0, gain)};
+}
+
+/// Whether a trial may stand, and what it gained.
+Verdict judge(Island& island, const Trial& trial, const SubstepControl& control) {
+  if (!trial.ok) return {false, 0};
+  if (control.way() == Way::kExplicit) return judgeExplicit(island, trial, control);
+  if (control.way() == Way::kImplicit) return judgeImplicit(island);
+  return {true, 0};
+}
+
+bool isLimited(const Island& island) {
+  return std::any_of(island.bodies.begin(), island.bodies.end(),
+                     [](const Body* body) { return body->limited; });
+}
+
+/// Explicit steps as they come, to measure what the guard costs.
+void stepUnguarded(Island& island) {
+  double left = island.context.h;
+  while (left > kNothingLeft * island.context.h) left -= takeExplicitTrial(island, left, 0).took;
+}
+
+}  // namespace
+
+void takeSubsteps(Island& island, double h, StepReport& report) {
+  SubstepControl control(island, h);
+  while (!control.done()) {
+    save(island);
+    const Trial trial = takeTrial(island, control, report);
+    const Verdict verdict = judge(island, trial, control);
+    if (!verdict.accepted || !removeEnergy(island, verdict.gain)) {
+      restore(island);
+      control.retry();
+      continue;
+    }
+    control.accept(trial.took);
+    report.contacts += trial.contacts;
+  }
+  control.tell(report);
+  if (control.guarded() || isLimited(island))
+    for (Body* body : island.bodies) makeAffine(*body);  // rigid velocities carry what is off it
+}
+
+void stepIsland(Island& island, StepReport& report) {
+  beginStep(island, report);
+  const SolverSpec& solver = island.context.model.solver;
+  if (!island.context.guarded)
+    stepUnguarded(island);
+  else if (solver.method == Method::kRk && solver.tolerance > 0 && island.isLone())
+    stepWithinTolerance(island, island.context.h, report);
+  else
+    takeSubsteps(island, island.context.h, report);
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,16 @@
+// A step of an island, a lone body among them: what begins it, its substeps, what ends it.
+#pragma once
+
+#include "core/direct/island.h"
+#include "ragdoll_sim/core/step_report.h"
+
+namespace ragdoll {
+
+/// Moves the island by the whole step.
+void stepIsland(Island& island, StepReport& report);
+
+/// Moves it by h, a part of the step, under the step guard: a trial that fails, gains energy or
+/// whose tension outgrew its substep is taken back and done again (substep_control.h).
+void takeSubsteps(Island& island, double h, StepReport& report);
+
+}  // namespace ragdoll

@@ -1,0 +1,116 @@
+#include "core/direct/substep_control.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/direct/candidates.h"
+#include "core/direct/constants.h"
+#include "core/direct/stability.h"
+
+namespace ragdoll {
+namespace {
+
+/// Substeps that keep all bodies' h Omega below kStable; also not a number.
+double wantedSubsteps(Island& island, double h) {
+  double wanted = 1;
+  for (Body* body : island.bodies) {
+    const double own = isSoft(*body, h) ? 1 : std::ceil(h * std::sqrt(stiffness(*body)) / kStable);
+    if (std::isnan(own)) return own;
+    wanted = std::max(wanted, own);
+  }
+  return wanted;
+}
+
+bool isDriven(const Island& island) {
+  return std::any_of(island.bodies.begin(), island.bodies.end(),
+                     [](const Body* body) { return body->driven; });
+}
+
+}  // namespace
+
+SubstepControl::SubstepControl(Island& island, double h)
+    : island_(island), h_(h), substep_(h), left_(h) {
+  const double wanted = wantedSubsteps(island, h);
+  if (!island.context.relaxed && wanted <= kMaxSubsteps) {
+    substep_ = h / wanted;
+  } else {
+    way_ = Way::kImplicit;
+    guarded_ = true;
+  }
+}
+
+bool SubstepControl::done() const { return !(left_ > kNothingLeft * h_); }
+
+int SubstepControl::most() const {
+  if (island_.isLone() && isSqueezed(*island_.bodies[0])) return 1;
+  return isDriven(island_) ? kMaxDriven : kMaxSubsteps;
+}
+
+bool SubstepControl::canHalve() const {
+  const bool squeezed = island_.isLone() && isSqueezed(*island_.bodies[0]);
+  return substep_ > 1.01 * h_ / (squeezed ? 1 : kMaxSubsteps);
+}
+
+bool SubstepControl::canHalveTwice() const { return 0.5 * substep_ > 0.99 * h_ / most(); }
+
+void SubstepControl::accept(double took) {
+  left_ -= took;
+  ++taken_;
+  substep_ = std::min(substep_, left_);
+}
+
+void SubstepControl::goTo(Way way) {
+  way_ = way;
+  guarded_ = true;
+  substep_ = left_;
+}
+
+bool SubstepControl::ignoreMore() {
+  Body& body = *island_.bodies[0];
+  if (!island_.isLone()) return false;
+  if (body.overlaps < OverlapPolicy::kIgnoreAll && body.constraints.overlap >= kTouching)
+    body.overlaps = OverlapPolicy::kIgnoreAll;
+  else if (body.overlaps == OverlapPolicy::kIgnoreAll && body.pin_speed > 0)
+    body.overlaps = OverlapPolicy::kPassThrough;
+  else
+    return false;
+  return true;
+}
+
+void SubstepControl::retry() {
+  Body& body = *island_.bodies[0];
+  if (island_.isLone() && hasNoWayOut(body)) {
+    body.overlaps = OverlapPolicy::kIgnoreDeep;
+    substep_ = left_;
+    return;
+  }
+  if (way_ == Way::kExplicit) {
+    substep_ *= 0.5;
+    if (substep_ < 0.99 * h_ / most()) goTo(Way::kImplicit);
+    return;
+  }
+  substep_ *= 0.25;
+  const int pieces = most() == kMaxSubsteps ? kMaxImplicitSubsteps : most();
+  if (substep_ >= 0.99 * h_ / pieces) return;
+  if (ignoreMore())
+    substep_ = left_;
+  else
+    goTo(island_.isLone() ? Way::kRigid : Way::kAlone);
+}
+
+void SubstepControl::tell(StepReport& report) const {
+  int located = 0;
+  bool limited = false, ignored = false;
+  for (const Body* body : island_.bodies) {
+    located = std::max(located, body->located);
+    limited = limited || body->limited;
+    ignored = ignored || body->overlaps != OverlapPolicy::kResolve;
+  }
+  const int size = static_cast<int>(island_.bodies.size());
+  report.substeps = std::max(report.substeps, taken_);
+  if (guarded_ || ignored || taken_ > 1 + located) report.guarded += size;
+  if (limited) report.limited += size;
+  report.unresolved += ignored;
+}
+
+}  // namespace ragdoll

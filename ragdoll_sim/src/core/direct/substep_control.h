@@ -1,0 +1,58 @@
+// Which method takes the next substep, how long it is, and what follows when it fails: the step
+// guard (docs/equations.md#guard).
+//
+//   method    a failed trial is done again    down to          and then
+//   explicit  at half                         h / most         implicitly, over all that is left
+//   implicit  at a quarter                    h / (4 most)     with more overlaps ignored; then
+//                                                              rigidly (alone, if there are others)
+//   rigid     cannot fail
+//
+// most: kMaxSubsteps; kMaxDriven while obstacles or pins move, which leave no solution sooner; 1
+// for a squeezed body, for which smaller steps find none.
+#pragma once
+
+#include "core/direct/island.h"
+#include "ragdoll_sim/core/step_report.h"
+
+namespace ragdoll {
+
+class SubstepControl {
+ public:
+  enum class Way { kExplicit, kImplicit, kRigid, kAlone };
+
+  /// Over h, a part of the step or all of it.
+  SubstepControl(Island& island, double h);
+
+  bool done() const;
+  Way way() const { return way_; }
+  double substep() const { return substep_; }  ///< [s] of the next trial
+  double left() const { return left_; }        ///< [s]
+  int taken() const { return taken_; }
+  bool guarded() const { return guarded_; }  ///< some trial was not explicit
+
+  /// Whether the trial may be done again at half by the same method: at all; and so that what its
+  /// tension has become is halved once more.
+  bool canHalve() const;
+  bool canHalveTwice() const;
+
+  void accept(double took);
+  /// After a failed trial that has been taken back.
+  void retry();
+  void tell(StepReport& report) const;
+
+ private:
+  int most() const;
+  /// Ignores more of what overlaps; false: nothing is left to ignore.
+  bool ignoreMore();
+  /// The next way, over all that is left.
+  void goTo(Way way);
+
+  Island& island_;
+  const double h_;
+  Way way_ = Way::kExplicit;
+  double substep_, left_;
+  int taken_ = 0;
+  bool guarded_ = false;
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,138 @@
+#include "core/direct/trial.h"
+
+#include <algorithm>
+
+#include "core/direct/candidates.h"
+#include "core/direct/constants.h"
+#include "core/direct/energy.h"
+#include "core/direct/impact.h"
+#include "core/direct/implicit.h"
+#include "core/direct/motion.h"
+#include "core/direct/position_solver.h"
+#include "core/direct/rigid_fallback.h"
+#include "core/direct/smooth_motion.h"
+#include "core/direct/step_island.h"
+#include "core/direct/velocity_solver.h"
+#include "core/direct/workspace.h"
+
+namespace ragdoll {
+namespace {
+
+using Way = SubstepControl::Way;
+
+bool isFinite(const Island& island) {
+  return std::all_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
+    return body->x().allFinite() && body->v().allFinite();
+  });
+}
+
+bool freeMotions(Island& island, double h) {
+  bool whole = true;
+  for (Body* body : island.bodies) whole = freeMotion(*body, h) && whole;
+  return whole;
+}
+
+/// Moves to what is reached first and takes its impact.
+Trial moveToImpact(Island& island, const Impact& impact, double h) {
+  takeImpact(island, impact);
+  Trial trial{std::max(impact.time, kSnap * h)};
+  if (!(impact.time > 0)) {
+    bounce(island);
+    return trial;
+  }
+  for (Body* body : island.bodies) limitDepenetration(*body, impact.time, h);
+  for (Contact& pair : island.pairs.contacts) limitDepenetration(island, pair, impact.time);
+  trial.ok =
+      freeMotions(island, impact.time) && solvePositions(island, impact.time, trial.contacts);
+  if (trial.ok) finishMotion(island, impact.time, true, Stage::kImpact);
+  return trial;
+}
+
+/// SHAKE and RATTLE over h, or to the first impact.
+Trial leapfrog(Island& island, double h, int taken) {
+  Trial trial{h};
+  for (Body* body : island.bodies) body->memory->response.setStart(body->xData());
+  const bool whole = freeMotions(island, h);
+  findCandidates(island, h);
+  if (!whole) return {h, false};
+  Impact impact{2 * h, nullptr};
+  if (taken < kMaxDeepImpacts) impact = firstDeepPair(island, h);
+  if (impact.time > h) {
+    findComing(island, h);
+    if (!solvePositions(island, h, trial.contacts)) return {h, false};
+    impact = firstImpact(island, h);
+  }
+  if (impact.time <= h) return moveToImpact(island, impact, h);
+  finishMotion(island, h, true, Stage::kMotion);
+  return trial;
+}
+
+/// What is left of an implicit step for the next explicit one.
+void keepTension(Island& island, double h) {
+  for (Body* body : island.bodies) {
+    double* m = body->multipliers();
+    const int s = body->rows->s;
+    for (int k = 0; k < s; ++k) m[k] = m[k + s] = body->motion.lambda[k] / (h * h);
+  }
+}
+
+/// Backward Euler over h.
+Trial implicitTrial(Island& island, double h, StepReport& report) {
+  bool found = true;
+  for (Body* body : island.bodies) {
+    ++report.implicit;
+    body->cache.clear();
+    body->total.resize(0);
+    found = solveImplicitMotion(*body, h) && found;
+  }
+  island.s.total.resize(0);
+  island.pairs.cache.clear();
+  if (!found) return {h, false};
+  findCandidates(island, h);
+  if (!solvePositionsImplicitly(island, h)) return {h, false};
+  finishMotion(island, h, false, Stage::kMotion);
+  keepTension(island, h);
+  return {h, isFinite(island)};
+}
+
+/// Where all else fails: each body by itself, as if the others were not there.
+void stepEachAlone(Island& island, double h, StepReport& report) {
+  island.pairs.cache.clear();
+  island.pairs.touching.clear();
+  for (Body* body : island.bodies) {
+    Island alone(island.context, island.context.ws.lone);
+    bindLone(alone, *body);
+    takeSubsteps(alone, h, report);
+  }
+  ++report.unresolved;
+}
+
+}  // namespace
+
+Trial takeExplicitTrial(Island& island, double h, int taken) {
+  Trial trial;
+  if (island.context.model.solver.method == Method::kRk && island.isLone()) {
+    const SmoothTrial smooth = moveSmoothly(island, h);
+    trial = {smooth.took, smooth.ok, 0};
+  }
+  if (trial.ok && trial.took == 0) trial = leapfrog(island, h, taken);
+  trial.ok = trial.ok && isFinite(island);
+  return trial;
+}
+
+Trial takeTrial(Island& island, const SubstepControl& control, StepReport& report) {
+  switch (control.way()) {
+    case Way::kExplicit:
+      return takeExplicitTrial(island, control.substep(), control.taken());
+    case Way::kImplicit:
+      return implicitTrial(island, control.substep(), report);
+    case Way::kRigid:
+      moveRigidly(island, control.substep(), report);
+      return {control.substep()};
+    case Way::kAlone:
+      stepEachAlone(island, control.left(), report);
+  }
+  return {control.left()};
+}
+
+}  // namespace ragdoll

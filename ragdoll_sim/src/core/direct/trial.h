@@ -1,0 +1,23 @@
+// One substep as it comes: whether it may stand is judged afterwards (step_island.h).
+#pragma once
+
+#include "core/direct/island.h"
+#include "core/direct/substep_control.h"
+#include "ragdoll_sim/core/step_report.h"
+
+namespace ragdoll {
+
+/// What a trial came to.
+struct Trial {
+  double took = 0;   ///< [s]
+  bool ok = true;    ///< false: no motion was found
+  int contacts = 0;  ///< that pressed
+};
+
+/// By the control's way, over its substep or to the first impact.
+Trial takeTrial(Island& island, const SubstepControl& control, StepReport& report);
+
+/// The explicit one over h; taken: substeps before it.
+Trial takeExplicitTrial(Island& island, double h, int taken);
+
+}  // namespace ragdoll

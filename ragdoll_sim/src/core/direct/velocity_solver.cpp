@@ -1,0 +1,235 @@
+#include "core/direct/velocity_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/direct/candidates.h"
+#include "core/direct/constants.h"
+#include "core/direct/motion.h"
+#include "core/direct/pair_rows.h"
+
+namespace ragdoll {
+namespace {
+
+using Kind = Schur::Row::Kind;
+
+void buildTouchingRows(Body& body, double h) {
+  Schur& schur = body.memory->schur;
+  schur.start(body.first);
+  for (std::size_t i = 0; i < body.touching.contacts.size(); ++i)
+    schur.addContact(body.touching.contacts[i], static_cast<int>(i));
+  for (std::size_t i = 0; i < body.touching.limits.size(); ++i) {
+    const LimitRow& limit = body.touching.limits[i];
+    if (limit.compliance == 0)
+      schur.addLimit(limit, static_cast<int>(i), 0);
+    else  // the damper may take back what the spring gave, no more: the two together only push
+      schur.addLimit(limit, static_cast<int>(i), 2 / (h * limit.damping),
+                     -0.5 * h * limit.springTorque());
+  }
+  body.constraints.own_rows = schur.size();
+}
+
+/// body.b <- the rates [m/s], [rad/s] at which the own rows open.
+void evaluateRates(Body& body) {
+  const Schur& schur = body.memory->schur;
+  body.b.resize(body.constraints.own_rows);
+  for (int i = 0; i < body.constraints.own_rows; ++i) {
+    const Schur::Row& row = schur.row(i);
+    body.b[i] = schur.along(i, body.vData());
+    if (row.kind != Kind::kLimit)
+      body.b[i] -=
+          row.direction.dot(body.touching.contacts[row.source].surface_motion) / body.context->h;
+  }
+}
+
+/// Whether what the row stands for did not touch at the motion's start.
+bool isHitNow(const Body& body, const Schur::Row& row) {
+  if (row.kind == Kind::kLimit) {
+    const LimitRow& limit = body.touching.limits[row.source];
+    return limit.compliance == 0 && limit.before >= body.tolerances.touching_angle;
+  }
+  return body.touching.contacts[row.source].before >= body.tolerances.touching;
+}
+
+/// Locks the rows of what is just hit, at no impulse.
+void lockHit(Body& body) {
+  Schur& schur = body.memory->schur;
+  for (int i = 0; i < body.constraints.own_rows; ++i)
+    if (isHitNow(body, schur.row(i))) {
+      schur.lock(i);
+      body.touching.warm[i] = 0;
+    }
+}
+
+/// [m/s] approach above which a contact bounces: slower is rest.
+double bounceSpeed(const StepContext& step, const Contact& c) {
+  return kBounceSteps * step.h * std::abs(c.normal.dot(step.model.gravity));
+}
+
+/// Newton's impact law: rates after the impact, and all rows free but those of springs.
+void evaluateImpact(Body& body) {
+  Schur& schur = body.memory->schur;
+  evaluateRates(body);
+  for (int i = 0; i < body.constraints.own_rows; ++i) {
+    const Schur::Row& row = schur.row(i);
+    schur.lock(i, row.compliance > 0);
+    if (row.kind != Kind::kNormal || body.located > kMaxBounces) continue;
+    const Contact& c = body.touching.contacts[row.source];
+    if (-body.b[i] > bounceSpeed(*body.context, c)) body.b[i] *= 1 + c.restitution;
+  }
+}
+
+void keepTouchingContacts(Body& body, double h) {
+  const ConstraintSet& set = body.constraints;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const Contact& c = set.contacts[i];
+    if (gapAfter(body, c) >= body.tolerances.touching && set.contact_role[i] != Role::kHit)
+      continue;
+    body.touching.contacts.push_back(c);
+    const int row = h > 0 && i < set.contact_row.size() ? set.contact_row[i] : -1;
+    for (int k = 0; k < (c.friction > 0 ? 3 : 1); ++k)
+      body.touching.warm.push_back(row >= 0 && row + k < body.total.size() ? body.total[row + k] / h
+                                                                           : 0.0);
+  }
+}
+
+void keepTouchingLimits(Body& body, double h) {
+  const ConstraintSet& set = body.constraints;
+  if (set.limits.empty()) return;
+  const Points& after = poseAfter(body);
+  LimitAngles::Pose& angles = anglesAfter(body);
+  for (std::size_t i = 0; i < set.limits.size(); ++i) {
+    const LimitRow& limit = set.limits[i];
+    if (limit.compliance > 0) continue;
+    if (angles[limit.limit] + limit.opening >= body.tolerances.touching_angle &&
+        set.limit_role[i] != Role::kHit)
+      continue;
+    body.touching.limits.push_back(limit);
+    angles.evaluate(body.context->model, after, body.touching.limits.back());
+    const int row = h > 0 && i < set.limit_row.size() ? set.limit_row[i] : -1;
+    body.touching.warm.push_back(row >= 0 && row < body.total.size() ? body.total[row] / h : 0.0);
+  }
+}
+
+void findTouchingPairs(Island& island, double h) {
+  PairSet& pairs = island.pairs;
+  pairs.touching.clear();
+  pairs.warm.clear();
+  for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
+    if (pairGapAfter(island, pairs.contacts[i]) >= island.bodies[0]->tolerances.touching) continue;
+    pairs.touching.push_back(pairs.contacts[i]);
+    const bool known = h > 0 && i < pairs.row.size() && pairs.row[i] >= 0 &&
+                       pairs.row[i] + 2 < island.s.total.size();
+    for (int k = 0; k < 3; ++k)
+      pairs.warm.push_back(known ? island.s.total[pairs.row[i] + k] / h : 0.0);
+  }
+}
+
+/// island.s.b and .p for the pairs' rows, which begin at `first`.
+void evaluatePairRates(Island& island, int first, bool impact) {
+  IslandScratch& s = island.s;
+  const Points& v = island.context.state.v;
+  for (std::size_t i = 0; i < island.pairs.touching.size(); ++i) {
+    const Contact& c = island.pairs.touching[i];
+    Vec3 rate = Vec3::Zero();
+    for (int k = 0; k < 4; ++k) rate += c.weight[k] * v.col(c.particle[k]);
+    for (int d = 0; d < 3; ++d) {
+      const int row = first + 3 * static_cast<int>(i) + d;
+      s.b[row] = s.joint.row(row).direction.dot(rate);
+      if (!impact) s.p[row] = island.pairs.warm[3 * i + d];
+    }
+  }
+}
+
+/// One solution of the rates and what it does to velocities.
+void pushVelocities(Island& island, int first_pair, bool impact) {
+  IslandScratch& s = island.s;
+  s.b.resize(s.joint.size());
+  s.p.setZero(s.joint.size());
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Body& body = *island.bodies[k];
+    if (impact)
+      evaluateImpact(body);
+    else
+      evaluateRates(body);
+    const int first = s.joint.firstOf(static_cast<int>(k)), rows = body.constraints.own_rows;
+    s.b.segment(first, rows) = body.b;
+    if (!impact)
+      s.p.segment(first, rows) = Eigen::Map<const Eigen::VectorXd>(body.touching.warm.data(), rows);
+  }
+  evaluatePairRates(island, first_pair, impact);
+  s.joint.solve(s.b, s.p);
+  s.joint.split(s.p, s.parts);
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Schur& schur = island.bodies[k]->memory->schur;
+    if (!schur.empty()) schur.move(s.parts[k], island.bodies[k]->vData());
+  }
+}
+
+}  // namespace
+
+void findTouching(Body& body, double h) {
+  body.touching.clear();
+  keepTouchingContacts(body, h);
+  keepTouchingLimits(body, h);
+}
+
+void releaseSprings(Body& body, double h) {
+  if (body.constraints.limits.empty()) return;
+  const Points& after = poseAfter(body);
+  for (LimitRow limit : body.constraints.limits) {
+    if (limit.compliance == 0) continue;
+    anglesAfter(body).evaluate(body.context->model, after, limit);
+    const double torque = limit.springTorque();
+    if (torque == 0) continue;
+    for (int k = 0; k < limit.count; ++k)
+      body.v() += (0.5 * h * torque) * limit.gradient[k] *
+                  body.system->W.row(limit.particle[k] - body.first);
+    if (limit.damping == 0) continue;
+    body.touching.limits.push_back(limit);
+    body.touching.warm.push_back(0);
+  }
+}
+
+void finishMotion(Island& island, double h, bool leapfrog, Stage stage) {
+  findTouchingPairs(island, h);
+  for (Body* body : island.bodies) makeMotion(*body, h, leapfrog);
+  solveVelocities(island, stage, h);
+  for (Body* body : island.bodies) body->memory->response.endIsStart();
+}
+
+void bounce(Island& island) {
+  for (Body* body : island.bodies) {
+    body->motion.dx.setZero(3, body->n);
+    body->memory->response.setStart(body->xData());
+    findTouching(*body, 0);
+  }
+  findTouchingPairs(island, 0);
+  solveVelocities(island, Stage::kBounce, 0);
+}
+
+void solveVelocities(Island& island, Stage stage, double h) {
+  JointSchur& joint = island.s.joint;
+  joint.clear();
+  for (Body* body : island.bodies) {
+    buildTouchingRows(*body, h);
+    joint.addBody(body->memory->schur);
+  }
+  const int first_pair = joint.size();
+  for (std::size_t i = 0; i < island.pairs.touching.size(); ++i)
+    addPairRows(island, island.pairs.touching[i], static_cast<int>(i));
+  if (joint.size() == 0) return;
+  for (Body* body : island.bodies) {
+    BodyMemory& memory = *body->memory;
+    if (!memory.schur.empty()) memory.response.assemble(memory.schur, stage != Stage::kBounce);
+  }
+  if (stage != Stage::kBounce) {
+    // What pressed all the while does so until the impact, which is not to take that back.
+    if (stage == Stage::kImpact)
+      for (Body* body : island.bodies) lockHit(*body);
+    pushVelocities(island, first_pair, false);
+  }
+  if (stage != Stage::kMotion) pushVelocities(island, first_pair, true);
+}
+
+}  // namespace ragdoll

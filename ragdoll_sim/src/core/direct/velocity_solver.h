@@ -1,0 +1,32 @@
+// The velocity stage: no touching contact approaches, none slips more than friction allows; at an
+// impact the fast ones bounce, by Newton's law (docs/equations.md#contacts-and-limits).
+#pragma once
+
+#include "core/direct/island.h"
+
+namespace ragdoll {
+
+/// Which velocities are solved for.
+enum class Stage {
+  kMotion,  ///< at the end of a motion over h
+  kImpact,  ///< the same, where something is hit: what pressed over h does its part before
+  kBounce,  ///< an impact at the present pose, without a motion
+};
+
+/// Keeps what touches at the end of the motion over h, with the position stage's impulses; the
+/// rest does not act on velocities. h = 0: without impulses.
+void findTouching(Body& body, double h);
+
+/// Springs of soft limits act on velocities; those with a damper join what touches.
+void releaseSprings(Body& body, double h);
+
+/// Makes the motions over h and solves their velocities.
+void finishMotion(Island& island, double h, bool leapfrog, Stage stage);
+
+/// Newton's impact law at the present pose for what touches.
+void bounce(Island& island);
+
+/// Velocities of what touches at the end pose, which the response holds.
+void solveVelocities(Island& island, Stage stage, double h);
+
+}  // namespace ragdoll

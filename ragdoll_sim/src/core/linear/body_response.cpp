@@ -1,0 +1,62 @@
+#include "core/linear/body_response.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ragdoll {
+namespace {
+
+constexpr int kMaxNewton = 25;     ///< iterations; 2 to 4 are usual
+constexpr double kDiverged = 1e6;  ///< relative error of a squared length: no way back from there
+
+}  // namespace
+
+void BodyResponse::bind(const DirectSystem& system) {
+  rows_ = system.rows.get();
+  condition_ = system.condition;
+  start_.resize(*rows_);
+  end_.resize(*rows_);
+}
+
+double BodyResponse::startLength2(int stick) const {
+  return Eigen::Map<const PaddedRows>(start_.D(), 3, rows_->width).col(stick).squaredNorm();
+}
+
+bool BodyResponse::alongStart(const StickLengths& lengths, Points& dx, Eigen::VectorXd& lambda) {
+  const StickRows& rows = *rows_;
+  D1_.resize(3, rows.width);
+  kernels::multiplyPoints(dx.data(), rows.BT.data(), rows.n, rows.width, D1_.data());
+  D1_ += Eigen::Map<const PaddedRows>(start_.D(), 3, rows.width);
+  residual_.setZero(rows.width);
+  correction_.setZero(rows.width);
+  for (int iteration = 0; iteration < kMaxNewton; ++iteration) {
+    const double worst = kernels::lengthResiduals(
+        D1_.data(), lengths.length2, lengths.inverse_length2, rows.width, residual_.data());
+    if (worst < kTolerance) {
+      if (iteration == 0) return true;
+      lambda += correction_;
+      start_.move(rows, correction_.data(), 1, dx.data());
+      return true;
+    }
+    if (!(worst < kDiverged)) return false;
+    start_.solve(rows, residual_.data());
+    correction_ += residual_;
+    start_.moveSticks(rows, residual_.data(), D1_.data());
+  }
+  return false;
+}
+
+double BodyResponse::endResiduals(const StickLengths& lengths) {
+  const Eigen::Map<const PaddedRows> D(end_.D(), 3, rows_->width);
+  double worst = 0;
+  residual_.setZero(rows_->width);
+  for (int s = 0; s < rows_->s; ++s) {
+    // (L / |d| - 1) |d|^2: the length itself, not its square, so that far sticks come in evenly.
+    const double q = std::max(D.col(s).squaredNorm(), kMinLength * kMinLength);
+    residual_[s] = std::sqrt(lengths.length2[s] * q) - q;
+    worst = std::max(worst, std::abs(lengths.length2[s] - q) / lengths.length2[s]);
+  }
+  return worst;
+}
+
+}  // namespace ragdoll

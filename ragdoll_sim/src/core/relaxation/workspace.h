@@ -1,0 +1,30 @@
+// Memory of the relaxation, sized by the first step.
+#pragma once
+
+#include <vector>
+
+#include "core/contact/detect.h"
+#include "core/contact/pair_detect.h"
+#include "core/limits/limit_projection.h"
+#include "core/mechanics/energy_gain.h"
+#include "core/relaxation/projection.h"
+
+namespace ragdoll {
+
+struct RelaxationWorkspace {
+  Points x0, v0;        ///< at the step's start
+  Points x1, v1;        ///< after free motion
+  Points acceleration;  ///< of one ragdoll
+  std::vector<Contact> contacts;
+  PairDetector pairs;
+  LimitProjection limits;
+  ContactProjection projection;
+  // Of its guard.
+  Points moved, force;
+  EnergyScratch energy;
+  std::vector<Contact> passed;
+  std::vector<SweptObstacle> obstacles;
+  std::vector<int> bodies;
+};
+
+}  // namespace ragdoll
