@@ -14,7 +14,8 @@ namespace {
 
 std::string compiler() {
 #if defined(__clang__)
-  return "clang " __clang_version__;
+  std::string text = "clang " __clang_version__;
+  return text.substr(0, text.find_last_not_of(' ') + 1);
 #elif defined(__GNUC__)
   return "gcc " __VERSION__;
 #else
