@@ -1,9 +1,9 @@
-#include "ragdoll_sim/ros/attachments.h"
+#include "attachments.h"
 
 #include <ros/console.h>
 
+#include "answer.h"
 #include "ragdoll_sim/core/error.h"
-#include "ragdoll_sim/ros/answer.h"
 
 namespace ragdoll {
 namespace {

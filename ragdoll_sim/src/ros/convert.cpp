@@ -7,6 +7,7 @@
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/number_text.h"
+#include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
 
@@ -157,22 +158,6 @@ ragdoll_msgs::PokeEvent toPokeEvent(const Event& event, const std_msgs::Header& 
   return m;
 }
 
-std::string shown(const Vec3& v) {
-  return "(" + numberText(v.x()) + ", " + numberText(v.y()) + ", " + numberText(v.z()) + ")";
-}
-
-std::string listed(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 20;  // more helps nobody
-  if (names.size() <= kMost) return joined(names);
-  return joined({names.begin(), names.begin() + kMost}) + " and " +
-         std::to_string(names.size() - kMost) + " more";
-}
-
-void checkFinite(const Vec3& v, const char* name, const char* unit) {
-  if (!v.allFinite())
-    throw Error(name, "is " + shown(v) + "; it must be three finite numbers " + unit);
-}
-
 namespace {
 
 /// The numbers as they are: another rounding would make another motion.
@@ -298,10 +283,6 @@ void toMarker(const CoatShape& shape, visualization_msgs::Marker& marker) {
       }
       return;
   }
-}
-
-std::string fullName(const Model& model, const BodyRef& body, const std::string& name) {
-  return model.ragdolls[body.ragdoll].name + "/" + name.substr(name.find('/') + 1);
 }
 
 }  // namespace ragdoll

@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/frame_lookup.h"
+#include "frame_lookup.h"
 
 #include <ros/console.h>
 #include <ros/this_node.h>
@@ -8,6 +8,7 @@
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/ros/convert.h"
+#include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
 namespace {

@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/markers.h"
+#include "markers.h"
 
 #include <ros/node_handle.h>
 
@@ -7,7 +7,7 @@
 
 #include "ragdoll_sim/body/limit_shapes.h"
 #include "ragdoll_sim/ros/convert.h"
-#include "ragdoll_sim/ros/looks.h"
+#include "ragdoll_sim/world/looks.h"
 
 namespace ragdoll {
 namespace {

@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/metrics.h"
+#include "metrics.h"
 
 #include <algorithm>
 #include <chrono>
@@ -9,6 +9,7 @@
 #include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/core/solver_presets.h"
 #include "ragdoll_sim/ros/convert.h"
+#include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
 namespace {

@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/parameters.h"
+#include "parameters.h"
 
 #include <ros/package.h>
 

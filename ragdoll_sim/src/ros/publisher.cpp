@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/publisher.h"
+#include "publisher.h"
 
 #include <sensor_msgs/JointState.h>
 

@@ -5,19 +5,20 @@
 #include <csignal>
 #include <memory>
 
+#include "attachments.h"
+#include "control.h"
+#include "frame_lookup.h"
+#include "handles.h"
+#include "parameters.h"
+#include "pokes.h"
+#include "publisher.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/io/scene_yaml.h"
-#include "ragdoll_sim/ros/attachments.h"
-#include "ragdoll_sim/ros/control.h"
-#include "ragdoll_sim/ros/frame_lookup.h"
-#include "ragdoll_sim/ros/handles.h"
-#include "ragdoll_sim/ros/parameters.h"
-#include "ragdoll_sim/ros/pokes.h"
-#include "ragdoll_sim/ros/publisher.h"
-#include "ragdoll_sim/ros/reconfigure.h"
-#include "ragdoll_sim/ros/ros_clock.h"
-#include "ragdoll_sim/ros/scenes.h"
-#include "ragdoll_sim/ros/simulation.h"
+#include "ragdoll_sim/world/simulation.h"
+#include "ragdoll_sim/world/text.h"
+#include "reconfigure.h"
+#include "ros_clock.h"
+#include "scenes.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/reconfigure.h"
+#include "reconfigure.h"
 
 #include <ros/master.h>
 

@@ -1,13 +1,14 @@
-#include "ragdoll_sim/ros/scenes.h"
+#include "scenes.h"
 
 #include <ros/console.h>
 
+#include "answer.h"
+#include "parameters.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/io/scene_yaml.h"
-#include "ragdoll_sim/ros/answer.h"
 #include "ragdoll_sim/ros/convert.h"
-#include "ragdoll_sim/ros/parameters.h"
+#include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
 namespace {
@@ -27,11 +28,6 @@ void tellChecks(const Model& model, const std::vector<std::string>& told) {
   for (const std::string& warning : model.warnings) ROS_WARN("%s", warning.c_str());
   for (const std::string& note : model.notes)
     if (indexOf(told, note) < 0) ROS_INFO("%s", note.c_str());
-}
-
-std::string contents(const Model& model) {
-  return counted(model.ragdolls.size(), "ragdoll") + ", " +
-         counted(model.obstacles.size(), "obstacle");
 }
 
 Scenes::Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,

@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/state_to_markers.h"
+#include "state_to_markers.h"
 
 #include <ros/this_node.h>
 

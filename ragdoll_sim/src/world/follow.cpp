@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/follow.h"
+#include "ragdoll_sim/world/follow.h"
 
 #include <algorithm>
 

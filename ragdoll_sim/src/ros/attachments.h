@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "ragdoll_sim/ros/frame_lookup.h"
-#include "ragdoll_sim/ros/simulation.h"
+#include "frame_lookup.h"
+#include "ragdoll_sim/world/simulation.h"
 
 namespace ragdoll {
 

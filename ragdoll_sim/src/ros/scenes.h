@@ -11,18 +11,15 @@
 #include <string>
 #include <vector>
 
-#include "ragdoll_sim/ros/publisher.h"
-#include "ragdoll_sim/ros/ros_clock.h"
-#include "ragdoll_sim/ros/simulation.h"
+#include "publisher.h"
+#include "ragdoll_sim/world/simulation.h"
+#include "ros_clock.h"
 
 namespace ragdoll {
 
 /// To the log: what the checks at load found and decided (Model::warnings, notes), but for notes
 /// that were `told` already.
 void tellChecks(const Model& model, const std::vector<std::string>& told = {});
-
-/// "2 ragdolls, 1 obstacle"
-std::string contents(const Model& model);
 
 class Scenes {
  public:

@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/world.h"
+#include "ragdoll_sim/world/world.h"
 
 #include <algorithm>
 #include <cmath>
@@ -48,13 +48,6 @@ BodyRef findParticle(const Model& model, const std::string& body) {
 }
 
 }  // namespace
-
-bool contains(const std::vector<Poke>& pokes, const Poke& poke) {
-  return std::any_of(pokes.begin(), pokes.end(), [&](const Poke& p) {
-    return p.body_name == poke.body_name && p.start == poke.start && p.force == poke.force &&
-           p.point == poke.point;
-  });
-}
 
 World::World(Scene scene, std::string source)
     : source_(std::move(source)),

@@ -8,8 +8,8 @@
 
 #include <memory>
 
-#include "ragdoll_sim/ros/publisher.h"
-#include "ragdoll_sim/ros/simulation.h"
+#include "publisher.h"
+#include "ragdoll_sim/world/simulation.h"
 
 namespace ragdoll {
 

@@ -1,7 +1,7 @@
-#include "ragdoll_sim/ros/wrench.h"
+#include "ragdoll_sim/world/wrench.h"
 
 #include "ragdoll_sim/core/error.h"
-#include "ragdoll_sim/ros/convert.h"
+#include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
 namespace {

@@ -15,12 +15,12 @@
 #include <thread>
 #include <vector>
 
+#include "markers.h"
+#include "metrics.h"
+#include "parameters.h"
 #include "ragdoll_sim/body/angles.h"
-#include "ragdoll_sim/ros/markers.h"
-#include "ragdoll_sim/ros/metrics.h"
-#include "ragdoll_sim/ros/parameters.h"
-#include "ragdoll_sim/ros/ros_clock.h"
-#include "ragdoll_sim/ros/simulation.h"
+#include "ragdoll_sim/world/simulation.h"
+#include "ros_clock.h"
 
 namespace ragdoll {
 

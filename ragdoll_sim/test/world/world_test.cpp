@@ -1,47 +1,27 @@
-// World and Simulation without a node around them: what comes in at the wrong moment.
-#include "ragdoll_sim/ros/world.h"
+// What comes into a world at the wrong moment.
+#include "ragdoll_sim/world/world.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdio>
 #include <ctime>
-#include <future>
 #include <limits>
 #include <memory>
 #include <string>
-#include <thread>
 
-#include "../support/worlds.h"
+#include "particles.h"
 #include "ragdoll_sim/core/error.h"
-#include "ragdoll_sim/ros/simulation.h"
 
 namespace {
 
 using ragdoll::Error;
 using ragdoll::Event;
-using ragdoll::Simulation;
 using ragdoll::Vec3;
 using ragdoll::World;
+using ragdoll::test::kStep;
+using ragdoll::test::particles;
 
-constexpr double kStep = 0.001;             ///< [s]
-constexpr std::uint64_t kLong = 30000;      ///< of ~step: half a minute if they were paced
 constexpr std::size_t kMostPokes = 100000;  ///< docs/ros_api.md
-
-/// Weightless particles of 1 kg, of one body each.
-ragdoll::Scene particles(int count) {
-  ragdoll::SkeletonSpec skeleton;
-  skeleton.particles = {ragdoll::test::particle("p", Vec3::Zero())};
-  ragdoll::Scene scene = ragdoll::test::sceneOf(skeleton);
-  scene.gravity.setZero();
-  scene.solver.step = kStep;
-  scene.solver.sleep = false;
-  for (int i = 1; i < count; ++i) {
-    scene.ragdolls.push_back(scene.ragdolls[0]);
-    scene.ragdolls.back().name = "other_" + std::to_string(i);
-    scene.ragdolls.back().pose.position.x() = i;
-  }
-  return scene;
-}
 
 /// A push of one step along x, at its recorded step.
 Event push(const World& world, std::uint64_t step, double force) {
@@ -147,61 +127,4 @@ TEST(World, stepsCostNoMoreForPokesThatAreToCome) {
   std::printf("%.2g s with 0, %.2g s with %zu pokes to come\n", few, many, kMostPokes - kSteps);
 }
 
-class Paused : public ::testing::Test {
- protected:
-  Paused() : simulation_(World(particles(1)), options()) {}
-  static Simulation::Options options() {
-    Simulation::Options options;
-    options.paused = true;
-    return options;
-  }
-  /// ~step in another thread; returns when it is under way.
-  std::future<std::uint64_t> longStep() {
-    const std::uint64_t begin = simulation_.progress().steps;
-    auto reached = std::async(std::launch::async, [this] { return simulation_.step(kLong); });
-    while (simulation_.progress().steps == begin) std::this_thread::yield();
-    return reached;
-  }
-  std::uint64_t step() {
-    return simulation_.call([](World& world) { return world.state().step; });
-  }
-  Simulation simulation_;
-};
-
-TEST_F(Paused, whoGoesOnDuringALongStepNeedNotWaitForItsTime) {
-  std::uint64_t last = 0;
-  for (std::uint64_t unpaused = 0; unpaused >= last;) {  // again, if it was already over
-    simulation_.setPaused(true);
-    auto steps = longStep();
-    simulation_.setPaused(false);
-    unpaused = step();
-    last = steps.get();
-  }
-  // 100 paced steps take a tenth of a second; were the long step paced too, they would be due half
-  // a minute later.
-  const auto begin = Simulation::Clock::now();
-  while (step() < last + 100) {
-    ASSERT_LT(Simulation::Clock::now() - begin, std::chrono::seconds(20));
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  }
-}
-
-TEST_F(Paused, aJumpThatFailsLeavesALongStepAlone) {
-  std::uint64_t last = 0;
-  for (std::uint64_t failed = 0; failed >= last;) {  // again, if it was already over
-    auto steps = longStep();
-    EXPECT_THROW(simulation_.jump([&](World& world) {
-      failed = world.state().step;
-      throw Error("", "no snapshot");
-    }),
-                 Error);
-    ASSERT_NO_THROW(last = steps.get());
-  }
-}
-
 }  // namespace
-
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  return RUN_ALL_TESTS();
-}

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "ragdoll_sim/ros/world.h"
+#include "ragdoll_sim/world/world.h"
 
 namespace ragdoll {
 

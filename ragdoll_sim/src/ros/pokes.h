@@ -11,9 +11,9 @@
 
 #include <vector>
 
-#include "ragdoll_sim/ros/frame_lookup.h"
-#include "ragdoll_sim/ros/ros_clock.h"
-#include "ragdoll_sim/ros/simulation.h"
+#include "frame_lookup.h"
+#include "ragdoll_sim/world/simulation.h"
+#include "ros_clock.h"
 
 namespace ragdoll {
 

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "ragdoll_sim/body/coat.h"
-#include "ragdoll_sim/ros/simulation.h"
+#include "ragdoll_sim/world/simulation.h"
 
 namespace ragdoll {
 

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <thread>
 
-#include "ragdoll_sim/ros/simulation.h"
+#include "ragdoll_sim/world/simulation.h"
 
 namespace ragdoll {
 

@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/looks.h"
+#include "ragdoll_sim/world/looks.h"
 
 #include <algorithm>
 #include <array>

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "ragdoll_sim/ros/simulation.h"
+#include "ragdoll_sim/world/simulation.h"
 
 namespace ragdoll {
 

@@ -9,8 +9,8 @@
 
 #include <vector>
 
-#include "ragdoll_sim/ros/publisher.h"
-#include "ragdoll_sim/ros/simulation.h"
+#include "publisher.h"
+#include "ragdoll_sim/world/simulation.h"
 
 namespace ragdoll {
 

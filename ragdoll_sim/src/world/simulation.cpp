@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/simulation.h"
+#include "ragdoll_sim/world/simulation.h"
 
 #include <algorithm>
 
@@ -13,7 +13,7 @@ constexpr milliseconds kNap{2};       ///< shortest sleep; several short steps s
 constexpr milliseconds kMaxLag{250};  ///< a simulation that is later than this does not catch up
 constexpr milliseconds kPoll{1};      ///< how often another clock is looked at
 constexpr std::chrono::minutes kLatenessWindow{1};
-constexpr double kLongestStep = 1e6;   ///< [s] of wall time; slower is standing still
+constexpr double kLongestStep = 1e6;  ///< [s] of wall time; slower is standing still
 constexpr double kMaxClockJump = 1;   ///< [s] of another clock: more than this is not made up for
 
 }  // namespace

@@ -19,10 +19,10 @@
 #include <string>
 #include <vector>
 
-#include "ragdoll_sim/ros/follow.h"
-#include "ragdoll_sim/ros/frame_lookup.h"
-#include "ragdoll_sim/ros/markers.h"
-#include "ragdoll_sim/ros/simulation.h"
+#include "frame_lookup.h"
+#include "markers.h"
+#include "ragdoll_sim/world/follow.h"
+#include "ragdoll_sim/world/simulation.h"
 
 namespace ragdoll {
 

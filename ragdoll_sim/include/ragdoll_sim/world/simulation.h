@@ -19,42 +19,10 @@
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/histogram.h"
-#include "ragdoll_sim/ros/world.h"
+#include "ragdoll_sim/world/snapshot.h"
+#include "ragdoll_sim/world/world.h"
 
 namespace ragdoll {
-
-/// What the simulation has done so far; differences of two give rates.
-struct Progress {
-  std::uint64_t steps = 0;
-  double simulated = 0;  ///< [s] never goes back
-  double stepping = 0;   ///< [s] wall time spent in steps
-  std::uint64_t guarded = 0, implicit = 0, rigid = 0, joining = 0, limited = 0,
-                unresolved = 0;  ///< as in StepReport, ragdolls in turn
-};
-
-/// One moment of the world, copied for other threads.
-struct Snapshot {
-  std::string source;  ///< of the scene, as World has it
-  std::shared_ptr<const Scene> scene;
-  std::shared_ptr<const Model> model;
-  State state;
-  std::optional<FrameTracker> tracker;
-  StepReport report;
-  std::vector<Poke> acted;              ///< since the last snapshot
-  std::vector<Event> events;            ///< since the last snapshot
-  std::vector<FollowedFrame> followed;  ///< since the last snapshot
-  std::vector<Pull> pulls;
-  std::uint64_t revision = 0;
-  RunMark mark;
-  std::shared_ptr<const Bytes> beginning;  ///< of the run
-  bool paused = false;
-  bool waiting = false;        ///< the clock to follow has told no time yet
-  double realtime_factor = 1;  ///< that is wanted; -1: free
-  Progress progress;
-  Histogram lateness;  ///< [s] how late steps began, over the last one to two minutes
-  /// Where a viewer is between the tracker's last two updates, in [0, 1]; nothing: look at `state`.
-  std::optional<double> alpha;
-};
 
 class Simulation {
  public:
