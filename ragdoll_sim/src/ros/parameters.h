@@ -5,6 +5,8 @@
 
 #include <string>
 
+#include "settings.h"
+
 namespace ragdoll {
 
 struct Parameters {
@@ -17,11 +19,12 @@ struct Parameters {
   double wrench_timeout = 0.2;  ///< [s] in (0, 60]
   std::string coat;             ///< empty: what the scene says
   bool show_limits = false;     ///< draw the joints' limits
+  double max_frame_speed = 5;   ///< [m/s] > 0; frames of others that move faster jump
 };
 
 /// Throws Error that names the parameter, its value and what would be right. Warns of parameters
-/// that mean nothing to this node.
-Parameters readParameters(const ros::NodeHandle& nh);
+/// that mean nothing to this node. Those that are settings, too, are as `given`.
+Parameters readParameters(const ros::NodeHandle& nh, const GivenSettings& given);
 
 /// "package://PACKAGE/FILE" as a path; anything else as it is. Throws Error for an unknown package.
 std::string resolvePackage(const std::string& path);

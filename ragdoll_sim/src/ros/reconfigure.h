@@ -3,21 +3,20 @@
 #pragma once
 
 #include <dynamic_reconfigure/server.h>
-#include <ragdoll_sim/SolverConfig.h>
 #include <ros/node_handle.h>
 
 #include <memory>
 
 #include "publisher.h"
 #include "ragdoll_sim/world/simulation.h"
+#include "settings.h"
 
 namespace ragdoll {
 
-using ragdoll_sim::SolverConfig;
-
 class Reconfigure {
  public:
-  Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher, bool show_limits);
+  Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher, bool show_limits,
+              const GivenSettings& given);
 
   /// Shows the present settings to whoever looks: after another scene or state.
   void refresh();
@@ -27,6 +26,7 @@ class Reconfigure {
 
   Simulation& simulation_;
   Publisher& publisher_;
+  const GivenSettings& given_;
   boost::recursive_mutex mutex_;
   SolverConfig present_;
   std::unique_ptr<dynamic_reconfigure::Server<SolverConfig>> server_;

@@ -135,21 +135,23 @@ class FaultsTest(unittest.TestCase):
         self.addCleanup(node.kill)
         return node
 
-    def test_a_clock_that_ends_takes_use_sim_time_along_if_it_has_set_it(self):
+    def test_a_clock_that_ends_leaves_use_sim_time_as_it_was(self):
         core = Roscore(free_port())
         self.addCleanup(core.kill)
         master = ServerProxy(core.uri)
 
-        def has():
-            return master.hasParam('/test', '/use_sim_time')[2]
-        for before, how in ((False, signal.SIGINT), (False, signal.SIGTERM), (True, signal.SIGINT)):
-            if before:
-                master.setParam('/test', '/use_sim_time', True)
+        def there():
+            code, _, value = master.getParam('/test', '/use_sim_time')
+            return value if code == 1 else None
+        for before, how in ((None, signal.SIGINT), (None, signal.SIGTERM), (False, signal.SIGINT),
+                            (True, signal.SIGINT)):
+            if before is not None:
+                master.setParam('/test', '/use_sim_time', before)
             node = self.start('clock', master=core.uri, publish_clock='true')
             wait_for(lambda: master.lookupService('/test', '/clock/reset')[0] == 1, 'the node')
-            self.assertTrue(has())
+            self.assertTrue(there())
             self.assertEqual(node.end(how)[0], 0)
-            self.assertEqual(has(), before)
+            self.assertIs(there(), before)
 
     def test_a_listener_that_never_reads_delays_nobody(self):
         node = self.start('unread', scene='weightless', publish_rate=500)
