@@ -79,7 +79,12 @@ void Attachments::run() {
 void Attachments::look() {
   const std::vector<std::string> wanted =
       simulation_.call([](World& world) { return world.followedFrames(); });
-  std::vector<std::pair<std::string, Pose>> poses;
+  struct News {
+    std::string frame;
+    Pose pose;
+    bool back;
+  };
+  std::vector<News> news;
   {
     std::lock_guard<std::mutex> lock(mutex_);
     std::map<std::string, Heard> heard;
@@ -88,18 +93,20 @@ void Attachments::look() {
       if (h.at == Clock::time_point()) h.at = Clock::now();
       const std::optional<StampedPose> found = frames_.find(frame);
       if (found) {
-        if (found->stamp != h.stamp || found->stamp.isZero() || !h.ever) h.at = Clock::now();
+        if (found->stamp != h.stamp || found->stamp.isZero() || !h.ever) {
+          h.at = Clock::now();
+          news.push_back({frame, found->pose, h.missing});
+        }
         h.stamp = found->stamp;
         h.ever = true;
-        poses.emplace_back(frame, found->pose);
       }
       judge(frame, h, found.has_value());
     }
     heard_.swap(heard);
   }
-  if (poses.empty()) return;
+  if (news.empty()) return;
   simulation_.call([&](World& world) {
-    for (const auto& [frame, pose] : poses) world.hear(frame, pose);
+    for (const News& n : news) world.hear(n.frame, n.pose, n.back);
   });
 }
 

@@ -227,7 +227,8 @@ FollowedFrame fromFollowedMsg(const Model& model, const ragdoll_msgs::FollowedFr
   checkSeconds(m.duration, "duration", true);
   for (const ragdoll_msgs::HeldParticle& p : m.held) {
     checkFinite(fromVector3(p.offset), "offset", "[m]");
-    checkSeconds(p.age, "age", false);
+    if (!std::isfinite(p.age))
+      throw Error("age", "is " + numberText(p.age) + "; it must be a finite number [s]");
     glide.held.push_back(
         {findBody(model, p.name).particles.at(0), p.name, fromVector3(p.offset), p.age});
   }

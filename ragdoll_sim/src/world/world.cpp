@@ -116,6 +116,7 @@ void World::replaceBy(World& other) {
   endRun();
   const std::uint64_t revision = std::max(revision_, other.revision_) + 1;
   const std::uint32_t run = std::max(run_, other.run_) + 1;
+  other.setMaxFrameSpeed(follow_.maxFrameSpeed());
   std::swap(*this, other);
   std::swap(events_, other.events_);  // what this one accepted is still to be told
   std::swap(followed_, other.followed_);

@@ -80,7 +80,12 @@ class World {
   void attach(const std::string& body, const std::string& frame);
   void detach(const std::string& body);  ///< lets go of a particle that is held; throws Error
   std::vector<std::string> followedFrames() const { return follow_.frames(); }
-  void hear(const std::string& frame, const Pose& pose) { follow_.hear(frame, pose); }
+  /// As Follow::hear.
+  void hear(const std::string& frame, const Pose& pose, bool back = false) {
+    follow_.hear(frame, pose, back);
+  }
+  /// As Follow::setMaxFrameSpeed; stays with another scene.
+  void setMaxFrameSpeed(double speed) { follow_.setMaxFrameSpeed(speed); }
 
   /// Follows the bodies; updated every stepsPerFollow() steps, so that its last two updates are
   /// evenly spaced for interpolation.
