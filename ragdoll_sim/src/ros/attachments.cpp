@@ -113,8 +113,11 @@ void Attachments::look() {
 void Attachments::judge(const std::string& frame, Heard& heard, bool found) {
   const bool missing = Clock::now() - heard.at > kSilence;
   if (missing && !heard.missing)
-    ROS_WARN("frame '%s': %s; what follows it stays where it is", frame.c_str(),
-             found || heard.ever ? "no news from TF" : "not heard of in TF");
+    ROS_WARN("frame '%s': %s", frame.c_str(),
+             found || heard.ever
+                 ? "no news from TF; what follows it stays where it is"
+                 : "not heard of in TF; until it is, obstacles that follow it are 10 km below, "
+                   "and particles are held where they are");
   if (!missing && heard.missing) ROS_INFO("frame '%s' is back", frame.c_str());
   heard.missing = missing;
 }

@@ -7,6 +7,7 @@
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/number_text.h"
+#include "ragdoll_sim/world/findings.h"
 #include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
@@ -82,8 +83,9 @@ ragdoll_msgs::RagdollModel toRagdollModel(const Ragdoll& ragdoll, const Skeleton
   m.name = ragdoll.name;
   const auto names = skeleton.particles.begin();
   m.particles.assign(names, names + skeleton.named);
-  m.masses.resize(skeleton.named);
-  for (int i = 0; i < skeleton.named; ++i) m.masses[i] = skeleton.M(i, i);
+  const Eigen::VectorXd masses = pointMasses(skeleton);
+  m.masses.assign(masses.begin(), masses.end());
+  m.mass = masses.sum();
   m.sticks.resize(skeleton.sticks.size());
   for (std::size_t k = 0; k < skeleton.sticks.size(); ++k) {
     const Stick& stick = skeleton.sticks[k];

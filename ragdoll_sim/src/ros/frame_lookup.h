@@ -44,6 +44,10 @@ class FrameLookup {
   /// Frames that other nodes publish, in alphabetic order.
   std::vector<std::string> others() const;
 
+  /// "/other publishes ragdoll/pelvis, too": others that have published frames of this node's own
+  /// of late.
+  std::vector<std::string> rivals() const;
+
   /// As inWorld(); nothing where that throws.
   std::optional<StampedPose> find(const std::string& frame) const;
 
@@ -55,6 +59,7 @@ class FrameLookup {
 
   void listen();  ///< until the end
   void hear(const Event& event, bool is_static);
+  void claim(const std::string& frame, const std::string& publisher, bool other);
   bool isOthers(const std::string& frame) const;
 
   std::string world_frame_;
@@ -65,6 +70,12 @@ class FrameLookup {
   ros::Time last_heard_;
   mutable std::mutex mutex_;
   std::map<std::string, bool> others_;  ///< is the frame another node's? Whose it was last.
+  struct Claim {
+    std::string frame;
+    ros::WallTime at;
+  };
+  std::map<std::string, ros::WallTime> own_;  ///< frames that this node publishes: when it did
+  std::map<std::string, Claim> claims_;       ///< by node: an own frame that it published
   std::atomic<bool> ends_{false};
   std::thread thread_;
 };

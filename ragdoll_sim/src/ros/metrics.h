@@ -6,6 +6,7 @@
 #include <ros/node_handle.h>
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,26 +14,34 @@
 
 namespace ragdoll {
 
+/// What is wrong with TF.
+struct FrameTroubles {
+  std::function<std::vector<std::string>()> missing;  ///< frames that something follows in vain
+  std::function<std::vector<std::string>()> rivals;   ///< FrameLookup::rivals
+};
+
 class Metrics {
  public:
-  /// missing: frames that something follows and that TF does not give.
-  Metrics(ros::NodeHandle& nh, std::function<std::vector<std::string>()> missing);
+  Metrics(ros::NodeHandle& nh, FrameTroubles troubles);
 
   /// Once a second, from what has happened since; else nothing.
   void publish(const Snapshot& world, const std_msgs::Header& header);
 
  private:
+  void diagnoseClock(diagnostic_updater::DiagnosticStatusWrapper& status);
   void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status);
   void measure(const Snapshot& world, double seconds);
 
   double wanted_factor_ = 1;
-  std::function<std::vector<std::string>()> missing_;
+  FrameTroubles troubles_;
   ros::Publisher publisher_;
   diagnostic_updater::Updater updater_;
   Simulation::Clock::time_point last_;
   Progress before_, since_;                ///< since_: over the last period
   std::vector<std::string> out_of_reach_;  ///< ragdolls beyond kFarthest (bounds.h)
+  std::vector<std::string> overlaps_;      ///< world/findings.h
   bool paused_ = false, was_paused_ = true;
+  std::optional<double> clock_silence_;  ///< as Snapshot has it
   ragdoll_msgs::Metrics message_;
 };
 

@@ -17,13 +17,12 @@ constexpr int kQueue = 100;  ///< messages kept for a slow listener; then the ol
 }  // namespace
 
 Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock,
-                     const Parameters& parameters,
-                     std::function<std::vector<std::string>()> missing)
+                     const Parameters& parameters, FrameTroubles troubles)
     : simulation_(simulation),
       clock_(clock),
       parameters_(parameters),
       markers_(nh, parameters.world_frame, parameters.coat),
-      metrics_(nh, std::move(missing)) {
+      metrics_(nh, std::move(troubles)) {
   markers_.showLimits(parameters.show_limits);
   model_ = nh.advertise<ragdoll_msgs::Model>("model", 1, true);
   state_ = nh.advertise<ragdoll_msgs::State>(

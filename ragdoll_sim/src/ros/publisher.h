@@ -26,9 +26,8 @@ namespace ragdoll {
 
 class Publisher {
  public:
-  /// missing: frames of others that are wanted but not heard.
   Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock,
-            const Parameters& parameters, std::function<std::vector<std::string>()> missing);
+            const Parameters& parameters, FrameTroubles troubles);
   ~Publisher();
 
   /// Draw the joints' limits, or no more.

@@ -38,7 +38,7 @@ ragdoll::World loadWorld(const std::string& parameter, const std::string& name,
   given.apply(scene);
   try {
     ragdoll::World world(std::move(scene), name);
-    ragdoll::tellChecks(*world.model());
+    ragdoll::tellChecks(world);
     ROS_INFO("scene '%s': %s", name.c_str(), ragdoll::contents(*world.model()).c_str());
     return world;
   } catch (const ragdoll::Error& e) {
@@ -124,8 +124,9 @@ int main(int argc, char** argv) {
         [&](ragdoll::World& world) { world.setMaxFrameSpeed(parameters.max_frame_speed); });
     ragdoll::FrameLookup frames(parameters.world_frame);
     ragdoll::Attachments attachments(nh, simulation, frames);
-    ragdoll::Publisher publisher(nh, simulation, clock, parameters,
-                                 [&] { return attachments.missing(); });
+    ragdoll::Publisher publisher(
+        nh, simulation, clock, parameters,
+        {[&] { return attachments.missing(); }, [&] { return frames.rivals(); }});
     ragdoll::Control control(nh, simulation, publisher);
     ragdoll::Pokes pokes(nh, simulation, clock, frames, parameters.wrench_timeout);
     ragdoll::Handles handles(nh, simulation, frames);

@@ -2,12 +2,15 @@
 
 #include <ros/console.h>
 
+#include <sstream>
+
 #include "answer.h"
 #include "parameters.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/ros/convert.h"
+#include "ragdoll_sim/world/findings.h"
 #include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
@@ -24,10 +27,36 @@ World loadWorld(const ragdoll_msgs::LoadScene::Request& request) {
 
 }  // namespace
 
-void tellChecks(const Model& model, const std::vector<std::string>& told) {
-  for (const std::string& warning : model.warnings) ROS_WARN("%s", warning.c_str());
-  for (const std::string& note : model.notes)
-    if (indexOf(told, note) < 0) ROS_INFO("%s", note.c_str());
+namespace {
+
+/// What surprises of a note about pairs: how many there are, and those that overlap at rest.
+std::string shortened(const std::string& note) {
+  std::istringstream lines(note);
+  std::string line, out;
+  std::getline(lines, out);
+  bool all = true;
+  while (std::getline(lines, line)) {
+    if (line.find("overlap") != std::string::npos)
+      out += "\n" + line;
+    else
+      all = false;
+  }
+  return all ? out : out + "\n  ragdoll_lab run SCENE --pairs lists the others";
+}
+
+}  // namespace
+
+std::vector<std::string> startWarnings(const World& world) {
+  std::vector<std::string> warnings = world.model()->warnings;
+  for (const std::string& overlap : deepOverlaps(*world.model(), world.state()))
+    warnings.push_back(overlap + " at the start");
+  return warnings;
+}
+
+void tellChecks(const World& world, const std::vector<std::string>& told) {
+  for (const std::string& warning : startWarnings(world)) ROS_WARN("%s", warning.c_str());
+  for (const std::string& note : world.model()->notes)
+    if (indexOf(told, note) < 0) ROS_INFO("%s", shortened(note).c_str());
 }
 
 Scenes::Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,
@@ -47,8 +76,8 @@ bool Scenes::load(ragdoll_msgs::LoadScene::Request& request,
   const auto act = [&] {
     World next = loadWorld(request);  // in this thread: the old scene goes on meanwhile
     std::string message = contents(*next.model());
-    for (const std::string& warning : next.model()->warnings) message += "; " + warning;
-    tellChecks(*next.model(), simulation_.call([](World& world) { return world.model()->notes; }));
+    for (const std::string& warning : startWarnings(next)) message += "; " + warning;
+    tellChecks(next, simulation_.call([](World& world) { return world.model()->notes; }));
     simulation_.jump([&](World& world) { world.replaceBy(next); });
     changed_();
     publisher_.publishNow();

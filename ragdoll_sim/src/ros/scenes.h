@@ -17,9 +17,11 @@
 
 namespace ragdoll {
 
-/// To the log: what the checks at load found and decided (Model::warnings, notes), but for notes
-/// that were `told` already.
-void tellChecks(const Model& model, const std::vector<std::string>& told = {});
+/// What the checks at load found, and what stands in each other there.
+std::vector<std::string> startWarnings(const World& world);
+
+/// To the log: startWarnings, and what was decided (Model::notes) but for what was `told` already.
+void tellChecks(const World& world, const std::vector<std::string>& told = {});
 
 class Scenes {
  public:

@@ -21,6 +21,7 @@
 
 #include "frame_lookup.h"
 #include "markers.h"
+#include "ragdoll_sim/ros/any_model.h"
 #include "ragdoll_sim/world/follow.h"
 #include "ragdoll_sim/world/simulation.h"
 
@@ -37,6 +38,7 @@ class StateToMarkers {
     std::uint64_t end = 0;  ///< the first step without it
   };
 
+  void hearModel(const ros::MessageEvent<AnyModel const>& event);
   void model(const ragdoll_msgs::Model& message);
   void state(const ragdoll_msgs::State& message);
   void poke(const ragdoll_msgs::PokeEvent& message);

@@ -14,7 +14,9 @@ constexpr milliseconds kMaxLag{250};  ///< a simulation that is later than this 
 constexpr milliseconds kPoll{1};      ///< how often another clock is looked at
 constexpr std::chrono::minutes kLatenessWindow{1};
 constexpr double kLongestStep = 1e6;  ///< [s] of wall time; slower is standing still
-constexpr double kMaxClockJump = 1;   ///< [s] of another clock: more than this is not made up for
+constexpr double kMaxClockJump = 1;   ///< [s] of another clock: more than this is not made up for,
+constexpr double kTicks = 2.5;        ///< or than so many of its ticks, where it ticks slowly,
+constexpr double kLongestTick = 60;   ///< [s] but not more slowly than this
 
 }  // namespace
 
@@ -90,7 +92,10 @@ void Simulation::snapshot(Snapshot& out) {
     out.beginning = world.beginning();
     out.paused = paused_;
     out.realtime_factor = realtime_factor_;
-    out.waiting = options_.external_clock && !(options_.external_clock() > 0);
+    out.waiting = options_.external_clock && !(readClock() > 0);
+    out.clock_silence.reset();
+    if (options_.external_clock && !paused_)
+      out.clock_silence = duration<double>(Clock::now() - ticked_).count();
     out.progress = progress_;
     out.lateness = last_lateness_;
     out.lateness.add(lateness_);
@@ -156,11 +161,32 @@ bool Simulation::stepIsDue() {
   if (!step_jobs_.empty()) return true;
   if (paused_) return false;
   if (realtime_factor_ < 0) return true;
-  if (!options_.external_clock) return Clock::now() >= due_;
-  const double now = options_.external_clock();
+  if (!options_.external_clock) {
+    const bool due = Clock::now() >= due_;
+    if (!due) given_up_ = {};
+    return due;
+  }
+  const double now = readClock();
   if (now < external_due_ - world_.stepLength() / realtime_factor_ - kMaxClockJump)
     external_due_ = now;  // it was set back
   return now > external_due_;
+}
+
+double Simulation::readClock() {
+  const double now = options_.external_clock();
+  if (now == last_clock_) return now;
+  last_tick_ = tick_;
+  tick_ = now - last_clock_;
+  last_clock_ = now;
+  ticked_ = Clock::now();
+  return now;
+}
+
+/// [s] of the other clock. A leap is one tick that is unlike the one before; a clock that ticks
+/// slowly repeats itself.
+double Simulation::mostBehind() const {
+  const double tick = std::min({tick_, last_tick_, kLongestTick});
+  return std::max(kMaxClockJump, kTicks * tick);
 }
 
 void Simulation::noteLateness(Clock::time_point begin) {
@@ -169,7 +195,7 @@ void Simulation::noteLateness(Clock::time_point begin) {
     last_lateness_ = std::exchange(lateness_, Histogram());
     lateness_begin_ = begin;
   }
-  lateness_.add(duration<double>(begin - due_).count());
+  lateness_.add(duration<double>(begin - due_ + given_up_).count());
 }
 
 void Simulation::advance() {
@@ -202,10 +228,9 @@ void Simulation::advance() {
   }
   due_ += wallStep();
   external_due_ += world_.stepLength() / realtime_factor_;
-  const bool late = options_.external_clock
-                        ? options_.external_clock() - external_due_ > kMaxClockJump
-                        : end - due_ > kMaxLag;
-  if (late) rebase();
+  const bool late =
+      options_.external_clock ? readClock() - external_due_ > mostBehind() : end - due_ > kMaxLag;
+  if (late) giveUp();
 }
 
 void Simulation::waitForWork() {
@@ -221,9 +246,18 @@ void Simulation::waitForWork() {
 
 void Simulation::endStepJobs() { step_jobs_.clear(); }
 
+void Simulation::giveUp() {
+  const Clock::duration before = given_up_ + (Clock::now() - due_);
+  if (options_.external_clock && tick_ <= mostBehind())
+    progress_.lost += last_clock_ - external_due_;
+  rebase();
+  if (!options_.external_clock) given_up_ = before;
+}
+
 void Simulation::rebase() {
+  given_up_ = {};
   due_ = followed_due_ = Clock::now();
-  if (options_.external_clock) external_due_ = options_.external_clock();
+  if (options_.external_clock) external_due_ = readClock();
 }
 
 Simulation::Clock::duration Simulation::wallStep() const {

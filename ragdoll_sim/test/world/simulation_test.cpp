@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
 #include <future>
 #include <thread>
@@ -69,6 +70,69 @@ TEST_F(Paused, aJumpThatFailsLeavesALongStepAlone) {
                  Error);
     ASSERT_NO_THROW(last = steps.get());
   }
+}
+
+/// [s] A test that waits longer has failed.
+constexpr std::chrono::seconds kLimit(30);
+
+template <class Condition>
+bool waitFor(Condition condition) {
+  const auto end = Simulation::Clock::now() + kLimit;
+  while (!condition()) {
+    if (Simulation::Clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return true;
+}
+
+TEST(Pace, latenessTellsHowFarBehindItIs) {
+  Simulation::Options options;
+  options.realtime_factor = 1e6;  // more than any machine can
+  Simulation simulation(World(particles(1)), options);
+  ragdoll::Snapshot now;
+  EXPECT_TRUE(waitFor([&] {
+    simulation.snapshot(now);
+    return now.lateness.max() > 1;
+  }));
+}
+
+/// Another clock, set by hand.
+class Clocked : public ::testing::Test {
+ protected:
+  Clocked() : simulation_(World(particles(1)), options()) {}
+  Simulation::Options options() {
+    Simulation::Options options;
+    options.external_clock = [this] { return clock_.load(); };
+    return options;
+  }
+  double time() {
+    return simulation_.call([](World& world) { return world.state().time; });
+  }
+  /// Whether the simulation goes on by so much when the clock does.
+  bool tick(double seconds) {
+    const double before = time();
+    clock_ = clock_ + seconds;
+    return waitFor([&] { return time() >= before + seconds - 0.01; });
+  }
+  std::atomic<double> clock_{100};
+  Simulation simulation_;
+};
+
+TEST_F(Clocked, aClockThatTicksSlowlyIsFollowed) {
+  ASSERT_TRUE(tick(0.5));
+  clock_ = clock_ + 4;  // the first slow tick may be a leap
+  ASSERT_TRUE(waitFor([&] { return time() > 0.5; }));
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(tick(4)) << i;
+  ragdoll::Snapshot now;
+  simulation_.snapshot(now);
+  EXPECT_LT(now.progress.lost, 0.01);
+}
+
+TEST_F(Clocked, aLeapIsNotMadeUpFor) {
+  ASSERT_TRUE(tick(0.5));
+  clock_ = clock_ + 1000;
+  ASSERT_TRUE(tick(0.5));
+  EXPECT_LT(time(), 2);
 }
 
 }  // namespace

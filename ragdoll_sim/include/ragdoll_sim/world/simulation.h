@@ -99,7 +99,10 @@ class Simulation {
   void advance();
   void waitForWork();
   void endStepJobs();
-  void rebase();  ///< the next step is due now
+  void rebase();       ///< the next step is due now
+  double readClock();  ///< [s] the other clock; learns how it ticks
+  double mostBehind() const;
+  void giveUp();  ///< the same, as it is too late to catch up
   Clock::duration wallStep() const;
 
   World world_;
@@ -107,7 +110,11 @@ class Simulation {
   std::atomic<bool> paused_;
   std::atomic<double> realtime_factor_;
   Clock::time_point due_, followed_due_;
+  Clock::duration given_up_{};  ///< how late it was when it last gave up, until it is in time again
   double external_due_ = 0;
+  double last_clock_ = 0;            ///< [s] of the other clock when it was looked at last
+  double tick_ = 0, last_tick_ = 0;  ///< [s] its last two
+  Clock::time_point ticked_ = Clock::now();
   Progress progress_;
   std::deque<StepJob> step_jobs_;
   /// [s] How late steps began by the steady clock: the minute that runs, and the one before.

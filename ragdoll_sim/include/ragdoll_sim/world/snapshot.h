@@ -22,6 +22,7 @@ struct Progress {
   std::uint64_t steps = 0;
   double simulated = 0;  ///< [s] never goes back
   double stepping = 0;   ///< [s] wall time spent in steps
+  double lost = 0;       ///< [s] of the clock to follow that it was too slow for
   std::uint64_t guarded = 0, implicit = 0, rigid = 0, joining = 0, limited = 0,
                 unresolved = 0;  ///< as in StepReport, ragdolls in turn
 };
@@ -42,8 +43,9 @@ struct Snapshot {
   RunMark mark;
   std::shared_ptr<const Bytes> beginning;  ///< of the run
   bool paused = false;
-  bool waiting = false;        ///< the clock to follow has told no time yet
-  double realtime_factor = 1;  ///< that is wanted; -1: free
+  bool waiting = false;                 ///< the clock to follow has told no time yet
+  std::optional<double> clock_silence;  ///< [s] of wall time since the clock to follow has ticked
+  double realtime_factor = 1;           ///< that is wanted; -1: free
   Progress progress;
   Histogram lateness;  ///< [s] how late steps began, over the last one to two minutes
   /// Where a viewer is between the tracker's last two updates, in [0, 1]; nothing: look at `state`.
