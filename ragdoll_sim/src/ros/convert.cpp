@@ -239,14 +239,18 @@ FollowedFrame fromFollowedMsg(const Model& model, const ragdoll_msgs::FollowedFr
 
 std::vector<geometry_msgs::TransformStamped> toTransforms(const FrameTracker& tracker,
                                                           const Posture& posture,
-                                                          const std_msgs::Header& header) {
-  std::vector<geometry_msgs::TransformStamped> out(tracker.size());
+                                                          const std_msgs::Header& header,
+                                                          bool roots_only) {
+  std::vector<geometry_msgs::TransformStamped> out;
+  out.reserve(roots_only ? tracker.ragdolls() : tracker.size());
   for (int i = 0; i < tracker.size(); ++i) {
     const int parent = tracker.parent(i);
-    out[i].header = header;
-    if (parent >= 0) out[i].header.frame_id = tracker.name(parent);
-    out[i].child_frame_id = tracker.name(i);
-    out[i].transform = toTransform(tracker.local(posture, i));
+    if (roots_only && parent >= 0) continue;
+    out.emplace_back();
+    out.back().header = header;
+    if (parent >= 0) out.back().header.frame_id = tracker.name(parent);
+    out.back().child_frame_id = tracker.name(i);
+    out.back().transform = toTransform(tracker.local(posture, i));
   }
   return out;
 }

@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,9 @@ class MarkerPublisher {
   /// Joint limits from the next message on, or no more (body/limit_shapes.h). Of any thread.
   void showLimits(bool show) { limits_ = show; }
 
+  /// Another coat from the next message on; empty: the scene's. Of any thread.
+  void setCoat(const std::string& coat);
+
   /// Does nothing while nobody listens, and more often than kRate.
   void publish(const Snapshot& world, const Posture& posture);
 
@@ -43,7 +47,10 @@ class MarkerPublisher {
   void addPins(const Snapshot& world, const Posture& posture);
   void addLimits(const Snapshot& world, const Posture& posture);
 
-  std::string world_frame_, coat_;
+  std::string world_frame_;
+  std::mutex coat_mutex_;
+  std::string coat_;
+  std::atomic<bool> other_coat_{false};
   std::atomic<bool> newcomer_{true}, limits_{false};
   ros::Publisher publisher_;
   std::shared_ptr<const Scene> scene_;

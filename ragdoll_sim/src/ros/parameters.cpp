@@ -82,6 +82,9 @@ Parameters readParameters(const ros::NodeHandle& nh, const GivenSettings& given)
   in.read("coat", "text", p.coat);
   in.read("show_limits", "true or false", p.show_limits);
   in.read("max_frame_speed", "a number", p.max_frame_speed);
+  in.read("frame_prefix", "text", p.frame_prefix);
+  in.read("publish_every", "a number", p.publish_every);
+  in.read("tf_bodies", "text", p.tf_bodies);
 
   in.check(!p.scene.empty(), "scene", "it must name a scene: stairs, a path or package://...");
   if (!p.world_frame.empty() && p.world_frame[0] == '/') p.world_frame.erase(0, 1);
@@ -92,6 +95,11 @@ Parameters readParameters(const ros::NodeHandle& nh, const GivenSettings& given)
            "realtime_factor", "it must be > 0, or -1 to run free");
   in.check(p.wrench_timeout > 0 && p.wrench_timeout <= 60, "wrench_timeout",
            "it must be in (0, 60] s");
+  if (!p.frame_prefix.empty() && p.frame_prefix[0] == '/') p.frame_prefix.erase(0, 1);
+  in.check(p.publish_every >= 0 && p.publish_every <= 3600, "publish_every",
+           "it must be in [0, 3600] s of simulated time; 0: ~publish_rate holds");
+  in.check(indexOf({"", "all", "roots", "none"}, p.tf_bodies) >= 0, "tf_bodies",
+           "it must be all, roots or none");
   in.check(p.max_frame_speed > 0, "max_frame_speed", "it must be > 0 m/s");
   if (!p.coat.empty()) {
     try {

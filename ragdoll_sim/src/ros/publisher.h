@@ -32,17 +32,23 @@ class Publisher {
 
   /// Draw the joints' limits, or no more.
   void showLimits(bool show) { markers_.showLimits(show); }
+  /// What bodies wear; empty: what the scene says.
+  void setCoat(const std::string& coat) { markers_.setCoat(coat); }
 
   /// Returns once the present state has been published, whatever the tick.
   void publishNow();
 
  private:
   void run();
-  void tick(bool demanded);
+  /// When it is due, because someone waits for it, or as nothing has been due for long.
+  enum class Why { kDue, kDemanded, kIdle };
+  void tick(Why why);
+  void publishDue(bool demanded, bool idle);
   const Posture& posture();  ///< what is shown at this moment, from world_
   void publishModel(const ros::Time& now);
   void publishTf(const Posture& posture, const ros::Time& now);
-  void publishState(const ros::Time& now, bool demanded);
+  const std::string& tfBodies();  ///< ~tf_bodies, or what this scene's number of bodies asks for
+  void publishState(const ros::Time& now, Why why);
   void publishEvents(const ros::Time& now);
   void publishJoints(const Posture& posture, const ros::Time& now);
 
@@ -59,6 +65,9 @@ class Publisher {
   std::shared_ptr<const Scene> told_scene_;
   std::uint64_t told_revision_ = 0;
   std::uint32_t told_run_ = 0;
+  std::shared_ptr<const Scene> tf_scene_;  ///< that tf_bodies_ is of
+  std::string tf_bodies_;
+  std::vector<double> angles_before_, angles_after_;
   std::optional<JointAngles> angles_;
   std::shared_ptr<const Scene> angles_scene_;
   ros::Time last_stamp_;
@@ -67,6 +76,7 @@ class Publisher {
   std::mutex mutex_;
   std::condition_variable wake_, done_;
   std::uint64_t asked_ = 0, answered_ = 0;  ///< publishNow
+  bool sampled_ = false;                    ///< the simulation has samples (~publish_every)
   bool stopping_ = false;
   std::thread thread_;  // last
 };

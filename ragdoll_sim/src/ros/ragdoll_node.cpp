@@ -27,8 +27,9 @@ namespace {
 constexpr double kPoll = 0.01;       ///< [s]
 constexpr int kCallbackThreads = 4;  ///< a long ~step leaves some for the other services
 
-ragdoll::World loadWorld(const std::string& parameter, const std::string& name,
+ragdoll::World loadWorld(const std::string& parameter, const ragdoll::Parameters& parameters,
                          const ragdoll::GivenSettings& given) {
+  const std::string& name = parameters.scene;
   ragdoll::Scene scene;
   try {
     scene = ragdoll::loadScene(ragdoll::resolvePackage(name));
@@ -37,7 +38,7 @@ ragdoll::World loadWorld(const std::string& parameter, const std::string& name,
   }
   given.apply(scene);
   try {
-    ragdoll::World world(std::move(scene), name);
+    ragdoll::World world(std::move(scene), name, parameters.frame_prefix);
     ragdoll::tellChecks(world);
     ROS_INFO("scene '%s': %s", name.c_str(), ragdoll::contents(*world.model()).c_str());
     return world;
@@ -118,7 +119,7 @@ int main(int argc, char** argv) {
     // Whoever starts after this follows the clock that this node is going to publish.
     const SimTime sim_time(parameters.publish_clock);
     const ragdoll::RosClock clock(parameters.publish_clock);
-    ragdoll::Simulation simulation(loadWorld(nh.resolveName("scene"), parameters.scene, given),
+    ragdoll::Simulation simulation(loadWorld(nh.resolveName("scene"), parameters, given),
                                    pace(parameters));
     simulation.call(
         [&](ragdoll::World& world) { world.setMaxFrameSpeed(parameters.max_frame_speed); });
@@ -130,8 +131,8 @@ int main(int argc, char** argv) {
     ragdoll::Control control(nh, simulation, publisher);
     ragdoll::Pokes pokes(nh, simulation, clock, frames, parameters.wrench_timeout);
     ragdoll::Handles handles(nh, simulation, frames);
-    ragdoll::Reconfigure reconfigure(nh, simulation, publisher, parameters.show_limits, given);
-    ragdoll::Scenes scenes(nh, simulation, publisher, clock, parameters.world_frame,
+    ragdoll::Reconfigure reconfigure(nh, simulation, publisher, parameters, given);
+    ragdoll::Scenes scenes(nh, simulation, publisher, clock, parameters,
                            [&] { reconfigure.refresh(); });
     std::unique_ptr<ragdoll::ClockPublisher> ticks;
     if (clock.own()) ticks = std::make_unique<ragdoll::ClockPublisher>(nh, simulation, clock);

@@ -4,15 +4,17 @@
 
 #include <cmath>
 
+#include "ragdoll_sim/body/coat.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
 namespace ragdoll {
 Reconfigure::Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,
-                         bool show_limits, const GivenSettings& given)
+                         const Parameters& parameters, const GivenSettings& given)
     : simulation_(simulation), publisher_(publisher), given_(given) {
-  present_.show_limits = show_limits;
+  present_.show_limits = parameters.show_limits;
+  present_.coat = parameters.coat;
   refresh();
   server_ = std::make_unique<dynamic_reconfigure::Server<SolverConfig>>(mutex_, nh);
   server_->setConfigDefault(present_);
@@ -24,8 +26,8 @@ Reconfigure::Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher&
 void Reconfigure::refresh() {
   boost::recursive_mutex::scoped_lock lock(mutex_);
   const auto model = simulation_.call([](World& world) { return world.model(); });
-  present_ =
-      toConfig(model->solver, model->gravity, simulation_.realtimeFactor(), present_.show_limits);
+  present_ = toConfig(model->solver, model->gravity, simulation_.realtimeFactor(),
+                      present_.show_limits, present_.coat);
   // Without a master the server would wait for one.
   if (!server_ || !ros::master::check()) return;
   server_->updateConfig(present_);
@@ -42,6 +44,7 @@ void Reconfigure::changed(SolverConfig& config) {
     if (!paced && config.realtime_factor != -1)
       throw Error("realtime_factor", "is " + numberText(config.realtime_factor) +
                                          "; it must be > 0, or -1 to run free");
+    if (!config.coat.empty()) coatKind(config.coat);  // throws Error
     const auto scene = simulation_.call([](World& world) { return world.scene(); });
     Scene next = *scene;
     applyChanges(config, shown, next);
@@ -54,9 +57,10 @@ void Reconfigure::changed(SolverConfig& config) {
     if (config.realtime_factor != shown.realtime_factor)
       simulation_.setRealtimeFactor(config.realtime_factor);
     publisher_.showLimits(config.show_limits);
+    publisher_.setCoat(config.coat);
     const auto model = simulation_.call([](World& world) { return world.model(); });
-    config =
-        toConfig(model->solver, model->gravity, simulation_.realtimeFactor(), config.show_limits);
+    config = toConfig(model->solver, model->gravity, simulation_.realtimeFactor(),
+                      config.show_limits, config.coat);
     present_ = config;
   } catch (const Error& e) {
     ROS_WARN("settings refused: %s", e.what());

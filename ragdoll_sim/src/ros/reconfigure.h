@@ -15,8 +15,8 @@ namespace ragdoll {
 
 class Reconfigure {
  public:
-  Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher, bool show_limits,
-              const GivenSettings& given);
+  Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,
+              const Parameters& parameters, const GivenSettings& given);
 
   /// Shows the present settings to whoever looks: after another scene or state.
   void refresh();

@@ -16,13 +16,13 @@
 namespace ragdoll {
 namespace {
 
-World loadWorld(const ragdoll_msgs::LoadScene::Request& request) {
+World loadWorld(const ragdoll_msgs::LoadScene::Request& request, const std::string& prefix) {
   if (request.path.empty() == request.yaml.empty())
     throw Error("", std::string(request.path.empty() ? "neither" : "both") +
                         " of path and yaml given; it must be exactly one");
   return World(request.path.empty() ? parseScene(request.yaml, "yaml")
                                     : loadScene(resolvePackage(request.path)),
-               request.path);
+               request.path, prefix);
 }
 
 }  // namespace
@@ -60,11 +60,12 @@ void tellChecks(const World& world, const std::vector<std::string>& told) {
 }
 
 Scenes::Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,
-               const RosClock& clock, const std::string& world_frame, std::function<void()> changed)
+               const RosClock& clock, const Parameters& parameters, std::function<void()> changed)
     : simulation_(simulation),
       publisher_(publisher),
       clock_(clock),
-      world_frame_(world_frame),
+      world_frame_(parameters.world_frame),
+      frame_prefix_(parameters.frame_prefix),
       changed_(std::move(changed)) {
   servers_.push_back(nh.advertiseService("load_scene", &Scenes::load, this));
   servers_.push_back(nh.advertiseService("get_state", &Scenes::get, this));
@@ -74,7 +75,8 @@ Scenes::Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher
 bool Scenes::load(ragdoll_msgs::LoadScene::Request& request,
                   ragdoll_msgs::LoadScene::Response& response) {
   const auto act = [&] {
-    World next = loadWorld(request);  // in this thread: the old scene goes on meanwhile
+    World next =
+        loadWorld(request, frame_prefix_);  // in this thread: the old scene goes on meanwhile
     std::string message = contents(*next.model());
     for (const std::string& warning : startWarnings(next)) message += "; " + warning;
     tellChecks(next, simulation_.call([](World& world) { return world.model()->notes; }));

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "parameters.h"
 #include "publisher.h"
 #include "ragdoll_sim/world/simulation.h"
 #include "ros_clock.h"
@@ -27,7 +28,7 @@ class Scenes {
  public:
   /// changed: called when the settings of the solver may be others.
   Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher, const RosClock& clock,
-         const std::string& world_frame, std::function<void()> changed);
+         const Parameters& parameters, std::function<void()> changed);
 
  private:
   bool load(ragdoll_msgs::LoadScene::Request& request, ragdoll_msgs::LoadScene::Response& response);
@@ -37,7 +38,7 @@ class Scenes {
   Simulation& simulation_;
   Publisher& publisher_;
   const RosClock& clock_;
-  std::string world_frame_;
+  std::string world_frame_, frame_prefix_;
   std::function<void()> changed_;
   std::vector<ros::ServiceServer> servers_;
 };

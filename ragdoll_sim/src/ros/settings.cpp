@@ -103,7 +103,7 @@ std::vector<std::string> settingNames() {
 }
 
 SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double realtime_factor,
-                      bool show_limits) {
+                      bool show_limits, const std::string& coat) {
   SolverConfig c = SolverConfig::__getDefault__();
   c.preset = solver.preset;
   c.method = static_cast<int>(solver.method);
@@ -119,6 +119,7 @@ SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double real
   c.gravity_z = gravity.z();
   c.realtime_factor = realtime_factor;
   c.show_limits = show_limits;
+  c.coat = coat;
   return c;
 }
 
@@ -208,11 +209,11 @@ void GivenSettings::apply(Scene& scene) const {
                   "is " + textOf(given_.at("preset")) + "; there are " + joined(presetNames()));
     usePreset(name, next.solver);
   }
-  const SolverConfig shown = toConfig(next.solver, next.gravity, 1, false);
+  const SolverConfig shown = toConfig(next.solver, next.gravity, 1, false, "");
   SolverConfig config = shown;
   for (const auto& setting : SolverConfig::__getParamDescriptions__()) {
     const std::string &name = setting->name, &type = setting->type;
-    if (!has(name) || name == "preset") continue;
+    if (!has(name) || name == "preset" || name == "coat") continue;
     const std::string where = "parameter " + nh_.resolveName(name);
     dynamic_reconfigure::Config message;
     if (!append(name, type, given_.at(name), message))

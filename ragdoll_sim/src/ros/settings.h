@@ -19,7 +19,7 @@ using ragdoll_sim::SolverConfig;
 std::vector<std::string> settingNames();
 
 SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double realtime_factor,
-                      bool show_limits);
+                      bool show_limits, const std::string& coat);
 
 /// The settings of `config` that are not as `shown`, on top of `scene`. Another preset sets all
 /// that are the solver's but joint_damping, which belongs to the body.

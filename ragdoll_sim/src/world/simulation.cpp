@@ -1,6 +1,7 @@
 #include "ragdoll_sim/world/simulation.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace ragdoll {
 namespace {
@@ -75,37 +76,82 @@ std::uint64_t Simulation::step(std::uint64_t steps) {
   }
 }
 
+void Simulation::copy(Snapshot& out) {
+  World& world = world_;
+  out.source = world.source();
+  out.scene = world.scene();
+  out.model = world.model();
+  out.state = world.state();
+  out.tracker = world.tracker();
+  out.report = world.report();
+  out.acted = world.takeActed();
+  out.events = world.takeEvents();
+  out.followed = world.takeFollowed();
+  out.pulls = world.pulls();
+  out.revision = world.revision();
+  out.mark = world.mark();
+  out.beginning = world.beginning();
+  out.paused = paused_;
+  out.realtime_factor = realtime_factor_;
+  out.waiting = options_.external_clock && !(readClock() > 0);
+  out.clock_silence.reset();
+  if (options_.external_clock && !paused_)
+    out.clock_silence = duration<double>(Clock::now() - ticked_).count();
+  out.progress = progress_;
+  out.lateness = last_lateness_;
+  out.lateness.add(lateness_);
+  out.alpha.reset();
+}
+
 void Simulation::snapshot(Snapshot& out) {
   call([&](World& world) {
-    out.source = world.source();
-    out.scene = world.scene();
-    out.model = world.model();
-    out.state = world.state();
-    out.tracker = world.tracker();
-    out.report = world.report();
-    out.acted = world.takeActed();
-    out.events = world.takeEvents();
-    out.followed = world.takeFollowed();
-    out.pulls = world.pulls();
-    out.revision = world.revision();
-    out.mark = world.mark();
-    out.beginning = world.beginning();
-    out.paused = paused_;
-    out.realtime_factor = realtime_factor_;
-    out.waiting = options_.external_clock && !(readClock() > 0);
-    out.clock_silence.reset();
-    if (options_.external_clock && !paused_)
-      out.clock_silence = duration<double>(Clock::now() - ticked_).count();
-    out.progress = progress_;
-    out.lateness = last_lateness_;
-    out.lateness.add(lateness_);
-    out.alpha.reset();
+    copy(out);
     if (paused_ || options_.external_clock || realtime_factor_ < 0) return;
     const double interval =
         duration<double>(wallStep()).count() * static_cast<double>(world.stepsPerFollow());
     const double age = duration<double>(Clock::now() - followed_due_).count();
     out.alpha = std::clamp(age / interval, 0.0, 1.0);
   });
+}
+
+void Simulation::sample(double every, std::function<void()> ready) {
+  call([&](World&) {
+    sample_every_ = every;
+    sampled_ = std::move(ready);
+  });
+}
+
+bool Simulation::takeSample(Snapshot& out) {
+  {
+    std::lock_guard<std::mutex> lock(samples_mutex_);
+    if (samples_.empty()) return false;
+    out = std::move(samples_.front());
+    samples_.pop_front();
+  }
+  wake_.notify_all();
+  return true;
+}
+
+bool Simulation::samplesAreFull() {
+  if (!(sample_every_ > 0)) return false;
+  std::lock_guard<std::mutex> lock(samples_mutex_);
+  return samples_.size() >= kMostSamples;
+}
+
+/// After a step: if it is the first of its interval.
+void Simulation::keepSample() {
+  constexpr double kRounding = 1e-9;  // of an interval
+  if (!(sample_every_ > 0)) return;
+  const double time = world_.state().time;
+  const auto interval = [&](double t) { return std::floor(t / sample_every_ + kRounding); };
+  if (interval(time) == interval(time - world_.stepLength())) return;
+  Snapshot now;
+  copy(now);
+  {
+    std::lock_guard<std::mutex> lock(samples_mutex_);
+    samples_.push_back(std::move(now));
+  }
+  sampled_();
 }
 
 Progress Simulation::progress() {
@@ -158,6 +204,7 @@ void Simulation::drain() {
 }
 
 bool Simulation::stepIsDue() {
+  if (samplesAreFull()) return false;
   if (!step_jobs_.empty()) return true;
   if (paused_) return false;
   if (realtime_factor_ < 0) return true;
@@ -214,6 +261,7 @@ void Simulation::advance() {
   progress_.limited += static_cast<std::uint64_t>(world_.report().limited);
   progress_.unresolved += static_cast<std::uint64_t>(world_.report().unresolved);
   if (world_.followedStep() == world_.state().step) followed_due_ = due_;
+  keepSample();
 
   if (!step_jobs_.empty()) {
     StepJob& job = step_jobs_.front();
@@ -236,7 +284,7 @@ void Simulation::advance() {
 void Simulation::waitForWork() {
   std::unique_lock<std::mutex> lock(mutex_);
   const auto work = [this] { return stopping_ || !queue_.empty(); };
-  if (paused_)
+  if (paused_ && step_jobs_.empty())
     wake_.wait(lock, work);
   else if (options_.external_clock)
     wake_.wait_for(lock, kPoll, work);

@@ -49,12 +49,12 @@ BodyRef findParticle(const Model& model, const std::string& body) {
 
 }  // namespace
 
-World::World(Scene scene, std::string source)
+World::World(Scene scene, std::string source, const std::string& frame_prefix)
     : source_(std::move(source)),
       scene_(std::make_shared<Scene>(std::move(scene))),
       model_(std::make_shared<Model>(buildModel(*scene_))),
       state_(startState(*model_)),
-      tracker_(*model_),
+      tracker_(*model_, frame_prefix),
       start_pins_(model_->pins) {
   for (const ObstacleSpec& o : scene_->obstacles) checkForeign(o.where + ": frame", o.frame);
   for (const PinSpec& p : scene_->pins) checkForeign(p.where + ": frame", p.frame);

@@ -27,6 +27,8 @@ CASES = [
     ('wrench_timeout', '0', ['(0, 60]']),
     ('coat', 'fur', ['fur', 'capsules']),
     ('max_frame_speed', '0', ['> 0']),
+    ('publish_every', '-1', ['[0, 3600]']),
+    ('tf_bodies', 'some', ['some', 'all, roots or none']),
     ('preset', 'quick', ['quick', 'thesis, draft']),
     ('step', 'fast', ['a number', 'fast']),
     ('step', '2.0', ['is 2;', '[1e-05, 1]', '[s]']),

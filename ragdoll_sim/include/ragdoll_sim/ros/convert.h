@@ -58,7 +58,8 @@ FollowedFrame fromFollowedMsg(const Model& model, const ragdoll_msgs::FollowedFr
 /// All frames of all ragdolls, each in its parent; the roots in header.frame_id.
 std::vector<geometry_msgs::TransformStamped> toTransforms(const FrameTracker& tracker,
                                                           const Posture& posture,
-                                                          const std_msgs::Header& header);
+                                                          const std_msgs::Header& header,
+                                                          bool roots_only = false);
 
 /// Fills type, pose, scale, colours and points.
 void toMarker(const CoatShape& shape, visualization_msgs::Marker& marker);

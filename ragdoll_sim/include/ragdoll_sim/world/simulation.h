@@ -79,6 +79,12 @@ class Simulation {
   }
 
   void snapshot(Snapshot& out);
+
+  /// From now on keeps a copy of the first moment of each `every` [s] of simulated time; calls
+  /// `ready` when there is one, from its own thread. Steps wait while kMostSamples are not taken.
+  void sample(double every, std::function<void()> ready);
+  /// The oldest; false if there is none.
+  bool takeSample(Snapshot& out);
   Progress progress();
 
   double realtimeFactor() const { return realtime_factor_; }
@@ -91,7 +97,12 @@ class Simulation {
     std::promise<std::uint64_t> reached;
   };
 
+  static constexpr std::size_t kMostSamples = 100;
+
   void post(Queued command);
+  void copy(Snapshot& out);
+  void keepSample();
+  bool samplesAreFull();
   void run();
   void drain();
   bool stepIsDue();
@@ -120,6 +131,11 @@ class Simulation {
   /// [s] How late steps began by the steady clock: the minute that runs, and the one before.
   Histogram lateness_, last_lateness_;
   Clock::time_point lateness_begin_ = Clock::now();
+
+  double sample_every_ = 0;  ///< [s]
+  std::function<void()> sampled_;
+  std::mutex samples_mutex_;
+  std::deque<Snapshot> samples_;
 
   std::mutex mutex_;
   std::condition_variable wake_;

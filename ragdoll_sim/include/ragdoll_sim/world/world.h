@@ -24,8 +24,8 @@ namespace ragdoll {
 class World {
  public:
   /// At the scene's start. `source`: name or path that the scene was loaded from, empty: none.
-  /// Throws Error.
-  explicit World(Scene scene, std::string source = "");
+  /// `frame_prefix`: of the names of its own frames. Throws Error.
+  explicit World(Scene scene, std::string source = "", const std::string& frame_prefix = "");
 
   const std::string& source() const { return source_; }
 
