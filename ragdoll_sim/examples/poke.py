@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 import rospy
 from ragdoll_msgs.msg import State
 from ragdoll_msgs.srv import Poke, PokeRequest

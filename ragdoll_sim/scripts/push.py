@@ -104,10 +104,13 @@ def main():
     while not rospy.is_shutdown() and (rounds == 0 or done < rounds):
         gripper.round()
         done += 1
+    rospy.signal_shutdown('all rounds are done')
 
 
 if __name__ == '__main__':
     try:
         main()
-    except rospy.ROSInterruptException:
-        pass
+    except (rospy.ROSException, rospy.ServiceException):
+        # Of a node that is ending, services and publishers fail where they stand.
+        if not rospy.is_shutdown():
+            raise

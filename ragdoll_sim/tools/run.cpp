@@ -114,7 +114,8 @@ int runCommand(const Words& words) {
   add("pairs", po::bool_switch(&options.pairs),
       "With self_collision: list the pairs of sticks that are left out");
   add("set", po::value(&options.settings),
-      "Change a setting, such as solver.step=0.001; may be given again");
+      "Change a setting, such as solver.step=0.001; may be given again.\nsolver.preset sets all of "
+      "the solver but joint_damping");
   return parse(line, words, options.scene) ? run(options) : kOk;
 }
 

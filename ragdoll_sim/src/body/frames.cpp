@@ -43,7 +43,7 @@ struct Follower {
 
 }  // namespace
 
-FrameTracker::FrameTracker(const Model& model) {
+FrameTracker::FrameTracker(const Model& model, const std::string& prefix) {
   std::vector<std::shared_ptr<const FrameTree>> trees;
   std::vector<std::shared_ptr<const Points>> rests;
   for (const Skeleton& skeleton : model.skeletons) {
@@ -55,7 +55,7 @@ FrameTracker::FrameTracker(const Model& model) {
     const auto& tree = trees[ragdoll.skeleton];
     bodies_.push_back({tree, rests[ragdoll.skeleton], ragdoll.first, part, frame});
     for (const FrameSpec& spec : tree->frames) {
-      names_.push_back(ragdoll.name + "/" + spec.name);
+      names_.push_back(prefix + ragdoll.name + "/" + spec.name);
       parents_.push_back(spec.parent < 0 ? -1 : frame + spec.parent);
     }
     part += static_cast<int>(tree->parts.size());

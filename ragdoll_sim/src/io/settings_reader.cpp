@@ -1,6 +1,7 @@
 #include "settings_reader.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/solver_presets.h"
@@ -51,9 +52,10 @@ const std::vector<std::string>& settingKeys() {
 
 void readSolverKnob(const std::string& key, const Reader& value, SolverSpec& solver) {
   if (key == "preset") {
-    const std::string where = solver.where;
-    solver = preset(presetNames()[value.choice(presetNames())]);
-    solver.where = where;
+    SolverSpec next = preset(presetNames()[value.choice(presetNames())]);
+    next.where = solver.where;
+    next.joint_damping = solver.joint_damping;  // it belongs to the body
+    solver = std::move(next);
   } else if (key == "method") {
     solver.method = static_cast<Method>(value.choice(methodNames()));
   } else if (key == "integrator") {

@@ -1,9 +1,9 @@
-#include "ragdoll_sim/ros/attachments.h"
+#include "attachments.h"
 
 #include <ros/console.h>
 
+#include "answer.h"
 #include "ragdoll_sim/core/error.h"
-#include "ragdoll_sim/ros/answer.h"
 
 namespace ragdoll {
 namespace {
@@ -79,7 +79,12 @@ void Attachments::run() {
 void Attachments::look() {
   const std::vector<std::string> wanted =
       simulation_.call([](World& world) { return world.followedFrames(); });
-  std::vector<std::pair<std::string, Pose>> poses;
+  struct News {
+    std::string frame;
+    Pose pose;
+    bool back;
+  };
+  std::vector<News> news;
   {
     std::lock_guard<std::mutex> lock(mutex_);
     std::map<std::string, Heard> heard;
@@ -88,26 +93,31 @@ void Attachments::look() {
       if (h.at == Clock::time_point()) h.at = Clock::now();
       const std::optional<StampedPose> found = frames_.find(frame);
       if (found) {
-        if (found->stamp != h.stamp || found->stamp.isZero() || !h.ever) h.at = Clock::now();
+        if (found->stamp != h.stamp || found->stamp.isZero() || !h.ever) {
+          h.at = Clock::now();
+          news.push_back({frame, found->pose, h.missing});
+        }
         h.stamp = found->stamp;
         h.ever = true;
-        poses.emplace_back(frame, found->pose);
       }
       judge(frame, h, found.has_value());
     }
     heard_.swap(heard);
   }
-  if (poses.empty()) return;
+  if (news.empty()) return;
   simulation_.call([&](World& world) {
-    for (const auto& [frame, pose] : poses) world.hear(frame, pose);
+    for (const News& n : news) world.hear(n.frame, n.pose, n.back);
   });
 }
 
 void Attachments::judge(const std::string& frame, Heard& heard, bool found) {
   const bool missing = Clock::now() - heard.at > kSilence;
   if (missing && !heard.missing)
-    ROS_WARN("frame '%s': %s; what follows it stays where it is", frame.c_str(),
-             found || heard.ever ? "no news from TF" : "not heard of in TF");
+    ROS_WARN("frame '%s': %s", frame.c_str(),
+             found || heard.ever
+                 ? "no news from TF; what follows it stays where it is"
+                 : "not heard of in TF; until it is, obstacles that follow it are 10 km below, "
+                   "and particles are held where they are");
   if (!missing && heard.missing) ROS_INFO("frame '%s' is back", frame.c_str());
   heard.missing = missing;
 }

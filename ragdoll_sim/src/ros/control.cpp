@@ -1,7 +1,7 @@
-#include "ragdoll_sim/ros/control.h"
+#include "control.h"
 
+#include "answer.h"
 #include "ragdoll_sim/core/error.h"
-#include "ragdoll_sim/ros/answer.h"
 
 namespace ragdoll {
 namespace {

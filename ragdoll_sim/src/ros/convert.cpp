@@ -7,6 +7,8 @@
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/number_text.h"
+#include "ragdoll_sim/core/findings.h"
+#include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
 
@@ -81,8 +83,9 @@ ragdoll_msgs::RagdollModel toRagdollModel(const Ragdoll& ragdoll, const Skeleton
   m.name = ragdoll.name;
   const auto names = skeleton.particles.begin();
   m.particles.assign(names, names + skeleton.named);
-  m.masses.resize(skeleton.named);
-  for (int i = 0; i < skeleton.named; ++i) m.masses[i] = skeleton.M(i, i);
+  const Eigen::VectorXd masses = pointMasses(skeleton);
+  m.masses.assign(masses.begin(), masses.end());
+  m.mass = masses.sum();
   m.sticks.resize(skeleton.sticks.size());
   for (std::size_t k = 0; k < skeleton.sticks.size(); ++k) {
     const Stick& stick = skeleton.sticks[k];
@@ -157,22 +160,6 @@ ragdoll_msgs::PokeEvent toPokeEvent(const Event& event, const std_msgs::Header& 
   return m;
 }
 
-std::string shown(const Vec3& v) {
-  return "(" + numberText(v.x()) + ", " + numberText(v.y()) + ", " + numberText(v.z()) + ")";
-}
-
-std::string listed(const std::vector<std::string>& names) {
-  constexpr std::size_t kMost = 20;  // more helps nobody
-  if (names.size() <= kMost) return joined(names);
-  return joined({names.begin(), names.begin() + kMost}) + " and " +
-         std::to_string(names.size() - kMost) + " more";
-}
-
-void checkFinite(const Vec3& v, const char* name, const char* unit) {
-  if (!v.allFinite())
-    throw Error(name, "is " + shown(v) + "; it must be three finite numbers " + unit);
-}
-
 namespace {
 
 /// The numbers as they are: another rounding would make another motion.
@@ -242,7 +229,8 @@ FollowedFrame fromFollowedMsg(const Model& model, const ragdoll_msgs::FollowedFr
   checkSeconds(m.duration, "duration", true);
   for (const ragdoll_msgs::HeldParticle& p : m.held) {
     checkFinite(fromVector3(p.offset), "offset", "[m]");
-    checkSeconds(p.age, "age", false);
+    if (!std::isfinite(p.age))
+      throw Error("age", "is " + numberText(p.age) + "; it must be a finite number [s]");
     glide.held.push_back(
         {findBody(model, p.name).particles.at(0), p.name, fromVector3(p.offset), p.age});
   }
@@ -251,14 +239,18 @@ FollowedFrame fromFollowedMsg(const Model& model, const ragdoll_msgs::FollowedFr
 
 std::vector<geometry_msgs::TransformStamped> toTransforms(const FrameTracker& tracker,
                                                           const Posture& posture,
-                                                          const std_msgs::Header& header) {
-  std::vector<geometry_msgs::TransformStamped> out(tracker.size());
+                                                          const std_msgs::Header& header,
+                                                          bool roots_only) {
+  std::vector<geometry_msgs::TransformStamped> out;
+  out.reserve(roots_only ? tracker.ragdolls() : tracker.size());
   for (int i = 0; i < tracker.size(); ++i) {
     const int parent = tracker.parent(i);
-    out[i].header = header;
-    if (parent >= 0) out[i].header.frame_id = tracker.name(parent);
-    out[i].child_frame_id = tracker.name(i);
-    out[i].transform = toTransform(tracker.local(posture, i));
+    if (roots_only && parent >= 0) continue;
+    out.emplace_back();
+    out.back().header = header;
+    if (parent >= 0) out.back().header.frame_id = tracker.name(parent);
+    out.back().child_frame_id = tracker.name(i);
+    out.back().transform = toTransform(tracker.local(posture, i));
   }
   return out;
 }
@@ -298,10 +290,6 @@ void toMarker(const CoatShape& shape, visualization_msgs::Marker& marker) {
       }
       return;
   }
-}
-
-std::string fullName(const Model& model, const BodyRef& body, const std::string& name) {
-  return model.ragdolls[body.ragdoll].name + "/" + name.substr(name.find('/') + 1);
 }
 
 }  // namespace ragdoll

@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/frame_lookup.h"
+#include "frame_lookup.h"
 
 #include <ros/console.h>
 #include <ros/this_node.h>
@@ -8,9 +8,12 @@
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/ros/convert.h"
+#include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
 namespace {
+
+constexpr double kRivalry = 5;  ///< [s] without a frame of the other's, then it is over
 
 /// TF lets numbers of any size through, infinite ones, too.
 bool isPlace(const Pose& pose) {
@@ -56,10 +59,40 @@ void FrameLookup::hear(const Event& event, bool is_static) {
       if (!buffer_.setTransform(t, publisher, is_static)) continue;
       std::lock_guard<std::mutex> lock(mutex_);
       others_[normal(t.child_frame_id)] = other;
+      claim(normal(t.child_frame_id), publisher, other);
     } catch (const std::exception& e) {
       ROS_WARN_THROTTLE(1, "/tf ignored: %s", e.what());
     }
   }
+}
+
+/// With the mutex held.
+void FrameLookup::claim(const std::string& frame, const std::string& publisher, bool other) {
+  const ros::WallTime now = ros::WallTime::now();
+  if (!other) {
+    own_[frame] = now;
+    return;
+  }
+  const auto own = own_.find(frame);
+  if (own == own_.end() || (now - own->second).toSec() > kRivalry) return;
+  Claim& claim = claims_[publisher];
+  if (claim.frame.empty() || (now - claim.at).toSec() > kRivalry) {
+    ROS_WARN(
+        "%s publishes the frame '%s', which this node publishes, too; give one of them "
+        "another ~frame_prefix",
+        publisher.c_str(), frame.c_str());
+    claim.frame = frame;
+  }
+  claim.at = now;
+}
+
+std::vector<std::string> FrameLookup::rivals() const {
+  std::lock_guard<std::mutex> lock(mutex_);
+  std::vector<std::string> names;
+  for (const auto& [publisher, claim] : claims_)
+    if ((ros::WallTime::now() - claim.at).toSec() < kRivalry)
+      names.push_back(publisher + " publishes " + claim.frame + ", too");
+  return names;
 }
 
 std::string FrameLookup::normal(const std::string& frame) {

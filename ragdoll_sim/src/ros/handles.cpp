@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/handles.h"
+#include "handles.h"
 
 #include <ros/console.h>
 #include <visualization_msgs/InteractiveMarkerUpdate.h>

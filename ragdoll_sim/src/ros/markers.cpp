@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/markers.h"
+#include "markers.h"
 
 #include <ros/node_handle.h>
 
@@ -7,7 +7,7 @@
 
 #include "ragdoll_sim/body/limit_shapes.h"
 #include "ragdoll_sim/ros/convert.h"
-#include "ragdoll_sim/ros/looks.h"
+#include "ragdoll_sim/world/looks.h"
 
 namespace ragdoll {
 namespace {
@@ -44,6 +44,12 @@ MarkerPublisher::MarkerPublisher(ros::NodeHandle& nh, const std::string& world_f
       "markers", 4, [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; });
 }
 
+void MarkerPublisher::setCoat(const std::string& coat) {
+  std::lock_guard<std::mutex> lock(coat_mutex_);
+  other_coat_ = other_coat_ || coat != coat_;
+  coat_ = coat;
+}
+
 void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
   if (!wanted()) return;
   for (const Poke& poke : world.acted)
@@ -52,7 +58,7 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
   if (now < next_) return;
   next_ = std::max(next_ + kPeriod, now + kPeriod / 2);
 
-  if (world.scene != scene_) startScene(world);
+  if (other_coat_.exchange(false) || world.scene != scene_) startScene(world);
   const bool all = newcomer_.exchange(false) || now >= next_obstacles_;
   if (all) next_obstacles_ = now + kObstaclePeriod;
   // The bodies' markers stay in the message: their points are many and need no new memory.
@@ -69,7 +75,10 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
 
 void MarkerPublisher::startScene(const Snapshot& world) {
   scene_ = world.scene;
-  const CoatKind kind = coatKind(coat_.empty() ? scene_->coat : coat_);
+  const CoatKind kind = [this] {
+    std::lock_guard<std::mutex> lock(coat_mutex_);
+    return coatKind(coat_.empty() ? scene_->coat : coat_);
+  }();
   visualization_msgs::MarkerArray clear;
   clear.markers.push_back(marker("", 0, 0));
   clear.markers[0].action = Marker::DELETEALL;

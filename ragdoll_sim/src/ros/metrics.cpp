@@ -1,7 +1,8 @@
-#include "ragdoll_sim/ros/metrics.h"
+#include "metrics.h"
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/measures.h"
@@ -9,12 +10,15 @@
 #include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/core/solver_presets.h"
 #include "ragdoll_sim/ros/convert.h"
+#include "ragdoll_sim/core/findings.h"
+#include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
 namespace {
 
-constexpr double kPeriod = 1;      ///< [s]
-constexpr double kTooSlow = 0.95;  ///< of the wanted real-time factor
+constexpr double kPeriod = 1;        ///< [s]
+constexpr double kTooSlow = 0.95;    ///< of the wanted real-time factor
+constexpr double kClockSilence = 5;  ///< [s] without a tick of /clock
 
 const char* name(Method method) {
   switch (method) {
@@ -45,8 +49,8 @@ std::vector<std::string> outOfReach(const Model& model, const State& state) {
 
 }  // namespace
 
-Metrics::Metrics(ros::NodeHandle& nh, std::function<std::vector<std::string>()> missing)
-    : missing_(std::move(missing)),
+Metrics::Metrics(ros::NodeHandle& nh, FrameTroubles troubles)
+    : troubles_(std::move(troubles)),
       updater_(ros::NodeHandle(), nh, nh.getNamespace()),
       last_(Simulation::Clock::now()) {
   publisher_ = nh.advertise<ragdoll_msgs::Metrics>("metrics", 10);
@@ -83,10 +87,12 @@ void Metrics::measure(const Snapshot& world, double seconds) {
   since_.joining = now.joining - before_.joining;
   since_.limited = now.limited - before_.limited;
   since_.unresolved = now.unresolved - before_.unresolved;
+  since_.lost = now.lost - before_.lost;
   before_ = now;
   was_paused_ = paused_;
   paused_ = world.paused;
   wanted_factor_ = world.realtime_factor;
+  clock_silence_ = world.clock_silence;
   message_.paused = world.paused;
   message_.waiting = world.waiting;
   message_.step_lateness_p50 = world.lateness.percentile(0.5);
@@ -95,7 +101,8 @@ void Metrics::measure(const Snapshot& world, double seconds) {
   message_.step_lateness_max = world.lateness.max();
   message_.realtime_factor = since_.simulated / seconds;
   message_.step_time = since_.steps > 0 ? since_.stepping / static_cast<double>(since_.steps) : 0;
-  message_.contacts = static_cast<std::uint32_t>(world.report.contacts);
+  message_.contacts = static_cast<std::uint32_t>(world.report.contacts +
+                                                 contactsOfSleepers(*world.model, world.state));
   message_.asleep = static_cast<std::uint32_t>(std::count_if(
       world.state.asleep.begin(), world.state.asleep.end(), [](auto a) { return a; }));
   message_.ragdolls = static_cast<std::uint32_t>(world.model->ragdolls.size());
@@ -108,6 +115,17 @@ void Metrics::measure(const Snapshot& world, double seconds) {
   message_.unresolved = static_cast<std::uint32_t>(since_.unresolved);
   message_.error_class = errorClass(world.model->solver);
   out_of_reach_ = outOfReach(*world.model, world.state);
+  overlaps_ = deepOverlaps(*world.model, world.state);
+}
+
+/// Of the clock that is followed: its pace is none of the simulation's business.
+void Metrics::diagnoseClock(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  using diagnostic_msgs::DiagnosticStatus;
+  if (*clock_silence_ > kClockSilence)
+    status.mergeSummary(DiagnosticStatus::WARN, "stands still: /clock has not ticked for " +
+                                                    numberText(std::round(*clock_silence_)) + " s");
+  else if (since_.lost > (1 - kTooSlow) * (since_.lost + since_.simulated))
+    status.mergeSummary(DiagnosticStatus::WARN, "slower than /clock");
 }
 
 void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
@@ -116,6 +134,8 @@ void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   if (message_.waiting)
     status.mergeSummary(DiagnosticStatus::WARN,
                         "waiting for /clock: /use_sim_time is set and nobody has published a time");
+  else if (clock_silence_)
+    diagnoseClock(status);
   else if (!paused_ && !was_paused_ && message_.realtime_factor < kTooSlow * wanted_factor_)
     status.mergeSummary(DiagnosticStatus::WARN, "slower than real time is wanted");
   if (since_.rigid > 0)
@@ -131,9 +151,16 @@ void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
                                                     " m, where numbers are too " +
                                                     "coarse for a body: " + listed(out_of_reach_) +
                                                     "; ~reset brings it back");
-  const std::vector<std::string> missing = missing_();
+  if (!overlaps_.empty())
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        listed(overlaps_) + "; ~reset, or move one of them");
+  const std::vector<std::string> missing = troubles_.missing();
   if (!missing.empty())
     status.mergeSummary(DiagnosticStatus::WARN, "no news from TF of " + joined(missing));
+  const std::vector<std::string> rivals = troubles_.rivals();
+  if (!rivals.empty())
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        joined(rivals) + "; give one of them another ~frame_prefix");
   status.add("real-time factor", message_.realtime_factor);
   status.add("time of a step [us]", 1e6 * message_.step_time);
   status.add("lateness of steps, 50 % [us]", 1e6 * message_.step_lateness_p50);

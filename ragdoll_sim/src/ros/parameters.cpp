@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/parameters.h"
+#include "parameters.h"
 
 #include <ros/package.h>
 
@@ -20,12 +20,15 @@ std::string shown(const std::string& v) { return v.empty() ? "\"\"" : v; }
 
 class Reader {
  public:
-  explicit Reader(const ros::NodeHandle& nh) : nh_(nh) {}
+  Reader(const ros::NodeHandle& nh, const GivenSettings& settings)
+      : nh_(nh), settings_(settings), setting_names_(settingNames()) {}
 
   template <class T>
   void read(const std::string& key, const std::string& type, T& value) {
     known_.push_back(key);
-    if (!nh_.hasParam(key) || nh_.getParam(key, value)) return;
+    const bool setting = indexOf(setting_names_, key) >= 0;
+    if (!(setting ? settings_.has(key) : nh_.hasParam(key))) return;
+    if (setting ? settings_.get(key, value) : nh_.getParam(key, value)) return;
     throw Error("parameter " + nh_.resolveName(key),
                 "must be " + type + ", by default " + shown(value) + ", is " + given(key));
   }
@@ -35,7 +38,7 @@ class Reader {
   }
 
   /// Warns of what stands in the node's namespace and is not a parameter.
-  void warnOfOthers(const std::vector<std::string>& elsewhere) const {
+  void warnOfOthers() const {
     std::vector<std::string> names;
     nh_.getParamNames(names);
     const std::string prefix = nh_.getNamespace() + "/";
@@ -43,15 +46,16 @@ class Reader {
       if (name.compare(0, prefix.size(), prefix) != 0) continue;
       const std::string key = name.substr(prefix.size());
       const std::string head = key.substr(0, key.find('/'));
-      if (indexOf(known_, head) < 0 && indexOf(elsewhere, head) < 0)
-        ROS_WARN("unknown parameter %s; there are %s", name.c_str(), joined(known_).c_str());
+      if (indexOf(known_, head) < 0 && indexOf(setting_names_, head) < 0)
+        ROS_WARN("unknown parameter %s; there are %s; and the settings %s", name.c_str(),
+                 joined(known_).c_str(), joined(setting_names_).c_str());
     }
   }
 
  private:
   std::string given(const std::string& key) const {
     XmlRpc::XmlRpcValue value;
-    nh_.getParam(key, value);
+    if (!settings_.get(key, value)) nh_.getParam(key, value);
     if (value.getType() == XmlRpc::XmlRpcValue::TypeDouble) return numberText(value);
     std::ostringstream out;
     value.write(out);
@@ -59,14 +63,15 @@ class Reader {
   }
 
   const ros::NodeHandle& nh_;
-  std::vector<std::string> known_;
+  const GivenSettings& settings_;
+  std::vector<std::string> setting_names_, known_;
 };
 
 }  // namespace
 
-Parameters readParameters(const ros::NodeHandle& nh) {
+Parameters readParameters(const ros::NodeHandle& nh, const GivenSettings& given) {
   Parameters p;
-  Reader in(nh);
+  Reader in(nh, given);
   in.read("scene", "text", p.scene);
   in.read("world_frame", "text", p.world_frame);
   in.read("publish_rate", "a number", p.publish_rate);
@@ -76,6 +81,10 @@ Parameters readParameters(const ros::NodeHandle& nh) {
   in.read("wrench_timeout", "a number", p.wrench_timeout);
   in.read("coat", "text", p.coat);
   in.read("show_limits", "true or false", p.show_limits);
+  in.read("max_frame_speed", "a number", p.max_frame_speed);
+  in.read("frame_prefix", "text", p.frame_prefix);
+  in.read("publish_every", "a number", p.publish_every);
+  in.read("tf_bodies", "text", p.tf_bodies);
 
   in.check(!p.scene.empty(), "scene", "it must name a scene: stairs, a path or package://...");
   if (!p.world_frame.empty() && p.world_frame[0] == '/') p.world_frame.erase(0, 1);
@@ -86,6 +95,12 @@ Parameters readParameters(const ros::NodeHandle& nh) {
            "realtime_factor", "it must be > 0, or -1 to run free");
   in.check(p.wrench_timeout > 0 && p.wrench_timeout <= 60, "wrench_timeout",
            "it must be in (0, 60] s");
+  if (!p.frame_prefix.empty() && p.frame_prefix[0] == '/') p.frame_prefix.erase(0, 1);
+  in.check(p.publish_every >= 0 && p.publish_every <= 3600, "publish_every",
+           "it must be in [0, 3600] s of simulated time; 0: ~publish_rate holds");
+  in.check(indexOf({"", "all", "roots", "none"}, p.tf_bodies) >= 0, "tf_bodies",
+           "it must be all, roots or none");
+  in.check(p.max_frame_speed > 0, "max_frame_speed", "it must be > 0 m/s");
   if (!p.coat.empty()) {
     try {
       coatKind(p.coat);
@@ -93,8 +108,7 @@ Parameters readParameters(const ros::NodeHandle& nh) {
       throw Error("parameter " + nh.resolveName("coat"), e.what());
     }
   }
-  in.warnOfOthers({"preset", "method", "integrator", "step", "sweeps", "tolerance", "damping",
-                   "sleep", "gravity_x", "gravity_y", "gravity_z"});
+  in.warnOfOthers();
   return p;
 }
 

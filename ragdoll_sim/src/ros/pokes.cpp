@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/pokes.h"
+#include "pokes.h"
 
 #include <ros/this_node.h>
 
@@ -7,11 +7,12 @@
 #include <cstdint>
 #include <optional>
 
+#include "answer.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
-#include "ragdoll_sim/ros/answer.h"
 #include "ragdoll_sim/ros/convert.h"
-#include "ragdoll_sim/ros/wrench.h"
+#include "ragdoll_sim/world/text.h"
+#include "ragdoll_sim/world/wrench.h"
 
 namespace ragdoll {
 namespace {

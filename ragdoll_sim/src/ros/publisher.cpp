@@ -1,8 +1,10 @@
-#include "ragdoll_sim/ros/publisher.h"
+#include "publisher.h"
 
+#include <ros/console.h>
 #include <sensor_msgs/JointState.h>
 
 #include <chrono>
+#include <cmath>
 
 #include "ragdoll_sim/ros/convert.h"
 
@@ -12,22 +14,25 @@ namespace {
 using Clock = Simulation::Clock;
 
 constexpr int kEventQueue = 10000;  ///< none may be missing in a bag, and one step may have many
+constexpr double kTurn = 2 * M_PI;
+constexpr int kManyBodies = 50;  ///< with more, all their frames would fill /tf
+constexpr Clock::duration kIdlePeriod = std::chrono::milliseconds(100);
 constexpr int kQueue = 100;  ///< messages kept for a slow listener; then the oldest are dropped
 
 }  // namespace
 
 Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock,
-                     const Parameters& parameters,
-                     std::function<std::vector<std::string>()> missing)
+                     const Parameters& parameters, FrameTroubles troubles)
     : simulation_(simulation),
       clock_(clock),
       parameters_(parameters),
       markers_(nh, parameters.world_frame, parameters.coat),
-      metrics_(nh, std::move(missing)) {
+      metrics_(nh, std::move(troubles)) {
   markers_.showLimits(parameters.show_limits);
   model_ = nh.advertise<ragdoll_msgs::Model>("model", 1, true);
   state_ = nh.advertise<ragdoll_msgs::State>(
-      "state", kQueue, [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; });
+      "state", parameters.publish_every > 0 ? kEventQueue : kQueue,
+      [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; });
   pokes_ = nh.advertise<ragdoll_msgs::PokeEvent>("pokes", kEventQueue);
   followed_ = nh.advertise<ragdoll_msgs::FollowedFrame>("followed", kEventQueue);
   joints_ = nh.advertise<sensor_msgs::JointState>("joint_states", kQueue);
@@ -51,24 +56,38 @@ void Publisher::publishNow() {
 }
 
 void Publisher::run() {
-  const auto period = std::chrono::duration_cast<Clock::duration>(
-      std::chrono::duration<double>(1 / parameters_.publish_rate));
+  const bool sampling = parameters_.publish_every > 0;
+  const auto period = sampling ? kIdlePeriod
+                               : std::chrono::duration_cast<Clock::duration>(
+                                     std::chrono::duration<double>(1 / parameters_.publish_rate));
+  if (sampling)
+    simulation_.sample(parameters_.publish_every, [this] {
+      std::lock_guard<std::mutex> lock(mutex_);
+      sampled_ = true;
+      wake_.notify_all();
+    });
   Clock::time_point next = Clock::now();
   std::unique_lock<std::mutex> lock(mutex_);
   while (!stopping_) {
-    const bool demanded =
-        wake_.wait_until(lock, next, [&] { return stopping_ || asked_ > answered_; });
+    const bool woken =
+        wake_.wait_until(lock, next, [&] { return stopping_ || asked_ > answered_ || sampled_; });
     if (stopping_) break;
     const std::uint64_t ticket = asked_;
+    const bool demanded = asked_ > answered_;
+    sampled_ = false;
     lock.unlock();
     try {
-      tick(demanded);
+      publishDue(demanded, !woken);
     } catch (const Error&) {
       break;  // the simulation has ended
     }
     lock.lock();
     answered_ = ticket;
     done_.notify_all();
+    if (sampling) {
+      next = Clock::now() + period;
+      continue;
+    }
     if (demanded) continue;
     next += period;
     if (next < Clock::now()) next = Clock::now();
@@ -78,16 +97,26 @@ void Publisher::run() {
   done_.notify_all();
 }
 
-void Publisher::tick(bool demanded) {
+void Publisher::publishDue(bool demanded, bool idle) {
+  if (parameters_.publish_every > 0) {
+    while (simulation_.takeSample(world_)) tick(Why::kDue);
+    if (!demanded && !idle) return;
+  }
   simulation_.snapshot(world_);
+  const bool due = !demanded && parameters_.publish_every <= 0;
+  tick(due ? Why::kDue : demanded ? Why::kDemanded : Why::kIdle);
+}
+
+void Publisher::tick(Why why) {
   const ros::Time now = clock_.at(world_.progress);
   const Posture& shown = posture();
   if (world_.scene != told_scene_ || (world_.mark.run != told_run_ && world_.beginning))
     publishModel(now);
   publishEvents(now);
-  publishTf(shown, now);
-  publishState(now, demanded);
-  publishJoints(shown, now);
+  const bool between = why == Why::kIdle && !world_.paused;  // two samples
+  if (!between) publishTf(shown, now);
+  if (!between) publishState(now, why);
+  if (!between) publishJoints(shown, now);
   markers_.publish(world_, shown);
   metrics_.publish(world_, toHeader(parameters_.world_frame, now));
 }
@@ -117,13 +146,31 @@ void Publisher::publishTf(const Posture& posture, const ros::Time& now) {
   // tf2 complains of a stamp that it has seen, and a stamp of zero means that no clock ticks.
   if (now.isZero() || now == last_stamp_) return;
   last_stamp_ = now;
-  tf_.sendTransform(toTransforms(*world_.tracker, posture, toHeader(parameters_.world_frame, now)));
+  const std::string& bodies = tfBodies();
+  if (bodies == "none") return;
+  tf_.sendTransform(toTransforms(*world_.tracker, posture, toHeader(parameters_.world_frame, now),
+                                 bodies == "roots"));
 }
 
-void Publisher::publishState(const ros::Time& now, bool demanded) {
+const std::string& Publisher::tfBodies() {
+  if (world_.scene == tf_scene_) return tf_bodies_;
+  tf_scene_ = world_.scene;
+  tf_bodies_ = parameters_.tf_bodies;
+  if (!tf_bodies_.empty()) return tf_bodies_;
+  const bool many = world_.tracker->ragdolls() > kManyBodies;
+  tf_bodies_ = many ? "roots" : "all";
+  if (many)
+    ROS_INFO("%d bodies: /tf has one frame of each; ~tf_bodies: all gives all",
+             world_.tracker->ragdolls());
+  return tf_bodies_;
+}
+
+void Publisher::publishState(const ros::Time& now, Why why) {
   const bool changed = world_.revision != told_revision_;
   const bool newcomer = newcomer_.exchange(false);
-  if (world_.paused && !changed && !demanded && !newcomer) return;
+  const bool sampled = parameters_.publish_every > 0;  // then each moment is told once
+  if ((world_.paused || sampled) && !changed && (why != Why::kDemanded || sampled) && !newcomer)
+    return;
   told_revision_ = world_.revision;
   if (state_.getNumSubscribers() == 0) return;
   state_.publish(
@@ -148,6 +195,16 @@ void Publisher::publishJoints(const Posture& posture, const ros::Time& now) {
   message.name = angles_->names();
   message.position.resize(message.name.size());
   angles_->compute(posture, message.position);
+  message.velocity.assign(message.name.size(), 0);
+  const Posture &before = world_.tracker->previous(), &after = world_.tracker->now();
+  if (const double passed = after.time - before.time; passed > 0) {
+    angles_before_.resize(message.name.size());
+    angles_after_.resize(message.name.size());
+    angles_->compute(before, angles_before_);
+    angles_->compute(after, angles_after_);
+    for (std::size_t i = 0; i < message.velocity.size(); ++i)
+      message.velocity[i] = std::remainder(angles_after_[i] - angles_before_[i], kTurn) / passed;
+  }
   joints_.publish(message);
 }
 

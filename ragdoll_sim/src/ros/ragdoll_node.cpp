@@ -4,31 +4,43 @@
 #include <atomic>
 #include <csignal>
 #include <memory>
+#include <utility>
 
+#include "attachments.h"
+#include "control.h"
+#include "frame_lookup.h"
+#include "handles.h"
+#include "parameters.h"
+#include "pokes.h"
+#include "publisher.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/io/scene_yaml.h"
-#include "ragdoll_sim/ros/attachments.h"
-#include "ragdoll_sim/ros/control.h"
-#include "ragdoll_sim/ros/frame_lookup.h"
-#include "ragdoll_sim/ros/handles.h"
-#include "ragdoll_sim/ros/parameters.h"
-#include "ragdoll_sim/ros/pokes.h"
-#include "ragdoll_sim/ros/publisher.h"
-#include "ragdoll_sim/ros/reconfigure.h"
-#include "ragdoll_sim/ros/ros_clock.h"
-#include "ragdoll_sim/ros/scenes.h"
-#include "ragdoll_sim/ros/simulation.h"
+#include "ragdoll_sim/world/simulation.h"
+#include "ragdoll_sim/world/text.h"
+#include "reconfigure.h"
+#include "ros_clock.h"
+#include "scenes.h"
+#include "settings.h"
 
 namespace {
 
 constexpr double kPoll = 0.01;       ///< [s]
 constexpr int kCallbackThreads = 4;  ///< a long ~step leaves some for the other services
 
-ragdoll::World loadWorld(const std::string& parameter, const std::string& scene) {
+ragdoll::World loadWorld(const std::string& parameter, const ragdoll::Parameters& parameters,
+                         const ragdoll::GivenSettings& given) {
+  const std::string& name = parameters.scene;
+  ragdoll::Scene scene;
   try {
-    ragdoll::World world(ragdoll::loadScene(ragdoll::resolvePackage(scene)), scene);
-    ragdoll::tellChecks(*world.model());
-    ROS_INFO("scene '%s': %s", scene.c_str(), ragdoll::contents(*world.model()).c_str());
+    scene = ragdoll::loadScene(ragdoll::resolvePackage(name));
+  } catch (const ragdoll::Error& e) {
+    throw ragdoll::Error("parameter " + parameter, e.what());
+  }
+  given.apply(scene);
+  try {
+    ragdoll::World world(std::move(scene), name, parameters.frame_prefix);
+    ragdoll::tellChecks(world);
+    ROS_INFO("scene '%s': %s", name.c_str(), ragdoll::contents(*world.model()).c_str());
     return world;
   } catch (const ragdoll::Error& e) {
     throw ragdoll::Error("parameter " + parameter, e.what());
@@ -74,19 +86,24 @@ class SimTime {
  public:
   explicit SimTime(bool wanted) {
     bool before = false;
-    if (!wanted || (ros::param::get(kName, before) && before)) return;
+    given_ = ros::param::get(kName, before);
+    if (!wanted || before) return;
     ros::param::set(kName, true);
     set_ = true;
   }
   ~SimTime() {
-    if (set_) ros::param::del(kName);
+    if (!set_) return;
+    if (!given_)
+      ros::param::del(kName);
+    else if (ros::master::check())  // else ROS would wait for one
+      ros::param::set(kName, false);
   }
   SimTime(const SimTime&) = delete;
   SimTime& operator=(const SimTime&) = delete;
 
  private:
   static constexpr const char* kName = "/use_sim_time";
-  bool set_ = false;
+  bool given_ = false, set_ = false;
 };
 
 }  // namespace
@@ -96,22 +113,26 @@ int main(int argc, char** argv) {
   const Signals signals;
   ros::NodeHandle nh("~");
   try {
-    const ragdoll::Parameters parameters = ragdoll::readParameters(nh);
+    const ragdoll::GivenSettings given(nh);
+    const ragdoll::Parameters parameters = ragdoll::readParameters(nh, given);
     if (!signals.defer()) return 0;
     // Whoever starts after this follows the clock that this node is going to publish.
     const SimTime sim_time(parameters.publish_clock);
     const ragdoll::RosClock clock(parameters.publish_clock);
-    ragdoll::Simulation simulation(loadWorld(nh.resolveName("scene"), parameters.scene),
+    ragdoll::Simulation simulation(loadWorld(nh.resolveName("scene"), parameters, given),
                                    pace(parameters));
+    simulation.call(
+        [&](ragdoll::World& world) { world.setMaxFrameSpeed(parameters.max_frame_speed); });
     ragdoll::FrameLookup frames(parameters.world_frame);
     ragdoll::Attachments attachments(nh, simulation, frames);
-    ragdoll::Publisher publisher(nh, simulation, clock, parameters,
-                                 [&] { return attachments.missing(); });
+    ragdoll::Publisher publisher(
+        nh, simulation, clock, parameters,
+        {[&] { return attachments.missing(); }, [&] { return frames.rivals(); }});
     ragdoll::Control control(nh, simulation, publisher);
     ragdoll::Pokes pokes(nh, simulation, clock, frames, parameters.wrench_timeout);
     ragdoll::Handles handles(nh, simulation, frames);
-    ragdoll::Reconfigure reconfigure(nh, simulation, publisher, parameters.show_limits);
-    ragdoll::Scenes scenes(nh, simulation, publisher, clock, parameters.world_frame,
+    ragdoll::Reconfigure reconfigure(nh, simulation, publisher, parameters, given);
+    ragdoll::Scenes scenes(nh, simulation, publisher, clock, parameters,
                            [&] { reconfigure.refresh(); });
     std::unique_ptr<ragdoll::ClockPublisher> ticks;
     if (clock.own()) ticks = std::make_unique<ragdoll::ClockPublisher>(nh, simulation, clock);
@@ -121,6 +142,7 @@ int main(int argc, char** argv) {
     while (ros::ok() && !ros::isShuttingDown()) ros::WallDuration(kPoll).sleep();
     simulation.end();  // else ROS would wait for a call that waits for its steps
     ros::waitForShutdown();
+    given.restore();
   } catch (const ragdoll::Error& e) {
     ROS_FATAL("%s", e.what());
     return 1;

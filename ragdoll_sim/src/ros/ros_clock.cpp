@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/ros_clock.h"
+#include "ros_clock.h"
 
 #include <rosgraph_msgs/Clock.h>
 

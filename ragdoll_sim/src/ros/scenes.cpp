@@ -1,45 +1,71 @@
-#include "ragdoll_sim/ros/scenes.h"
+#include "scenes.h"
 
 #include <ros/console.h>
 
+#include <sstream>
+
+#include "answer.h"
+#include "parameters.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/io/scene_yaml.h"
-#include "ragdoll_sim/ros/answer.h"
 #include "ragdoll_sim/ros/convert.h"
-#include "ragdoll_sim/ros/parameters.h"
+#include "ragdoll_sim/core/findings.h"
+#include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
 namespace {
 
-World loadWorld(const ragdoll_msgs::LoadScene::Request& request) {
+World loadWorld(const ragdoll_msgs::LoadScene::Request& request, const std::string& prefix) {
   if (request.path.empty() == request.yaml.empty())
     throw Error("", std::string(request.path.empty() ? "neither" : "both") +
                         " of path and yaml given; it must be exactly one");
   return World(request.path.empty() ? parseScene(request.yaml, "yaml")
                                     : loadScene(resolvePackage(request.path)),
-               request.path);
+               request.path, prefix);
 }
 
 }  // namespace
 
-void tellChecks(const Model& model, const std::vector<std::string>& told) {
-  for (const std::string& warning : model.warnings) ROS_WARN("%s", warning.c_str());
-  for (const std::string& note : model.notes)
-    if (indexOf(told, note) < 0) ROS_INFO("%s", note.c_str());
+namespace {
+
+/// What surprises of a note about pairs: how many there are, and those that overlap at rest.
+std::string shortened(const std::string& note) {
+  std::istringstream lines(note);
+  std::string line, out;
+  std::getline(lines, out);
+  bool all = true;
+  while (std::getline(lines, line)) {
+    if (line.find("overlap") != std::string::npos)
+      out += "\n" + line;
+    else
+      all = false;
+  }
+  return all ? out : out + "\n  ragdoll_lab run SCENE --pairs lists the others";
 }
 
-std::string contents(const Model& model) {
-  return counted(model.ragdolls.size(), "ragdoll") + ", " +
-         counted(model.obstacles.size(), "obstacle");
+}  // namespace
+
+std::vector<std::string> startWarnings(const World& world) {
+  std::vector<std::string> warnings = world.model()->warnings;
+  for (const std::string& overlap : deepOverlaps(*world.model(), world.state()))
+    warnings.push_back(overlap + " at the start");
+  return warnings;
+}
+
+void tellChecks(const World& world, const std::vector<std::string>& told) {
+  for (const std::string& warning : startWarnings(world)) ROS_WARN("%s", warning.c_str());
+  for (const std::string& note : world.model()->notes)
+    if (indexOf(told, note) < 0) ROS_INFO("%s", shortened(note).c_str());
 }
 
 Scenes::Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,
-               const RosClock& clock, const std::string& world_frame, std::function<void()> changed)
+               const RosClock& clock, const Parameters& parameters, std::function<void()> changed)
     : simulation_(simulation),
       publisher_(publisher),
       clock_(clock),
-      world_frame_(world_frame),
+      world_frame_(parameters.world_frame),
+      frame_prefix_(parameters.frame_prefix),
       changed_(std::move(changed)) {
   servers_.push_back(nh.advertiseService("load_scene", &Scenes::load, this));
   servers_.push_back(nh.advertiseService("get_state", &Scenes::get, this));
@@ -49,10 +75,11 @@ Scenes::Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher
 bool Scenes::load(ragdoll_msgs::LoadScene::Request& request,
                   ragdoll_msgs::LoadScene::Response& response) {
   const auto act = [&] {
-    World next = loadWorld(request);  // in this thread: the old scene goes on meanwhile
+    World next =
+        loadWorld(request, frame_prefix_);  // in this thread: the old scene goes on meanwhile
     std::string message = contents(*next.model());
-    for (const std::string& warning : next.model()->warnings) message += "; " + warning;
-    tellChecks(*next.model(), simulation_.call([](World& world) { return world.model()->notes; }));
+    for (const std::string& warning : startWarnings(next)) message += "; " + warning;
+    tellChecks(next, simulation_.call([](World& world) { return world.model()->notes; }));
     simulation_.jump([&](World& world) { world.replaceBy(next); });
     changed_();
     publisher_.publishNow();

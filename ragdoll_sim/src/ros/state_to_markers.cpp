@@ -1,4 +1,4 @@
-#include "ragdoll_sim/ros/state_to_markers.h"
+#include "state_to_markers.h"
 
 #include <ros/this_node.h>
 
@@ -23,13 +23,21 @@ constexpr std::size_t kMaxEarly = 1000;  ///< pokes kept until their model comes
 
 StateToMarkers::StateToMarkers(ros::NodeHandle& nh, const std::string& coat)
     : nh_(nh), coat_(coat) {
-  subscribers_.push_back(nh_.subscribe("model", 10, &StateToMarkers::model, this));
+  subscribers_.push_back(nh_.subscribe("model", 10, &StateToMarkers::hearModel, this));
   subscribers_.push_back(nh_.subscribe("state", 100, &StateToMarkers::state, this));
   subscribers_.push_back(nh_.subscribe("pokes", 1000, &StateToMarkers::poke, this));
   subscribers_.push_back(nh_.subscribe("followed", 1000, &StateToMarkers::followed, this));
   subscribers_.push_back(nh_.subscribe("/tf", 100, &StateToMarkers::transforms, this));
   timer_ = nh_.createWallTimer(ros::WallDuration(kPeriod),
                                [this](const ros::WallTimerEvent&) { draw(); });
+}
+
+void StateToMarkers::hearModel(const ros::MessageEvent<AnyModel const>& event) {
+  try {
+    model(toModel(*event.getConstMessage(), event.getConnectionHeader()["md5sum"]));
+  } catch (const Error& e) {
+    ROS_ERROR("~model ignored: %s", e.what());
+  }
 }
 
 void StateToMarkers::model(const ragdoll_msgs::Model& message) {

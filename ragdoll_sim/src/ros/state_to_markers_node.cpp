@@ -3,7 +3,7 @@
 
 #include "ragdoll_sim/body/coat.h"
 #include "ragdoll_sim/core/error.h"
-#include "ragdoll_sim/ros/state_to_markers.h"
+#include "state_to_markers.h"
 
 int main(int argc, char** argv) {
   ros::init(argc, argv, "ragdoll");

@@ -8,6 +8,7 @@ import rospy
 import rostest
 from client import Client, Inbox
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from ragdoll_msgs.msg import Metrics
 
 # A ball between two parts of the chest, which is rigid.
 NO_ROOM = """
@@ -25,6 +26,17 @@ TOO_FAR = """
 gravity: [0, 0, 0]
 ragdolls: [{name: ragdoll, model: human, position: [0, 0, 0], velocity: [1e10, 0, 0]}]
 """
+# Across a box, and asleep there.
+ACROSS = """
+ragdolls: [{name: anna, model: human, position: [0, 0, 0.16], rpy_deg: [0, 90, 0]}]
+obstacles:
+  - {type: plane}
+  - {type: box, position: [0.7, 0, 0.1], size: [0.1, 2, 0.2]}
+"""
+LYING = """
+ragdolls: [{name: anna, model: human, position: [0, 0, 0.16], rpy_deg: [0, 90, 0]}]
+obstacles: [{type: plane}]
+"""
 
 
 class DiagnosticsTest(unittest.TestCase):
@@ -36,6 +48,27 @@ class DiagnosticsTest(unittest.TestCase):
             client.load(yaml=scene)
             told = reports.first(lambda m: hint in m.status[0].message, hint)
             self.assertEqual(told.status[0].level, DiagnosticStatus.WARN)
+
+    def test_what_stands_in_each_other_is_a_warning_at_load_and_while_it_lasts(self):
+        client = Client()
+        client.call_pause(True)
+        reports = Inbox('/diagnostics', DiagnosticArray)
+        answer = client.load(yaml=ACROSS)
+        self.assertRegex(answer.status_message, 'anna is [0-9]+ cm inside box_1 at the start')
+        told = reports.first(lambda m: 'inside box_1' in m.status[0].message, 'a warning')
+        self.assertEqual(told.status[0].level, DiagnosticStatus.WARN)
+        client.load(yaml=LYING)
+        reports.first(lambda m: m.header.stamp > told.header.stamp and
+                      'inside' not in m.status[0].message, 'its end')
+        client.call_pause(False)
+
+    def test_a_body_asleep_still_touches_what_carries_it(self):
+        client = Client()
+        client.load(yaml=LYING)
+        client.call_pause(False)
+        metrics = Inbox('/ragdoll/metrics', Metrics)
+        asleep = metrics.first(lambda m: m.asleep == 1, 'a body asleep')
+        self.assertGreater(asleep.contacts, 3)
 
     def test_slower_than_wanted_is_a_warning_and_paused_is_none(self):
         client = Client()

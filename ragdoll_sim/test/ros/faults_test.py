@@ -20,7 +20,8 @@ import rosbag
 import rospy
 import rostest
 from bags import Recorder
-from client import LIMIT, Client, bits, wait_for
+from client import LIMIT, Client, Inbox, bits, wait_for
+from diagnostic_msgs.msg import DiagnosticArray
 from ragdoll_msgs.msg import State
 from ragdoll_msgs.srv import GetState, LoadScene, Step
 from raw import Service, Subscriber
@@ -135,21 +136,23 @@ class FaultsTest(unittest.TestCase):
         self.addCleanup(node.kill)
         return node
 
-    def test_a_clock_that_ends_takes_use_sim_time_along_if_it_has_set_it(self):
+    def test_a_clock_that_ends_leaves_use_sim_time_as_it_was(self):
         core = Roscore(free_port())
         self.addCleanup(core.kill)
         master = ServerProxy(core.uri)
 
-        def has():
-            return master.hasParam('/test', '/use_sim_time')[2]
-        for before, how in ((False, signal.SIGINT), (False, signal.SIGTERM), (True, signal.SIGINT)):
-            if before:
-                master.setParam('/test', '/use_sim_time', True)
+        def there():
+            code, _, value = master.getParam('/test', '/use_sim_time')
+            return value if code == 1 else None
+        for before, how in ((None, signal.SIGINT), (None, signal.SIGTERM), (False, signal.SIGINT),
+                            (True, signal.SIGINT)):
+            if before is not None:
+                master.setParam('/test', '/use_sim_time', before)
             node = self.start('clock', master=core.uri, publish_clock='true')
             wait_for(lambda: master.lookupService('/test', '/clock/reset')[0] == 1, 'the node')
-            self.assertTrue(has())
+            self.assertTrue(there())
             self.assertEqual(node.end(how)[0], 0)
-            self.assertEqual(has(), before)
+            self.assertIs(there(), before)
 
     def test_a_listener_that_never_reads_delays_nobody(self):
         node = self.start('unread', scene='weightless', publish_rate=500)
@@ -292,6 +295,57 @@ class FaultsTest(unittest.TestCase):
         self.assertIn(path, answer.status_message)
         self.assertEqual(client.call_get().snapshot, before)
         self.assertEqual(node.end()[0], 0)
+
+    def launch(self, *arguments):
+        """roslaunch with a master of its own, and what it says."""
+        port = free_port()
+        log = tempfile.NamedTemporaryFile('w')
+        environment = dict(os.environ, ROS_MASTER_URI='http://127.0.0.1:%d' % port)
+        launch = subprocess.Popen(['roslaunch', '-p', str(port), 'ragdoll'] + list(arguments),
+                                  stdout=log, stderr=subprocess.STDOUT, env=environment)
+        self.addCleanup(lambda: launch.poll() is None and launch.kill())
+
+        def said():
+            with open(log.name) as f:
+                return f.read()
+        return launch, said, ServerProxy(environment['ROS_MASTER_URI'])
+
+    def test_the_demo_of_pushing_ends_after_its_rounds(self):
+        launch, said, _ = self.launch('push.launch', 'rviz:=false', 'rounds:=1', 'speed:=10')
+        launch.wait(LIMIT)
+        self.assertNotIn('Traceback', said())
+        self.assertNotIn('SIGKILL', said())
+
+    def test_the_demo_of_pushing_ends_when_it_is_interrupted(self):
+        launch, said, master = self.launch('push.launch', 'rviz:=false')
+
+        def moves():
+            try:
+                return master.lookupNode('/test', '/push')[0] == 1 and [
+                    t for t, _ in master.getPublishedTopics('/test', '')[2] if t == '/tf']
+            except OSError:
+                return False
+        wait_for(moves, 'the gripper')
+        begin = time.monotonic()
+        launch.send_signal(signal.SIGINT)
+        launch.wait(LIMIT)
+        print('the demo ended %.1f s after SIGINT' % (time.monotonic() - begin))
+        self.assertNotIn('Traceback', said())
+        self.assertNotIn('escalating', said())
+
+    def test_two_nodes_that_publish_the_same_frames_are_told(self):
+        first, second = self.start('first', scene='fall'), self.start('second', scene='fall')
+        reports = Inbox('/diagnostics', DiagnosticArray)
+        for node, other in ((first, second), (second, first)):
+            words = other.name + ' publishes '
+            told = reports.first(lambda m: node.name[1:] in m.status[0].name and
+                                 words in m.status[0].message, 'a warning of ' + other.name)
+            self.assertIn('ragdoll/', told.status[0].message)
+            self.assertIn('~frame_prefix', told.status[0].message)
+        self.assertEqual(second.end()[0], 0)
+        end = rospy.Time.now()
+        reports.first(lambda m: m.header.stamp > end and first.name[1:] in m.status[0].name and
+                      second.name not in m.status[0].message, 'the end of the warning')
 
 
 if __name__ == '__main__':

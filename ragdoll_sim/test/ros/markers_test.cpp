@@ -1,5 +1,5 @@
 // A coat is computed for those who listen, and for nobody else.
-#include "ragdoll_sim/ros/markers.h"
+#include "../../src/ros/markers.h"
 
 #include <gtest/gtest.h>
 #include <ros/callback_queue.h>
@@ -44,8 +44,8 @@ TEST(Markers, AreComputedOnlyWhileSomeoneListens) {
   EXPECT_EQ(markers.drawn(), 0u);
 
   std::size_t received = 0;
-  ros::Subscriber listener = nh.subscribe<MarkerArray>(
-      "markers", 10, [&](const MarkerArray::ConstPtr& message) {
+  ros::Subscriber listener =
+      nh.subscribe<MarkerArray>("markers", 10, [&](const MarkerArray::ConstPtr& message) {
         received += message->markers.size() > 1;  // not that which clears
       });
   ASSERT_TRUE(waitFor([&] { return markers.wanted(); }));

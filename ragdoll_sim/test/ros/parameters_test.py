@@ -1,14 +1,19 @@
 #!/usr/bin/python3
-"""A wrong parameter ends the node at once, with a message that names it."""
+"""A wrong parameter ends the node at once, with a message that names it; settings that are given
+override the scene's, and what an earlier node of the same name wrote does not."""
 
+import signal
 import subprocess
 import sys
+import tempfile
 import unittest
 
+import dynamic_reconfigure.client
 import roslib.packages
 import rospy
 import rostest
-from client import LIMIT
+from client import LIMIT, wait_for
+from ragdoll_msgs.msg import Model
 
 CASES = [
     ('publish_rate', '0', ['[0.001, 1000]']),
@@ -21,18 +26,109 @@ CASES = [
     ('world_frame', '/', ['frame']),
     ('wrench_timeout', '0', ['(0, 60]']),
     ('coat', 'fur', ['fur', 'capsules']),
+    ('max_frame_speed', '0', ['> 0']),
+    ('publish_every', '-1', ['[0, 3600]']),
+    ('tf_bodies', 'some', ['some', 'all, roots or none']),
+    ('preset', 'quick', ['quick', 'thesis, draft']),
+    ('step', 'fast', ['a number', 'fast']),
+    ('step', '2.0', ['is 2;', '[1e-05, 1]', '[s]']),
+    ('method', '7', ['[0, 2]']),
+    ('method', 'shake', ['a whole number', 'shake']),
+    ('gravity_z', '-200', ['[-100, 100]']),
+    ('gravity_z', 'nan', ['gravity_z']),
+    ('sleep', '1', ['true or false']),
     ('scene', 'nowhere', ['nowhere', 'stairs']),
     ('scene', '/nowhere/at_all.yaml', ['/nowhere/at_all.yaml']),
     ('scene', 'package://no_such_package/x.yaml', ['no_such_package']),
 ]
 
 
+PROGRAM = roslib.packages.find_node('ragdoll_sim', 'ragdoll_node')[0]
+
+
+class Node:
+    """A ragdoll_node in a process of its own, once it takes settings."""
+
+    def __init__(self, test, name, **parameters):
+        self.name = '/' + name
+        self.log = tempfile.NamedTemporaryFile('r')
+        self.process = subprocess.Popen(
+            [PROGRAM, '__name:=' + name] + ['_%s:=%s' % p for p in parameters.items()],
+            stdout=open(self.log.name, 'w'), stderr=subprocess.STDOUT)
+        test.addCleanup(self.end, signal.SIGKILL)
+        self.client = wait_for(self.settings, name)
+        self.model = wait_for(lambda: rostopic_model(self.name), 'a model')
+
+    def settings(self):
+        try:
+            return dynamic_reconfigure.client.Client(self.name, timeout=1)
+        except rospy.ROSException:
+            return None
+
+    def now(self):
+        """The settings that the node says it has."""
+        return self.client.get_configuration(timeout=LIMIT)
+
+    def said(self):
+        with open(self.log.name) as f:
+            return f.read()
+
+    def end(self, how):
+        if self.process.poll() is None:
+            self.process.send_signal(how)
+            self.process.wait(LIMIT)
+
+
+def rostopic_model(name):
+    try:
+        return rospy.wait_for_message(name + '/model', Model, timeout=1)
+    except rospy.ROSException:
+        return None
+
+
 class ParametersTest(unittest.TestCase):
+    def test_a_node_that_is_started_again_knows_its_own_settings(self):
+        for how in (signal.SIGINT, signal.SIGKILL):
+            Node(self, 'again').end(how)
+            again = Node(self, 'again')
+            self.assertNotIn('unknown', again.said())
+            again.end(signal.SIGINT)
+
+    def test_settings_that_are_given_override_the_scenes(self):
+        node = Node(self, 'given', scene='fall', gravity_z='-1.62', preset='draft', step='0.01',
+                    damping='1', sleep='false')
+        now = node.now()
+        self.assertEqual((now['gravity_z'], now['preset'], now['step'], now['damping']),
+                         (-1.62, 'draft', 0.01, 1.0))
+        self.assertFalse(now['sleep'])
+        self.assertEqual(now['method'], 1)
+        self.assertIn('gravity: [0, 0, -1.62]', node.model.scene_yaml)
+        self.assertNotIn('unknown', node.said())
+        # They go with another scene, and are there again when the node is.
+        node.end(signal.SIGKILL)
+        node = Node(self, 'given', scene='fall')
+        self.assertEqual(node.now()['gravity_z'], -1.62)
+        node.end(signal.SIGINT)
+        self.assertEqual(rospy.get_param('/given/gravity_z'), -1.62)
+        self.assertFalse(rospy.has_param('/given/sweeps'))
+
+    def test_what_an_earlier_node_wrote_is_not_given(self):
+        for how in (signal.SIGINT, signal.SIGKILL):
+            node = Node(self, 'earlier', scene='fall')
+            before = node.now()
+            node.client.update_configuration(
+                {'step': 0.003, 'gravity_z': -3.0, 'realtime_factor': 0.5})
+            wait_for(lambda: rospy.get_param('/earlier/step') == 0.003, 'the step')
+            node.end(how)
+            node = Node(self, 'earlier', scene='fall')
+            for name in ('step', 'gravity_z', 'realtime_factor'):
+                self.assertEqual(node.now()[name], before[name], (how, name))
+            node.end(how)
+
     def test_a_wrong_parameter_is_named(self):
-        program = roslib.packages.find_node('ragdoll_sim', 'ragdoll_node')[0]
         for i, (name, value, words) in enumerate(CASES):
             run = subprocess.run(
-                [program, '__name:=wrong_%d' % i, '_%s:=%s' % (name, value)], timeout=LIMIT,
+                [PROGRAM, '__name:=wrong_%d' % i, '_%s:=%s' % (name, value)], timeout=LIMIT,
                 stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
             self.assertEqual(run.returncode, 1, run.stdout)
             for word in ['/wrong_%d/%s' % (i, name)] + words:

@@ -5,6 +5,7 @@
 #include <set>
 
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/ros/any_model.h"
 
 namespace ragdoll::lab {
 namespace {
@@ -89,7 +90,17 @@ void Recording::read(const std::string& topic, Visit visit) const {
 
 std::map<std::uint32_t, ragdoll_msgs::Model> Recording::models(const NodeTopics& node) const {
   std::map<std::uint32_t, ragdoll_msgs::Model> found;
-  read<ragdoll_msgs::Model>(node.model, [&](const ragdoll_msgs::Model& m) { found[m.run] = m; });
+  rosbag::View view(bag_, rosbag::TopicQuery(node.model));
+  for (const rosbag::MessageInstance& instance : view) {
+    boost::shared_ptr<AnyModel const> message;
+    try {
+      message = instance.instantiate<AnyModel>();
+      const ragdoll_msgs::Model m = toModel(*message, instance.getMD5Sum());
+      found[m.run] = m;
+    } catch (const std::exception& e) {
+      throw Error(path_ + ": " + node.model, e.what());
+    }
+  }
   return found;
 }
 

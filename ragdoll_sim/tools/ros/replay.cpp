@@ -15,7 +15,7 @@
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/ros/convert.h"
-#include "ragdoll_sim/ros/world.h"
+#include "ragdoll_sim/world/world.h"
 #include "recording.h"
 
 namespace ragdoll::lab {

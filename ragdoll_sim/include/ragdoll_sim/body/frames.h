@@ -26,7 +26,8 @@ struct Posture {
 
 class FrameTracker {
  public:
-  explicit FrameTracker(const Model& model);
+  /// prefix: of all frames' names, as it is.
+  explicit FrameTracker(const Model& model, const std::string& prefix = "");
 
   void reset(
       const State& state);  ///< twist from scratch; both ends of the interpolation are `state`

@@ -22,7 +22,7 @@
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/core/scene.h"
 #include "ragdoll_sim/core/state.h"
-#include "ragdoll_sim/ros/world.h"
+#include "ragdoll_sim/world/world.h"
 
 namespace ragdoll {
 
@@ -33,15 +33,6 @@ geometry_msgs::Quaternion toQuaternion(const Quat& q);
 geometry_msgs::Pose toPose(const Pose& pose);
 geometry_msgs::Transform toTransform(const Pose& pose);
 std_msgs::ColorRGBA toColor(const Rgba& color);
-
-/// "(1, 2, 3)"
-std::string shown(const Vec3& v);
-
-/// "a, b, c and 7 more"
-std::string listed(const std::vector<std::string>& names);
-
-/// Throws Error.
-void checkFinite(const Vec3& v, const char* name, const char* unit);
 
 Vec3 fromPoint(const geometry_msgs::Point& p);
 Vec3 fromVector3(const geometry_msgs::Vector3& v);
@@ -67,12 +58,10 @@ FollowedFrame fromFollowedMsg(const Model& model, const ragdoll_msgs::FollowedFr
 /// All frames of all ragdolls, each in its parent; the roots in header.frame_id.
 std::vector<geometry_msgs::TransformStamped> toTransforms(const FrameTracker& tracker,
                                                           const Posture& posture,
-                                                          const std_msgs::Header& header);
+                                                          const std_msgs::Header& header,
+                                                          bool roots_only = false);
 
 /// Fills type, pose, scale, colours and points.
 void toMarker(const CoatShape& shape, visualization_msgs::Marker& marker);
-
-/// "ragdoll/right_hand" of whatever name the body was asked for by.
-std::string fullName(const Model& model, const BodyRef& body, const std::string& name);
 
 }  // namespace ragdoll

@@ -1,0 +1,54 @@
+// ~attach and ~detach, and the frames of others that pins and obstacles follow: a thread of its own
+// looks them up in TF and tells the world.
+#pragma once
+
+#include <ragdoll_msgs/Attach.h>
+#include <ragdoll_msgs/Detach.h>
+#include <ros/node_handle.h>
+#include <ros/service_server.h>
+
+#include <condition_variable>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "frame_lookup.h"
+#include "ragdoll_sim/world/simulation.h"
+
+namespace ragdoll {
+
+class Attachments {
+ public:
+  Attachments(ros::NodeHandle& nh, Simulation& simulation, const FrameLookup& frames);
+  ~Attachments();
+
+  /// Frames that are wanted but have never been heard, or not for kSilence: what carries them
+  /// stands.
+  std::vector<std::string> missing() const;
+
+ private:
+  struct Heard {
+    ros::Time stamp;
+    Simulation::Clock::time_point at;  ///< when the stamp was new
+    bool ever = false, missing = false;
+  };
+
+  bool attach(ragdoll_msgs::Attach::Request& request, ragdoll_msgs::Attach::Response& response);
+  bool detach(ragdoll_msgs::Detach::Request& request, ragdoll_msgs::Detach::Response& response);
+  void run();
+  void look();
+  void judge(const std::string& frame, Heard& heard, bool found);
+
+  Simulation& simulation_;
+  const FrameLookup& frames_;
+  std::vector<ros::ServiceServer> servers_;
+  mutable std::mutex mutex_;
+  std::condition_variable wake_;
+  std::map<std::string, Heard> heard_;
+  bool stopping_ = false;
+  std::thread thread_;  // last
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,83 @@
+// Other nodes' TF frames. Never waits: a lookup answers from what has been heard so far, so that it
+// cannot hang when no clock ticks.
+#pragma once
+
+#include <ros/callback_queue.h>
+#include <ros/message_event.h>
+#include <ros/subscriber.h>
+#include <tf2_msgs/TFMessage.h>
+#include <tf2_ros/buffer.h>
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ragdoll_sim/core/types.h"
+
+namespace ragdoll {
+
+struct StampedPose {
+  Pose pose;
+  ros::Time stamp;  ///< of the latest news of it; 0: it never changes
+};
+
+class FrameLookup {
+ public:
+  explicit FrameLookup(const std::string& world_frame);
+  ~FrameLookup();
+
+  using Names = std::function<std::vector<std::string>()>;
+
+  const std::string& worldFrame() const { return world_frame_; }
+  bool isWorld(const std::string& frame) const;
+
+  /// Latest known pose in the world frame of a frame of another node. Throws Error that names the
+  /// frames there are: of other nodes, and `own`; or if the pose is not finite or farther out than
+  /// kFarthest (bounds.h).
+  Pose inWorld(const std::string& frame, const Names& own = nullptr) const;
+
+  /// Frames that other nodes publish, in alphabetic order.
+  std::vector<std::string> others() const;
+
+  /// "/other publishes ragdoll/pelvis, too": others that have published frames of this node's own
+  /// of late.
+  std::vector<std::string> rivals() const;
+
+  /// As inWorld(); nothing where that throws.
+  std::optional<StampedPose> find(const std::string& frame) const;
+
+  /// As tf2 wants them: without a leading slash.
+  static std::string normal(const std::string& frame);
+
+ private:
+  using Event = ros::MessageEvent<tf2_msgs::TFMessage const>;
+
+  void listen();  ///< until the end
+  void hear(const Event& event, bool is_static);
+  void claim(const std::string& frame, const std::string& publisher, bool other);
+  bool isOthers(const std::string& frame) const;
+
+  std::string world_frame_;
+  ros::CallbackQueue queue_;
+  ros::NodeHandle node_;
+  tf2_ros::Buffer buffer_;
+  ros::Subscriber moving_, static_;
+  ros::Time last_heard_;
+  mutable std::mutex mutex_;
+  std::map<std::string, bool> others_;  ///< is the frame another node's? Whose it was last.
+  struct Claim {
+    std::string frame;
+    ros::WallTime at;
+  };
+  std::map<std::string, ros::WallTime> own_;  ///< frames that this node publishes: when it did
+  std::map<std::string, Claim> claims_;       ///< by node: an own frame that it published
+  std::atomic<bool> ends_{false};
+  std::thread thread_;
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,67 @@
+// What rviz shows: the coat, the sticks, obstacles, the pokes and pulls that act, and the joints'
+// limits while they are asked for, in one MarkerArray. Fixed namespaces and ids, so that each
+// message overwrites the last; short lifetimes, so that nothing stays behind when the node ends.
+#pragma once
+
+#include <ros/publisher.h>
+#include <ros/time.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "ragdoll_sim/body/coat.h"
+#include "ragdoll_sim/world/simulation.h"
+
+namespace ragdoll {
+
+class MarkerPublisher {
+ public:
+  /// coat: overrides the scene's unless empty.
+  MarkerPublisher(ros::NodeHandle& nh, const std::string& world_frame, const std::string& coat);
+
+  bool wanted() const { return publisher_.getNumSubscribers() > 0; }
+
+  /// Joint limits from the next message on, or no more (body/limit_shapes.h). Of any thread.
+  void showLimits(bool show) { limits_ = show; }
+
+  /// Another coat from the next message on; empty: the scene's. Of any thread.
+  void setCoat(const std::string& coat);
+
+  /// Does nothing while nobody listens, and more often than kRate.
+  void publish(const Snapshot& world, const Posture& posture);
+
+  /// How often coats were computed.
+  std::size_t drawn() const { return drawn_; }
+
+ private:
+  void startScene(const Snapshot& world);
+  visualization_msgs::Marker marker(const std::string& ns, int id, double lifetime) const;
+  void moveBodies(const Snapshot& world, const Posture& posture);
+  void addObstacles(const Snapshot& world, bool all);
+  void addPokes(const Snapshot& world, const Posture& posture);
+  void addPulls(const Snapshot& world, const Posture& posture);
+  void addPins(const Snapshot& world, const Posture& posture);
+  void addLimits(const Snapshot& world, const Posture& posture);
+
+  std::string world_frame_;
+  std::mutex coat_mutex_;
+  std::string coat_;
+  std::atomic<bool> other_coat_{false};
+  std::atomic<bool> newcomer_{true}, limits_{false};
+  ros::Publisher publisher_;
+  std::shared_ptr<const Scene> scene_;
+  std::vector<Coat> coats_;
+  std::vector<visualization_msgs::Marker> obstacles_;
+  std::vector<Poke> pokes_;  ///< that acted since the last message
+  std::vector<Pose> shown_obstacles_;
+  Simulation::Clock::time_point next_, next_obstacles_;
+  visualization_msgs::MarkerArray message_;
+  std::size_t drawn_ = 0;
+  std::size_t body_markers_ = 0;  ///< the sticks and the coats, first in message_
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,84 @@
+// Tells what listens: a thread of its own ticks at ~publish_rate, copies the world between two
+// steps, and publishes from the copy.
+#pragma once
+
+#include <ros/node_handle.h>
+#include <tf2_ros/transform_broadcaster.h>
+
+#include <condition_variable>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "markers.h"
+#include "metrics.h"
+#include "parameters.h"
+#include "ragdoll_sim/body/angles.h"
+#include "ragdoll_sim/world/simulation.h"
+#include "ros_clock.h"
+
+namespace ragdoll {
+
+class Publisher {
+ public:
+  Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock,
+            const Parameters& parameters, FrameTroubles troubles);
+  ~Publisher();
+
+  /// Draw the joints' limits, or no more.
+  void showLimits(bool show) { markers_.showLimits(show); }
+  /// What bodies wear; empty: what the scene says.
+  void setCoat(const std::string& coat) { markers_.setCoat(coat); }
+
+  /// Returns once the present state has been published, whatever the tick.
+  void publishNow();
+
+ private:
+  void run();
+  /// When it is due, because someone waits for it, or as nothing has been due for long.
+  enum class Why { kDue, kDemanded, kIdle };
+  void tick(Why why);
+  void publishDue(bool demanded, bool idle);
+  const Posture& posture();  ///< what is shown at this moment, from world_
+  void publishModel(const ros::Time& now);
+  void publishTf(const Posture& posture, const ros::Time& now);
+  const std::string& tfBodies();  ///< ~tf_bodies, or what this scene's number of bodies asks for
+  void publishState(const ros::Time& now, Why why);
+  void publishEvents(const ros::Time& now);
+  void publishJoints(const Posture& posture, const ros::Time& now);
+
+  Simulation& simulation_;
+  const RosClock& clock_;
+  const Parameters parameters_;
+  ros::Publisher model_, state_, pokes_, followed_, joints_;
+  tf2_ros::TransformBroadcaster tf_;
+  MarkerPublisher markers_;
+  Metrics metrics_;
+
+  Snapshot world_;
+  Posture between_;
+  std::shared_ptr<const Scene> told_scene_;
+  std::uint64_t told_revision_ = 0;
+  std::uint32_t told_run_ = 0;
+  std::shared_ptr<const Scene> tf_scene_;  ///< that tf_bodies_ is of
+  std::string tf_bodies_;
+  std::vector<double> angles_before_, angles_after_;
+  std::optional<JointAngles> angles_;
+  std::shared_ptr<const Scene> angles_scene_;
+  ros::Time last_stamp_;
+  std::atomic<bool> newcomer_{false};  ///< someone new listens to ~state
+
+  std::mutex mutex_;
+  std::condition_variable wake_, done_;
+  std::uint64_t asked_ = 0, answered_ = 0;  ///< publishNow
+  bool sampled_ = false;                    ///< the simulation has samples (~publish_every)
+  bool stopping_ = false;
+  std::thread thread_;  // last
+};
+
+}  // namespace ragdoll

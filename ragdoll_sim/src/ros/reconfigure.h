@@ -1,0 +1,35 @@
+// dynamic_reconfigure: the settings of the solver, gravity, pace and whether limits are drawn,
+// while the simulation runs.
+#pragma once
+
+#include <dynamic_reconfigure/server.h>
+#include <ros/node_handle.h>
+
+#include <memory>
+
+#include "publisher.h"
+#include "ragdoll_sim/world/simulation.h"
+#include "settings.h"
+
+namespace ragdoll {
+
+class Reconfigure {
+ public:
+  Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,
+              const Parameters& parameters, const GivenSettings& given);
+
+  /// Shows the present settings to whoever looks: after another scene or state.
+  void refresh();
+
+ private:
+  void changed(SolverConfig& config);
+
+  Simulation& simulation_;
+  Publisher& publisher_;
+  const GivenSettings& given_;
+  boost::recursive_mutex mutex_;
+  SolverConfig present_;
+  std::unique_ptr<dynamic_reconfigure::Server<SolverConfig>> server_;
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,261 @@
+#include "settings.h"
+
+#include <dynamic_reconfigure/Config.h>
+#include <dynamic_reconfigure/config_tools.h>
+#include <ros/master.h>
+#include <ros/param.h>
+
+#include <cmath>
+#include <sstream>
+#include <type_traits>
+
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/core/number_text.h"
+#include "ragdoll_sim/core/solver_presets.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+
+namespace ragdoll {
+namespace {
+
+using dynamic_reconfigure::ConfigTools;
+using XmlRpc::XmlRpcValue;
+
+const std::string kRecord = "/ragdoll_sim/settings";  // not among the node's own names
+
+std::string textOf(XmlRpcValue value) {
+  if (value.getType() == XmlRpcValue::TypeDouble) return numberText(value);
+  std::ostringstream out;
+  value.write(out);
+  return out.str();
+}
+
+/// Adds it to `message` if it is of this type of dynamic_reconfigure.
+bool append(const std::string& name, const std::string& type, XmlRpcValue value,
+            dynamic_reconfigure::Config& message) {
+  const XmlRpcValue::Type is = value.getType();
+  if (type == "str" && is == XmlRpcValue::TypeString)
+    ConfigTools::appendParameter(message, name, static_cast<std::string&>(value));
+  else if (type == "bool" && is == XmlRpcValue::TypeBoolean)
+    ConfigTools::appendParameter(message, name, static_cast<bool&>(value));
+  else if (type == "int" && is == XmlRpcValue::TypeInt)
+    ConfigTools::appendParameter(message, name, static_cast<int&>(value));
+  else if (type == "double" && is == XmlRpcValue::TypeInt)
+    ConfigTools::appendParameter(message, name, static_cast<double>(static_cast<int&>(value)));
+  else if (type == "double" && is == XmlRpcValue::TypeDouble)
+    ConfigTools::appendParameter(message, name, static_cast<double&>(value));
+  else
+    return false;
+  return true;
+}
+
+/// "in [0, 2]"; empty where any number is right.
+std::string rangeText(const std::string& name, const std::string& type) {
+  dynamic_reconfigure::Config least, most;
+  SolverConfig::__getMin__().__toMessage__(least);
+  SolverConfig::__getMax__().__toMessage__(most);
+  double low = 0, high = 0;
+  if (type == "int") {
+    int a = 0, b = 0;
+    ConfigTools::getParameter(least, name, a);
+    ConfigTools::getParameter(most, name, b);
+    low = a, high = b;
+  } else {
+    ConfigTools::getParameter(least, name, low);
+    ConfigTools::getParameter(most, name, high);
+  }
+  return "in [" + numberText(low) + ", " + numberText(high) + "]";
+}
+
+const char* kindOf(const std::string& type) {
+  if (type == "str") return "text";
+  if (type == "bool") return "true or false";
+  return type == "int" ? "a whole number" : "a number";
+}
+
+bool isWithin(const SolverConfig& config) {
+  SolverConfig clamped = config;
+  clamped.__clamp__();
+  dynamic_reconfigure::Config a, b;
+  config.__toMessage__(a);
+  clamped.__toMessage__(b);
+  for (std::size_t i = 0; i < a.ints.size(); ++i)
+    if (a.ints[i].value != b.ints[i].value) return false;
+  for (std::size_t i = 0; i < a.doubles.size(); ++i)
+    if (a.doubles[i].value != b.doubles[i].value) return false;  // nor is NaN
+  return true;
+}
+
+void usePreset(const std::string& name, SolverSpec& solver) {
+  SolverSpec next = preset(name);
+  next.joint_damping = solver.joint_damping;
+  next.where = solver.where;
+  solver = std::move(next);
+}
+
+}  // namespace
+
+std::vector<std::string> settingNames() {
+  std::vector<std::string> names;
+  for (const auto& setting : SolverConfig::__getParamDescriptions__())
+    names.push_back(setting->name);
+  return names;
+}
+
+SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double realtime_factor,
+                      bool show_limits, const std::string& coat) {
+  SolverConfig c = SolverConfig::__getDefault__();
+  c.preset = solver.preset;
+  c.method = static_cast<int>(solver.method);
+  c.integrator = static_cast<int>(solver.integrator);
+  c.step = solver.step;
+  c.sweeps = solver.sweeps;
+  c.tolerance = solver.tolerance;
+  c.damping = solver.damping;
+  c.joint_damping = solver.joint_damping;
+  c.sleep = solver.sleep;
+  c.gravity_x = gravity.x();
+  c.gravity_y = gravity.y();
+  c.gravity_z = gravity.z();
+  c.realtime_factor = realtime_factor;
+  c.show_limits = show_limits;
+  c.coat = coat;
+  return c;
+}
+
+void applyChanges(const SolverConfig& config, const SolverConfig& shown, Scene& scene) {
+  const auto set = [](const auto& to, const auto& from, auto& value) {
+    if (to != from) value = static_cast<std::decay_t<decltype(value)>>(to);
+  };
+  SolverSpec& solver = scene.solver;
+  if (config.preset != shown.preset) {
+    usePreset(config.preset, solver);
+  } else {
+    set(config.method, shown.method, solver.method);
+    set(config.integrator, shown.integrator, solver.integrator);
+    set(config.step, shown.step, solver.step);
+    set(config.sweeps, shown.sweeps, solver.sweeps);
+    set(config.tolerance, shown.tolerance, solver.tolerance);
+    set(config.damping, shown.damping, solver.damping);
+    set(config.sleep, shown.sleep, solver.sleep);
+  }
+  set(config.joint_damping, shown.joint_damping, solver.joint_damping);
+  set(config.gravity_x, shown.gravity_x, scene.gravity.x());
+  set(config.gravity_y, shown.gravity_y, scene.gravity.y());
+  set(config.gravity_z, shown.gravity_z, scene.gravity.z());
+}
+
+GivenSettings::GivenSettings(const ros::NodeHandle& nh) : nh_(nh) {
+  const XmlRpcValue written = recorded("written"), given = recorded("given");
+  for (const std::string& name : settingNames()) {
+    XmlRpcValue value;
+    if (!nh.getParam(name, value)) continue;
+    const bool left_over = written.valid() && written.hasMember(name) && written[name] == value;
+    if (!left_over)
+      given_[name] = value;
+    else if (given.valid() && given.hasMember(name))  // to the one before, and that still stands
+      given_[name] = given[name];
+  }
+}
+
+/// Invalid where there is none.
+XmlRpcValue GivenSettings::recorded(const char* part) const {
+  XmlRpcValue record;
+  if (!ros::param::get(kRecord + nh_.getNamespace(), record) ||
+      record.getType() != XmlRpcValue::TypeStruct || !record.hasMember(part) ||
+      record[part].getType() != XmlRpcValue::TypeStruct)
+    return {};
+  return record[part];
+}
+
+template <class T>
+bool GivenSettings::get(const std::string& name, T& value) const {
+  const auto found = given_.find(name);
+  if (found == given_.end()) return false;
+  XmlRpcValue given = found->second;
+  if constexpr (std::is_same_v<T, XmlRpcValue>) {
+    value = given;
+    return true;
+  } else if constexpr (std::is_same_v<T, bool>) {
+    if (given.getType() != XmlRpcValue::TypeBoolean) return false;
+    value = static_cast<bool&>(given);
+    return true;
+  } else if constexpr (std::is_same_v<T, double>) {
+    if (given.getType() == XmlRpcValue::TypeInt)
+      value = static_cast<int&>(given);
+    else if (given.getType() == XmlRpcValue::TypeDouble)
+      value = static_cast<double&>(given);
+    else
+      return false;
+    return true;
+  } else {
+    if (given.getType() != XmlRpcValue::TypeString) return false;
+    value = static_cast<std::string&>(given);
+    return true;
+  }
+}
+
+template bool GivenSettings::get(const std::string&, bool&) const;
+template bool GivenSettings::get(const std::string&, double&) const;
+template bool GivenSettings::get(const std::string&, std::string&) const;
+template bool GivenSettings::get(const std::string&, XmlRpcValue&) const;
+
+void GivenSettings::apply(Scene& scene) const {
+  if (given_.empty()) return;
+  Scene next = scene;
+  if (std::string name; has("preset")) {
+    if (!get("preset", name) || indexOf(presetNames(), name) < 0)
+      throw Error("parameter " + nh_.resolveName("preset"),
+                  "is " + textOf(given_.at("preset")) + "; there are " + joined(presetNames()));
+    usePreset(name, next.solver);
+  }
+  const SolverConfig shown = toConfig(next.solver, next.gravity, 1, false, "");
+  SolverConfig config = shown;
+  for (const auto& setting : SolverConfig::__getParamDescriptions__()) {
+    const std::string &name = setting->name, &type = setting->type;
+    if (!has(name) || name == "preset" || name == "coat") continue;
+    const std::string where = "parameter " + nh_.resolveName(name);
+    dynamic_reconfigure::Config message;
+    if (!append(name, type, given_.at(name), message))
+      throw Error(where, std::string("must be ") + kindOf(type) + ", by default the scene's, is " +
+                             textOf(given_.at(name)));
+    SolverConfig one = SolverConfig::__getDefault__();
+    setting->fromMessage(message, one);
+    if (!isWithin(one))
+      throw Error(where, "is " + textOf(given_.at(name)) + "; it must be " + rangeText(name, type) +
+                             ": " + setting->description);
+    setting->fromMessage(message, config);
+  }
+  applyChanges(config, shown, next);
+  next.text = toYaml(next);
+  scene = std::move(next);
+}
+
+void GivenSettings::record(const SolverConfig& config) const {
+  dynamic_reconfigure::Config message;
+  config.__toMessage__(message);
+  XmlRpcValue written, given;
+  for (const auto& p : message.bools) written[p.name] = XmlRpcValue(p.value != 0);
+  for (const auto& p : message.ints) written[p.name] = XmlRpcValue(static_cast<int>(p.value));
+  for (const auto& p : message.doubles) written[p.name] = XmlRpcValue(p.value);
+  for (const auto& p : message.strs) written[p.name] = XmlRpcValue(p.value);
+  for (const auto& [name, value] : given_) given[name] = value;
+  XmlRpcValue record;
+  record["written"] = written;
+  if (given.valid()) record["given"] = given;
+  ros::param::set(kRecord + nh_.getNamespace(), record);
+}
+
+void GivenSettings::restore() const {
+  if (!ros::master::check()) return;  // else ROS would wait for one
+  for (const std::string& name : settingNames()) {
+    const auto given = given_.find(name);
+    if (given != given_.end())
+      nh_.setParam(name, given->second);
+    else
+      nh_.deleteParam(name);
+  }
+  ros::param::del(kRecord + nh_.getNamespace());
+}
+
+}  // namespace ragdoll
