@@ -47,11 +47,18 @@ void startTotals(Island& island) {
     island.bodies[k]->total = island.s.parts[k];
 }
 
-/// Solves the rows, whose gaps and first impulses are given, and moves the bodies. on_and_on:
-/// sweeps that do not settle are accelerated. False: sticks cannot follow, or there is no way out.
-bool solveRound(Island& island, bool at_start, bool on_and_on) {
+struct Round {
+  bool fresh = true;       ///< nothing has pressed yet: gaps are those of the free motion
+  bool at_start = true;    ///< along the directions at the start
+  bool on_and_on = false;  ///< sweeps that do not settle are accelerated
+};
+
+/// Solves the rows, whose gaps and first impulses are given, and moves the bodies. False: sticks
+/// cannot follow, or there is no way out.
+bool solveRound(Island& island, const Round& round) {
+  const auto [fresh, at_start, on_and_on] = round;
   IslandScratch& s = island.s;
-  s.joint.addAnswer(-1, s.parts, s.b);
+  if (!fresh) s.joint.addAnswer(-1, s.parts, s.b);
   const bool settled = s.joint.solve(s.b, s.p) || (on_and_on && s.joint.solveOn(s.b, s.p));
   if (!settled && island.isLone() && hasNoWayOut(*island.bodies[0])) return false;
   s.change = s.p - s.total;
@@ -86,7 +93,7 @@ bool solveRows(Island& island, double h) {
       evaluateGaps(island, h);
       s.p = s.total;
     }
-    if (!solveRound(island, true, false)) return false;
+    if (!solveRound(island, {round == 0, true, false})) return false;
     const double now = worst(island);
     if (now < island.bodies[0]->tolerances.contact) return true;
     if (round > 1 && now > kUnsettled && now > kProgress * violation) return true;
@@ -150,7 +157,7 @@ bool solvePositionsImplicitly(Island& island, double h) {
     assemble(island, true);
     evaluateGaps(island, h);
     s.p = s.total;
-    if (!solveRound(island, false, on_and_on)) return false;
+    if (!solveRound(island, {round == 0, false, on_and_on})) return false;
     const double now = worst(island);
     done = now < island.bodies[0]->tolerances.contact;
     if (!done && round > 1 && now > kProgress * violation) break;

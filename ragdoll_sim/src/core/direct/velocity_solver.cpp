@@ -166,6 +166,13 @@ void pushVelocities(Island& island, int first_pair, bool impact) {
   }
 }
 
+bool touches(const Island& island) {
+  return !island.pairs.touching.empty() ||
+         std::any_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
+           return !body->touching.contacts.empty() || !body->touching.limits.empty();
+         });
+}
+
 }  // namespace
 
 void findTouching(Body& body, double h) {
@@ -209,6 +216,7 @@ void bounce(Island& island) {
 }
 
 void solveVelocities(Island& island, Stage stage, double h) {
+  if (!touches(island)) return;
   JointSchur& joint = island.s.joint;
   joint.clear();
   for (Body* body : island.bodies) {
@@ -218,7 +226,6 @@ void solveVelocities(Island& island, Stage stage, double h) {
   const int first_pair = joint.size();
   for (std::size_t i = 0; i < island.pairs.touching.size(); ++i)
     addPairRows(island, island.pairs.touching[i], static_cast<int>(i));
-  if (joint.size() == 0) return;
   for (Body* body : island.bodies) {
     BodyMemory& memory = *body->memory;
     if (!memory.schur.empty()) memory.response.assemble(memory.schur, stage != Stage::kBounce);
