@@ -168,6 +168,7 @@ void addScripted(std::vector<Case>& cases) {
   Scripts scripts(cases);
   addActs(scripts);
   addBodies(scripts);
+  addModels(scripts);
 }
 
 }  // namespace ragdoll::golden

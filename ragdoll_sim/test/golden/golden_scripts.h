@@ -38,5 +38,6 @@ class Scripts {
 
 void addActs(Scripts& scripts);    ///< somebody pins, pokes, moves obstacles, turns gravity
 void addBodies(Scripts& scripts);  ///< sleep, bodies that touch, joints, bad starts
+void addModels(Scripts& scripts);  ///< models that are not shipped, starts that loading puts right
 
 }  // namespace ragdoll::golden

@@ -33,16 +33,18 @@ double* Body::multipliers() const {
 
 const Points& poseAfter(const Body& body) {
   Points& pose = body.context->ws.predicted;
-  pose.middleCols(body.first, body.n) = body.x() + body.motion.dx;
+  const double *x = body.xData(), *dx = body.motion.dx.data();
+  double* out = pose.data() + 3 * body.first;
+  for (int i = 0; i < 3 * body.n; ++i) out[i] = x[i] + dx[i];
   return pose;
 }
 
-LimitAngles::Pose& anglesAfter(const Body& body) {
-  return body.memory->angles.at(body.context->model, poseAfter(body), body.index);
+LimitAngles::Pose& anglesAt(const Body& body, const Points& pose) {
+  return body.memory->angles.at(body.context->model, pose, body.index);
 }
 
-LimitAngles::Pose& anglesBefore(const Body& body) {
-  return body.memory->angles.at(body.context->model, body.context->state.x, body.index);
-}
+LimitAngles::Pose& anglesAfter(const Body& body) { return anglesAt(body, poseAfter(body)); }
+
+LimitAngles::Pose& anglesBefore(const Body& body) { return anglesAt(body, body.context->state.x); }
 
 }  // namespace ragdoll

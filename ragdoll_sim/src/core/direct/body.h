@@ -111,7 +111,8 @@ inline int multiplierCount(const StickRows& rows) { return 2 * rows.s + 1; }
 
 /// All positions (3 x N) with this body's at the end of its motion; valid until the next call.
 const Points& poseAfter(const Body& body);
-/// Limit angles there, and at the present positions.
+/// Limit angles at a pose (3 x N), there, and at the present positions.
+LimitAngles::Pose& anglesAt(const Body& body, const Points& pose);
 LimitAngles::Pose& anglesAfter(const Body& body);
 LimitAngles::Pose& anglesBefore(const Body& body);
 

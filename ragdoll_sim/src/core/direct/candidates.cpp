@@ -127,8 +127,8 @@ bool findMissed(Body& body, double h) {
   ConstraintSet& set = body.constraints;
   // The relaxation leaves sticks off their lengths, too, but not so far.
   const bool limits = body.isWhole() || step.relaxed;
-  bool any = limits && addLimits(body, -kMissed / kLever, step.h, Role::kActive);
   const Points& after = poseAfter(body);
+  bool any = limits && addLimits(body, -kMissed / kLever, step.h, Role::kActive);
   set.missed.clear();
   if (!step.ws.obstacles.empty()) {
     appendContacts(step.model, step.ws.obstacles, step.state.x, after, body.index, 0, set.missed);

@@ -33,7 +33,7 @@ void buildLimitRows(Body& body, double h, bool leapfrog) {
   set.softness.resize(set.limits.size());
   set.limit_row.assign(set.limits.size(), -1);
   const Points& after = poseAfter(body);
-  LimitAngles::Pose& angles = anglesAfter(body);
+  LimitAngles::Pose& angles = anglesAt(body, after);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     LimitRow& limit = set.limits[i];
     if (set.limit_role[i] == Role::kComing) continue;

@@ -97,7 +97,7 @@ void keepTouchingLimits(Body& body, double h) {
   const ConstraintSet& set = body.constraints;
   if (set.limits.empty()) return;
   const Points& after = poseAfter(body);
-  LimitAngles::Pose& angles = anglesAfter(body);
+  LimitAngles::Pose& angles = anglesAt(body, after);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];
     if (limit.compliance > 0) continue;
@@ -186,7 +186,7 @@ void releaseSprings(Body& body, double h) {
   const Points& after = poseAfter(body);
   for (LimitRow limit : body.constraints.limits) {
     if (limit.compliance == 0) continue;
-    anglesAfter(body).evaluate(body.context->model, after, limit);
+    anglesAt(body, after).evaluate(body.context->model, after, limit);
     const double torque = limit.springTorque();
     if (torque == 0) continue;
     for (int k = 0; k < limit.count; ++k)
