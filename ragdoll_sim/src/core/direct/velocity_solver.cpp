@@ -182,10 +182,9 @@ void findTouching(Body& body, double h) {
 }
 
 void releaseSprings(Body& body, double h) {
-  if (body.constraints.limits.empty()) return;
-  const Points& after = poseAfter(body);
   for (LimitRow limit : body.constraints.limits) {
     if (limit.compliance == 0) continue;
+    const Points& after = poseAfter(body);
     anglesAt(body, after).evaluate(body.context->model, after, limit);
     const double torque = limit.springTorque();
     if (torque == 0) continue;

@@ -47,7 +47,6 @@ void JointSchur::clear() {
   bodies_.clear();
   first_.clear();
   rows_.clear();
-  shared_ = 0;
 }
 
 int JointSchur::addBody(Schur& schur) {
@@ -59,7 +58,6 @@ int JointSchur::addBody(Schur& schur) {
 }
 
 void JointSchur::addShared(const Contact& contact, int body, int row, int other, int other_row) {
-  shared_ += contact.friction > 0 ? 3 : 1;
   for (int k = 0; k < (contact.friction > 0 ? 3 : 1); ++k)
     rows_.push_back({{body, other}, {row + k, other_row + k}});
 }

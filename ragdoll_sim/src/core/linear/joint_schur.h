@@ -44,12 +44,11 @@ class JointSchur {
   struct View;
 
   /// All rows are one body's, in its order: its own matrix answers, by vectors.
-  bool isOneBody() const { return bodies_.size() == 1 && shared_ == 0; }
+  bool isOneBody() const { return bodies_.size() == 1; }
 
   std::vector<Schur*> bodies_;
   std::vector<int> first_;
   std::vector<Row> rows_;
-  int shared_ = 0;  ///< rows of contacts between bodies
   std::vector<SchurBlock> blocks_;
 };
 
