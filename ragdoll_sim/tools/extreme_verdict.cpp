@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "extreme_scenes.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/sleep.h"
 #include "ragdoll_sim/core/solver_presets.h"

@@ -7,6 +7,7 @@
 #include "extreme_scenes.h"
 #include "extreme_verdict.h"
 #include "format.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
 namespace ragdoll::lab {

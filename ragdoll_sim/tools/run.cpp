@@ -8,6 +8,7 @@
 #include "arguments.h"
 #include "commands.h"
 #include "quantity.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/core/self_pairs.h"

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "picture.h"
 #include "quantity.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/number_text.h"
 #include "survey.h"

@@ -5,6 +5,7 @@
 #include "arguments.h"
 #include "commands.h"
 #include "quantity.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/number_text.h"
 #include "tuning.h"

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "peer.h"
+#include "ragdoll_sim/core/build_model.h"
 
 namespace ragdoll::peers {
 

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/measures.h"
 
 namespace ragdoll {

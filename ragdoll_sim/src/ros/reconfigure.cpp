@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ragdoll_sim/body/coat.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/io/scene_yaml.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/ros/convert.h"

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "ragdoll_sim/core/bounds.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/pull.h"

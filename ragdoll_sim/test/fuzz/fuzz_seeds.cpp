@@ -3,6 +3,7 @@
 #include <fstream>
 #include <iostream>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/io/share.h"
 #include "support/hostile.h"
 

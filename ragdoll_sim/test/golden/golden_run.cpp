@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <type_traits>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/measures.h"
 
 namespace ragdoll::golden {

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/io/scene_yaml.h"

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/io/scene_yaml.h"

@@ -1,5 +1,6 @@
 // models/human_lumped.yaml: masses at its particles.
 #include "human_body.h"
+#include "ragdoll_sim/core/build_model.h"
 
 namespace ragdoll {
 namespace {

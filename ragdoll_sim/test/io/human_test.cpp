@@ -1,5 +1,6 @@
 // models/human.yaml: masses and inertia of its segments.
 #include "human_body.h"
+#include "ragdoll_sim/core/build_model.h"
 
 namespace ragdoll {
 namespace {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "error_of.h"
+#include "ragdoll_sim/core/build_model.h"
 
 namespace ragdoll {
 namespace {

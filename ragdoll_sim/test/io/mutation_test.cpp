@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/io/share.h"
 #include "support/hostile.h"
 

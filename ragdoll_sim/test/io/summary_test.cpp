@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
 namespace ragdoll {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/worlds.h"

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "ragdoll_sim/body/angles.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/limits.h"
 #include "support/falls.h"
 

@@ -1,5 +1,6 @@
 // Laws of joint limits in motion: they hold under a strong poke, push back from any backward bend,
 // keep momentum. Soft limits: soft_limits_test.cpp.
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/limits.h"
 
 #include <gtest/gtest.h>

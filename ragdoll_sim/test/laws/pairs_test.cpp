@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "core/contact/capsule_pairs.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/self_pairs.h"
 #include "ragdoll_sim/io/scene_yaml.h"

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/worlds.h"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/mujoco_simulation.h"
 #include "support/worlds.h"

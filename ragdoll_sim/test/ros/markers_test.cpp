@@ -7,6 +7,7 @@
 
 #include <functional>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
 namespace {

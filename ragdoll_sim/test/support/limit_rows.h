@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/limits.h"
 #include "support/limbs.h"
 

@@ -8,6 +8,7 @@
 #include "extreme_random.h"
 #include "extreme_scenes.h"
 #include "extreme_verdict.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/solver_presets.h"
 #include "ragdoll_sim/io/scene_yaml.h"

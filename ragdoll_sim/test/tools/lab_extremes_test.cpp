@@ -7,6 +7,7 @@
 #include "extreme_scenes.h"
 #include "extreme_text.h"
 #include "extreme_verdict.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/solver_presets.h"
 #include "support/lab_program.h"

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <vector>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/lab_program.h"

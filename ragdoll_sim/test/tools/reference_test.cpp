@@ -8,6 +8,7 @@
 
 #include "io/error_of.h"
 #include "measurement.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/solver_presets.h"
 #include "support/worlds.h"
 #include "survey.h"

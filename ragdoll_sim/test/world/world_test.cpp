@@ -10,6 +10,7 @@
 #include <string>
 
 #include "particles.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 
 namespace {

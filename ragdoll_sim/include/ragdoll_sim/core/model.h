@@ -206,14 +206,8 @@ struct Model {
   const System& systemOf(const Ragdoll& r) const { return systems[r.system]; }
 };
 
-/// Checks the scene and resolves it. Throws Error; what is only doubtful goes to Model::warnings.
-Model buildModel(const Scene& scene);
-
 /// "ragdoll/right_hand", "right_hand" (of the first ragdoll that has it) or a segment's name.
 /// Throws Error that lists the valid names.
 BodyRef findBody(const Model& model, const std::string& name);
-
-/// Recomputes the systems after a change of pins (attach, detach). Particles not pinned stay free.
-void setPins(Model& model, const std::vector<Pin>& pins);
 
 }  // namespace ragdoll

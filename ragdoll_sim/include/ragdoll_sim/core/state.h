@@ -35,7 +35,4 @@ struct State {
   Points allowed;  ///< 3 x planes joints: the child's last allowed direction in its parent's axes
 };
 
-/// The scene's start.
-State startState(const Model& model);
-
 }  // namespace ragdoll

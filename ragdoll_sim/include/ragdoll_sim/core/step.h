@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/inputs.h"
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/core/state.h"

@@ -18,24 +18,6 @@ namespace {
 
 constexpr std::size_t kMaxHidden = 3000;  ///< pairs in rigid groups; matrices over them are dense
 
-}  // namespace
-
-int Skeleton::particle(const std::string& name) const { return indexOf(particles, name); }
-
-int Skeleton::segment(const std::string& name) const {
-  for (std::size_t i = 0; i < segments.size(); ++i)
-    if (segments[i].name == name) return static_cast<int>(i);
-  return -1;
-}
-
-int Skeleton::joint(const std::string& name) const {
-  for (std::size_t i = 0; i < joints.size(); ++i)
-    if (joints[i].name == name) return static_cast<int>(i);
-  return -1;
-}
-
-namespace {
-
 int particleOr(const Skeleton& s, const std::string& name, const std::string& where) {
   const int i = s.particle(name);
   if (i < 0)

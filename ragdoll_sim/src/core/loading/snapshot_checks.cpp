@@ -4,6 +4,7 @@
 #include <set>
 
 #include "ragdoll_sim/core/bounds.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/snapshot.h"
 #include "ragdoll_sim/core/solver_presets.h"

@@ -1,6 +1,7 @@
 // Cones and hinges: known angles, no pole and no jump where a limb is straight.
 #include <gtest/gtest.h>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "support/limit_rows.h"
 
 namespace ragdoll {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "core/limits/limit_angles.h"
+#include "ragdoll_sim/core/build_model.h"
 #include "support/limit_rows.h"
 
 namespace ragdoll {

@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "support/worlds.h"
 
 namespace ragdoll {

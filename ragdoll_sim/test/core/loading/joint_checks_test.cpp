@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 #include "support/limbs.h"
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <vector>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/measures.h"
 #include "support/worlds.h"
