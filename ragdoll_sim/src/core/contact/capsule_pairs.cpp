@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/constants.h"
+
 namespace ragdoll {
 namespace {
 
-constexpr int kTaperSteps = 6;      ///< of one parameter after the other; 2 to 4 are usual
-constexpr int kSectionSteps = 32;   ///< golden sections: 1e-7 of an axis
-constexpr double kSettled = 1e-9;   ///< of a parameter
-constexpr int kMaxAdvances = 64;    ///< of one sweep; grazing paths converge slowly
-constexpr int kMaxHalvings = 4;     ///< of the step, to find when axes had not yet crossed
-constexpr double kTouch = 1e-4;     ///< [m] a sweep stops this far from the surface
-constexpr double kParallel = 0.03;  ///< squared sine (10 degrees) below which axes may lie flat
-constexpr double kFlat = 1e-4;      ///< [m] a place nearer than both ends by more is a touch
-constexpr double kOverlap = 0.1;    ///< share of the first axis that flat contact must span
+constexpr int kTaperSteps = 6;     ///< of one parameter after the other; 2 to 4 are usual
+constexpr int kSectionSteps = 32;  ///< golden sections: 1e-7 of an axis
+constexpr double kSettled = 1e-9;  ///< of a parameter
+constexpr int kMaxAdvances = 64;   ///< of one sweep; grazing paths converge slowly
+constexpr int kMaxHalvings = 4;    ///< of the step, to find when axes had not yet crossed
 
 double clampUnit(double s) { return std::clamp(s, 0.0, 1.0); }
 
@@ -62,7 +60,7 @@ bool flatEnds(const CapsuleAxis& a, const CapsuleAxis& b, std::array<AxisPoints,
   const double scale = u.squaredNorm() * w.squaredNorm();
   if (!(scale > 0) || u.cross(w).squaredNorm() > kParallel * scale) return false;
   const double s0 = project(a, b.a), s1 = project(a, b.b);
-  if (std::abs(s1 - s0) < kOverlap) return false;
+  if (std::abs(s1 - s0) < kFlatShare) return false;
   ends[0] = {s0, project(b, a.at(s0))};
   ends[1] = {s1, project(b, a.at(s1))};
   return true;
@@ -83,7 +81,7 @@ int touchesAt(const CapsuleAxis& a, const CapsuleAxis& b, double start,
   }
   // Axes that cross at a small angle are nearest between the ends.
   const double gap0 = gapAt(a, b, ends[0]), gap1 = gapAt(a, b, ends[1]);
-  if (gapAt(a, b, nearest) < std::min(gap0, gap1) - kFlat) ends[gap0 > gap1 ? 0 : 1] = nearest;
+  if (gapAt(a, b, nearest) < std::min(gap0, gap1) - kFlatTouch) ends[gap0 > gap1 ? 0 : 1] = nearest;
   touches = {touchAt(a, b, ends[0], start), touchAt(a, b, ends[1], start)};
   return 2;
 }
@@ -150,11 +148,11 @@ int findTouches(const SweptCapsule& first, const SweptCapsule& second, double ma
   } else if (travel > 0.5 * thin) {
     double gap = start;
     time = 0;
-    for (int i = 0; i < kMaxAdvances && gap > kTouch && time < 1; ++i) {
+    for (int i = 0; i < kMaxAdvances && gap > kSweepGap && time < 1; ++i) {
       time = std::min(1.0, time + gap / travel);
       gap = smallestGap(first.at(time), second.at(time));
     }
-    if (gap > std::max(kTouch, near)) return 0;
+    if (gap > std::max(kSweepGap, near)) return 0;
   } else if (std::min(start, smallestGap(first.at(1), second.at(1))) > near) {
     return 0;
   }

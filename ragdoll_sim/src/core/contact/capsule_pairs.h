@@ -70,7 +70,4 @@ int findTouches(const SweptCapsule& first, const SweptCapsule& second, double ma
 int findOverlaps(const SweptCapsule& first, const SweptCapsule& second, double depth,
                  std::array<CapsuleTouch, 2>& touches);
 
-/// Share of the relative travel in a step within which a pair counts as near.
-constexpr double kSpeculative = 0.25;
-
 }  // namespace ragdoll

@@ -6,15 +6,13 @@
 #include <limits>
 #include <optional>
 
+#include "core/contact/constants.h"
 #include "core/contact/distance.h"
 
 namespace ragdoll {
 namespace {
 
 constexpr int kMaxAdvances = 64;    ///< of one sweep; grazing paths converge slowly
-constexpr double kTouch = 1e-4;     ///< [m] a sweep stops this far from the surface
-constexpr double kFlat = 1e-3;      ///< [m] a stick lies flat where its gap varies by less
-constexpr double kEnd = 0.02;       ///< a stick's touch nearer to an end is the end particle's own
 constexpr double kRounding = 1e-9;  ///< of a place along a stick
 constexpr int kSectionSteps = 32;   ///< golden-section steps along a stick: 1e-7 of its length
 
@@ -67,11 +65,11 @@ void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, dou
   if (o.type != ObstacleSpec::Type::kPlane && start > -radius && travel > 0.5 * radius) {
     // Far enough to pass through something: the first touch on the way. Touching already: p0.
     double s = 0, d = start;
-    for (int i = 0; i < kMaxAdvances && d > kTouch && s < 1; ++i) {
+    for (int i = 0; i < kMaxAdvances && d > kSweepGap && s < 1; ++i) {
       s = std::min(1.0, s + d / travel);
       d = signedDistanceValue(o, p0 + s * (p1 - p0)) - radius;
     }
-    found = d <= std::max(kTouch, margin);
+    found = d <= std::max(kSweepGap, margin);
     at = p0 + s * (p1 - p0);
   } else {
     found = signedDistanceValue(o, p1) - radius <= margin || start <= margin;
@@ -188,11 +186,11 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double ma
   const double thin = std::min(k.ra, k.rb);
   if (start > -thin && travel > 0.5 * thin) {
     double s = 0, d = start;
-    for (int i = 0; i < kMaxAdvances && d > kTouch && s < 1; ++i) {
+    for (int i = 0; i < kMaxAdvances && d > kSweepGap && s < 1; ++i) {
       s = std::min(1.0, s + d / travel);
       d = gapAt(s);
     }
-    if (d > std::max(kTouch, margin)) return std::nullopt;
+    if (d > std::max(kSweepGap, margin)) return std::nullopt;
     return axisAt(s);
   }
   if (std::min(start, gapAt(1)) > margin) return std::nullopt;
@@ -205,9 +203,9 @@ void stickContacts(const SweptObstacle& m, const Axis& axis, double start, int a
                    int ragdoll, std::vector<Contact>& contacts) {
   const double t = nearest(axis);
   const bool box = m.obstacle->type == ObstacleSpec::Type::kBox;  // the only one to lie flat on
-  const double lo = box ? extent(axis, t, 0, kFlat) : t;
-  const double hi = box ? extent(axis, t, 1, kFlat) : t;
-  const bool flat = hi - lo > kEnd;
+  const double lo = box ? extent(axis, t, 0, kFlatStick) : t;
+  const double hi = box ? extent(axis, t, 1, kFlatStick) : t;
+  const bool flat = hi - lo > kStickEnd;
   Contact c = tangentAt(m, axis.at(t), axis.radius(t));
   c.gap_start = start;
   c.particle = {a, b, 0, 0};
@@ -215,7 +213,7 @@ void stickContacts(const SweptObstacle& m, const Axis& axis, double start, int a
   c.ragdoll = ragdoll;
   const double tangent = c.offset - axis.radius(t);
   for (const double share : {flat ? lo : t, hi}) {
-    if (share > kEnd && share < 1 - kEnd) {
+    if (share > kStickEnd && share < 1 - kStickEnd) {
       c.offset = tangent + axis.radius(share);
       c.weight = {1 - share, share, 0, 0};
       contacts.push_back(c);

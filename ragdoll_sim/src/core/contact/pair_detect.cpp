@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "core/contact/capsule_pairs.h"
+#include "core/contact/constants.h"
 
 namespace ragdoll {
 namespace {

@@ -14,8 +14,6 @@
 
 namespace ragdoll {
 
-constexpr double kBodyFriction = 0.5;  ///< Coulomb coefficient of body on body
-
 /// What is looked for between two poses (capsule_pairs.h).
 struct PairSearch {
   bool at_end = false;  ///< findOverlaps of more than -margin; else findTouches

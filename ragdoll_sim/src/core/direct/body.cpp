@@ -1,6 +1,7 @@
 #include "core/direct/body.h"
 
 #include "core/direct/workspace.h"
+#include "core/linear/constants.h"
 
 namespace ragdoll {
 
@@ -17,7 +18,7 @@ void Body::bind(const StepContext& c, int r) {
   n = rows->n;
   memory->response.bind(*system);
   tolerances = tolerancesFor(c.h);
-  lengths = {rows->length2.data(), rows->inverse_length2.data(), BodyResponse::kTolerance};
+  lengths = {rows->length2.data(), rows->inverse_length2.data(), kLengthTolerance};
   pin_speed = 0;
   driven = limited = false;
   located = 0;

@@ -5,6 +5,7 @@
 #include "core/direct/constants.h"
 #include "core/direct/penetration.h"
 #include "core/direct/workspace.h"
+#include "core/limits/constants.h"
 
 namespace ragdoll {
 namespace {
@@ -93,7 +94,7 @@ void findCandidates(Body& body, double h) {
     startContact(body, c, h);
   }
   set.contact_role.assign(set.contacts.size(), Role::kIfNear);
-  if (body.isWhole()) addLimits(body, kLimitMargin, h, Role::kIfNear);
+  if (body.isWhole()) addLimits(body, kNearLimit, h, Role::kIfNear);
 }
 
 void limitDepenetration(Body& body, double h, double substep) {

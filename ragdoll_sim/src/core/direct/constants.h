@@ -1,5 +1,6 @@
 // What the direct methods' step is tuned by. docs/equations.md tells the algorithms that they
 // belong to.
+// Not here, since not tuned: sizes, guards against rounding, and caps of loops that converge.
 #pragma once
 
 namespace ragdoll {
@@ -14,7 +15,6 @@ constexpr double kTouchingAngle = 1e-4;     ///< [rad] likewise
 
 // --- Candidates: what a motion may meet.
 constexpr double kContactMargin = 0.02;  ///< [m] obstacles this near are looked at
-constexpr double kLimitMargin = 0.3;     ///< [rad] likewise limits
 constexpr double kActiveGap = 1e-3;      ///< [m] nearer than this a contact is solved for at once
 constexpr double kActiveAngle = 0.01;    ///< [rad] likewise a limit
 constexpr double kMissed = 1e-4;         ///< [m] deeper than that is found and solved again

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/direct/constants.h"
+#include "core/linear/constants.h"
 
 namespace ragdoll {
 
@@ -94,7 +95,7 @@ bool solveImplicitMotion(Body& body, double h) {
     const double worst = findResiduals(body, s);
     if (!std::isfinite(worst) || !s.unbalanced.allFinite()) return false;
     const double balance = kBalance * longest + 1e-12 * s.free.cwiseAbs().maxCoeff();
-    if (worst < BodyResponse::kTolerance && s.unbalanced.cwiseAbs().maxCoeff() < balance) {
+    if (worst < kLengthTolerance && s.unbalanced.cwiseAbs().maxCoeff() < balance) {
       body.motion.dx = s.dx;
       body.motion.lambda.head(sticks) = s.lambda;
       return true;

@@ -5,6 +5,7 @@
 
 #include "core/direct/constants.h"
 #include "core/direct/motion.h"
+#include "core/linear/constants.h"
 
 namespace ragdoll {
 namespace {
@@ -55,8 +56,8 @@ bool restoreLengths(Body& body, double h) {
   if (rows.s == 0) return false;
   BodyResponse& response = body.memory->response;
   body.lengths.tolerance =
-      std::max(BodyResponse::kTolerance, kPositionRounding * body.x().cwiseAbs().maxCoeff() /
-                                             std::sqrt(rows.length2.head(rows.s).minCoeff()));
+      std::max(kLengthTolerance, kPositionRounding * body.x().cwiseAbs().maxCoeff() /
+                                     std::sqrt(rows.length2.head(rows.s).minCoeff()));
   if (lengthError(body) < std::max(kWhole, 10 * body.lengths.tolerance)) return false;
   spreadCollapsed(body);
   response.setStart(body.xData());

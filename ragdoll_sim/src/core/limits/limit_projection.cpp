@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "core/limits/constants.h"
+
 namespace ragdoll {
 namespace {
-
-constexpr double kMargin = 0.3;  ///< [rad] limits this near take part, since sweeps may reach them
 
 void moveLumped(const LimitRow& row, const Eigen::MatrixXd& W, int first, double lambda,
                 Points& x) {
@@ -39,7 +39,7 @@ double inverseInertia(const LimitRow& row, const System& system, int first) {
 }  // namespace
 
 void LimitProjection::prepare(const Model& model, const State& state, const Points& x1, double h) {
-  findLimits(model, x1, state, kMargin, found_);
+  findLimits(model, x1, state, kNearLimit, found_);
   listPlanes(model, state, found_);  // all: whether they allow it shows in the sweeps
   rows_.clear();
   for (const LimitRow& limit : found_) {

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/limits/constants.h"
 #include "ragdoll_sim/core/direction.h"
 
 namespace ragdoll {
 namespace {
 
-constexpr double kSquare = 0.02;  ///< [-] a projection shorter than this (1 deg) has no angle
-
 double violation(const PlaneLimit::Region& region, const Vec3& d) {
   const double c = d.dot(region.middle), s = d.dot(region.side), r = std::hypot(c, s);
-  return r < kSquare ? 0 : (std::abs(std::atan2(s, c)) - region.half) * r;
+  return r < kNoAngle ? 0 : (std::abs(std::atan2(s, c)) - region.half) * r;
 }
 
 }  // namespace
@@ -50,7 +49,7 @@ bool isAllowed(const PlaneLimit& limit, const Vec3& d) {
     if (!region.used) continue;
     const double c = d.dot(region.middle), s = d.dot(region.side);
     const double r = std::sqrt(c * c + s * s);
-    if (r > kSquare && c < r * region.cos_half) return false;
+    if (r > kNoAngle && c < r * region.cos_half) return false;
   }
   return true;
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/linear/constants.h"
+
 namespace ragdoll {
 namespace {
 
@@ -32,7 +34,7 @@ bool BodyResponse::alongStart(const StickLengths& lengths, Points& dx, Eigen::Ve
   for (int iteration = 0; iteration < kMaxNewton; ++iteration) {
     const double worst = kernels::lengthResiduals(
         D1_.data(), lengths.length2, lengths.inverse_length2, rows.width, residual_.data());
-    if (worst < kTolerance) {
+    if (worst < kLengthTolerance) {
       if (iteration == 0) return true;
       lambda += correction_;
       start_.move(rows, correction_.data(), 1, dx.data());

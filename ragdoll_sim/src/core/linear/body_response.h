@@ -26,8 +26,6 @@ struct StickLengths {
 
 class BodyResponse {
  public:
-  static constexpr double kTolerance = 1e-10;  ///< relative error of a squared length
-
   /// Sizes everything; what is known of a pose stays where the sizes are the same.
   void bind(const DirectSystem& system);
 

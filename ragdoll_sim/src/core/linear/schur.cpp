@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "core/linear/constants.h"
 #include "core/linear/schur_sweeps.h"
 
 namespace ragdoll {
@@ -184,11 +185,7 @@ bool Schur::sweepFrom(const Eigen::VectorXd& b, Eigen::VectorXd& p, bool batch) 
 }
 
 bool Schur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
-  constexpr int kBatches = 20;
-  constexpr int kMemory = 5;         // batches that are combined
-  constexpr double kWorse = 2;       // a change so much larger than the last: they mislead
-  constexpr double kEndless = 1e-6;  // share by which changes of no end differ
-  constexpr double kMost = 1e4;      // times as large: of rows that contradict each other, no use
+  constexpr double kNoChange = 1e-6;  // share by which changes of no end differ
   const int m = size();
   const Eigen::VectorXd start = p;
   // Impulses in units in which all rows yield alike.
@@ -203,7 +200,7 @@ bool Schur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
     change = result - scale.cwiseProduct(before);
     if (batch > 0 && change.norm() <= kWorse * last_change.norm()) {
       changes.col(next) = change - last_change;
-      if (changes.col(next).norm() < kEndless * change.norm()) break;
+      if (changes.col(next).norm() < kNoChange * change.norm()) break;
       results.col(next) = result - last_result;
       next = (next + 1) % kMemory;
       known = std::min(known + 1, kMemory);

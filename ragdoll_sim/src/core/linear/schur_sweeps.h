@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/linear/constants.h"
 #include "core/linear/lanes.h"
 #include "core/linear/schur.h"
 
@@ -53,23 +54,13 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
 template <class Rows>
 RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& blocks, double* p,
                                          bool batch = false) {
-  constexpr int kBatch = 10;           // iterations of a batch: what converges fast is then done
-  constexpr int kMaxIterations = 100;  // of others: most end after 5 to 15
-  constexpr int kPatience = 20;        // iterations in which the changes have to shrink,
-  constexpr double kProgress = 0.9;    // to this share at least
-  constexpr double kSettled = 1e-7;    // largest change of an impulse, of the largest impulse
-  constexpr double kConstant = 0.1;    // what two ratios of changes may differ, of 1 less the ratio
-  constexpr double kLeastRatio = 0.2;  // below, the sweeps are as fast themselves
-  constexpr double kMostRatio = 0.95;  // above, impulses may be growing, and would by leaps
-  constexpr double kEndless = 1e-3;    // what the ratio of changes that do not shrink is off 1
-  constexpr int kEndlessSweeps = 4;    // so many of them: impulses grow without end, no solution
   const int m = rows.size();
   for (int i = 0; i < m; ++i)
     if (p[i] != 0) rows.push(i, 1, p + i);
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
   double earlier = kUnknown, last_change = kUnknown, last_ratio = 0;
   int endless = 0;
-  const int most = batch ? kBatch : kMaxIterations;
+  const int most = batch ? kBatch : kMaxSweeps;
   for (int iteration = 0; iteration < most; ++iteration) {
     double change = 0, largest = 0;
     for (SchurBlock& b : blocks) {
@@ -103,13 +94,13 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& bl
       }
       if (step[0] != 0 || step[1] != 0 || step[2] != 0) rows.push(b.row, 3, step);
     }
-    if (change <= kSettled * largest) return true;
+    if (change <= kSweepTolerance * largest) return true;
     if (batch) continue;
     const double ratio = change / last_change;
     endless = std::abs(ratio - 1) < kEndless ? endless + 1 : 0;
     if (endless == kEndlessSweeps) return false;
     if (iteration % kPatience == kPatience - 1) {
-      if (change > kProgress * earlier) return false;
+      if (change > kShrinkage * earlier) return false;
       earlier = change;
     }
     last_change = change;

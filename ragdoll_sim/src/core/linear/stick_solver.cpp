@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cstring>
 
+#include "core/linear/constants.h"
+
 namespace ragdoll {
 namespace {
 
 constexpr double kPivotFloor =
     1e-12;  ///< of the diagonal: below, sticks are dependent in this pose
-
-constexpr double kHumanStick = 0.25;  ///< [m] a usual length
 
 PaddedRows padded(const Eigen::MatrixXd& m) {
   PaddedRows out = PaddedRows::Zero(m.rows(), paddedWidth(static_cast<int>(m.cols())));

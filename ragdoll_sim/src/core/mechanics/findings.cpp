@@ -8,12 +8,11 @@
 #include "core/contact/detect.h"
 #include "core/contact/distance.h"
 #include "core/contact/pair_detect.h"
+#include "core/mechanics/constants.h"
 #include "ragdoll_sim/core/number_text.h"
 
 namespace ragdoll {
 namespace {
-
-constexpr double kTouching = 1e-4;  ///< [m] what lies still touches to less
 
 const char* typeName(ObstacleSpec::Type type) {
   switch (type) {
@@ -72,12 +71,12 @@ int contactsOfSleepers(const Model& model, const State& state) {
   State awake = state;  // pairs of sleepers are left out
   std::fill(awake.asleep.begin(), awake.asleep.end(), 0);
   for (const int r : sleepers) {
-    appendContacts(model, obstacles, state.x, state.x, r, kTouching, contacts);
+    appendContacts(model, obstacles, state.x, state.x, r, kLyingGap, contacts);
     if (model.self_collision)
-      pairs.appendSelf(model, state.x, state.x, r, PairSearch::touches(kTouching), contacts);
+      pairs.appendSelf(model, state.x, state.x, r, PairSearch::touches(kLyingGap), contacts);
   }
   if (model.ragdoll_collision)
-    pairs.appendBetween(model, awake, sleepers, state.x, state.x, PairSearch::touches(kTouching),
+    pairs.appendBetween(model, awake, sleepers, state.x, state.x, PairSearch::touches(kLyingGap),
                         contacts);
   return static_cast<int>(contacts.size());
 }

@@ -4,12 +4,10 @@
 
 #include "core/contact/contact.h"
 #include "core/contact/detect.h"
+#include "core/mechanics/constants.h"
 
 namespace ragdoll {
 namespace {
-
-constexpr double kTouched = 0.005;  ///< [m] a body that comes this near touches
-constexpr double kReach = 0.05;     ///< [m] an obstacle that moves this near wakes a body
 
 void wake(State& state, int ragdoll) {
   state.asleep[ragdoll] = 0;
@@ -25,7 +23,7 @@ bool comesNear(const Model& model, const State& state, const SweptObstacle& obst
   const Ragdoll& r = model.ragdolls[ragdoll];
   const int n = model.skeletonOf(r).size();
   const auto x = state.x.middleCols(r.first, n);
-  const double pad = model.radius.segment(r.first, n).maxCoeff() + kReach;
+  const double pad = model.radius.segment(r.first, n).maxCoeff() + kWakeReach;
   return ((x.rowwise().minCoeff().array() - pad) <= obstacle.bounds.hi.array()).all() &&
          ((x.rowwise().maxCoeff().array() + pad) >= obstacle.bounds.lo.array()).all();
 }

@@ -5,15 +5,13 @@
 #include "core/contact/detect.h"
 #include "core/linear/relax.h"
 #include "core/mechanics/joint_damping.h"
+#include "core/relaxation/constants.h"
 #include "core/relaxation/integrate.h"
 #include "core/relaxation/relaxation_guard.h"
 #include "ragdoll_sim/core/sleep.h"
 
 namespace ragdoll {
 namespace {
-
-constexpr double kMargin =
-    0.005;  ///< [m] contacts this near take part, since sweeps may close them
 
 void integrate(const StepContext& context, RelaxationWorkspace& ws) {
   const Model& model = context.model;
@@ -68,14 +66,15 @@ void constrain(const Model& model, const State& start, RelaxationWorkspace& ws, 
 
 void findAllContacts(const Model& model, const Inputs& inputs, RelaxationWorkspace& ws,
                      const State& state) {
-  findContacts(model, state, ws.x1, inputs.obstacles, kMargin, ws.contacts);
+  findContacts(model, state, ws.x1, inputs.obstacles, kSweepMargin, ws.contacts);
   if (model.self_collision)
     for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
       if (!state.asleep[i])
         ws.pairs.appendSelf(model, state.x, ws.x1, static_cast<int>(i),
-                            PairSearch::touches(kMargin), ws.contacts);
+                            PairSearch::touches(kSweepMargin), ws.contacts);
   if (model.ragdoll_collision)
-    ws.pairs.appendBetween(model, state, state.x, ws.x1, PairSearch::touches(kMargin), ws.contacts);
+    ws.pairs.appendBetween(model, state, state.x, ws.x1, PairSearch::touches(kSweepMargin),
+                           ws.contacts);
 }
 
 }  // namespace

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/direct/constants.h"
+
 namespace ragdoll {
 namespace {
-
-constexpr double kBounceSteps = 4;    ///< bounce only above an approach speed of 4 g h: below, rest
-constexpr double kRecoverySpeed = 2;  ///< [m/s] at which an overlap found at the step's start opens
 
 Vec3 pointOf(const Contact& c, const Points& x) {
   Vec3 p = c.weight[0] * x.col(c.particle[0]);

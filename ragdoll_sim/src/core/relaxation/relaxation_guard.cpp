@@ -5,20 +5,14 @@
 #include <limits>
 
 #include "core/contact/distance.h"
+#include "core/direct/constants.h"
 #include "core/direct/direct_step.h"
 #include "core/mechanics/energy_gain.h"
 #include "core/mechanics/pair_energy.h"
+#include "core/relaxation/constants.h"
 
 namespace ragdoll {
 namespace {
-
-constexpr double kStretch = 0.25;  ///< of a stick's length; falls and swings of a human stay below
-constexpr double kDepth = 0.5;  ///< of the radius: deeper in an obstacle than sweeps leave behind
-constexpr double kGain =
-    0.25;  ///< of the energy there was: sweeps that work gain less than a third of it
-constexpr double kFreeSpeed = 1.0;  ///< [m/s] of the whole body: gains of less energy are let be
-constexpr double kReportedRise = 1e-6;  ///< [J] less is rounding
-constexpr double kStiff = 1.0;          ///< h sqrt(Omega2): above, sweeps would fail again
 
 class RelaxationGuard {
  public:
@@ -56,13 +50,13 @@ class RelaxationGuard {
 
  private:
   bool stretched(int i) const {
-    constexpr double kMost = (1 + kStretch) * (1 + kStretch);
-    constexpr double kLeast = (1 - kStretch) * (1 - kStretch);
+    constexpr double kLongest = (1 + kMostStretch) * (1 + kMostStretch);
+    constexpr double kShortest = (1 - kMostStretch) * (1 - kMostStretch);
     const Ragdoll& r = model_.ragdolls[i];
     const System& s = model_.systemOf(r);
     const auto far = [&](int a, int b, double length) {
       const double now = (state_.x.col(r.first + b) - state_.x.col(r.first + a)).squaredNorm();
-      return now > kMost * length * length || now < kLeast * length * length;
+      return now > kLongest * length * length || now < kShortest * length * length;
     };
     if (s.lumped)
       return std::any_of(s.relaxed.begin(), s.relaxed.end(),
@@ -79,7 +73,7 @@ class RelaxationGuard {
       gap += c.weight[k] * c.normal.dot(state_.x.col(c.particle[k]));
       radius = std::min(radius, model_.radius[c.particle[k]]);
     }
-    return gap < std::min(-kDepth * radius, c.gap_start);
+    return gap < std::min(-kMostDepth * radius, c.gap_start);
   }
 
   /// Deep in an obstacle, or beyond one that the sweeps carried it through.
@@ -93,7 +87,7 @@ class RelaxationGuard {
     for (int j = r.first; j < r.first + model_.skeletonOf(r).named; ++j) {
       const double radius = model_.radius[j];
       const double carried2 = (state_.x.col(j) - ws_.x1.col(j)).squaredNorm();
-      if (carried2 < kDepth * kDepth * radius * radius) continue;
+      if (carried2 < kMostDepth * kMostDepth * radius * radius) continue;
       if (insideObstacle(j)) return true;
       beyond = beyond || carried2 > (thinnest + radius) * (thinnest + radius);
     }
@@ -116,7 +110,7 @@ class RelaxationGuard {
         return signedDistanceValue(model_.obstacles[k], local) - radius;
       };
       const double now = gap(end, state_.x.col(particle));
-      if (now < -kDepth * radius && now < gap(start, ws_.x0.col(particle))) return true;
+      if (now < -kMostDepth * radius && now < gap(start, ws_.x0.col(particle))) return true;
     }
     return false;
   }
@@ -139,7 +133,8 @@ class RelaxationGuard {
     const Ragdoll& r = model_.ragdolls[i];
     const StickRows& rows = *model_.systemOf(r).direct.rows;
     if (gain < 0.5 * rows.mass.sum() * kFreeSpeed * kFreeSpeed * rows.scale) return false;
-    return !(gain <= kGain * kineticEnergy(rows, ws_.v0.middleCols(r.first, rows.n), ws_.energy));
+    return !(gain <=
+             kMostGain * kineticEnergy(rows, ws_.v0.middleCols(r.first, rows.n), ws_.energy));
   }
 
   const Model& model_;
@@ -162,7 +157,7 @@ class Tension {
     if (rows_.s == 0) return false;
     const double omega2 =
         2 * (rows_.absolute_G.leftCols(rows_.s) * multipliers_.head(rows_.s).cwiseAbs()).maxCoeff();
-    return h * std::sqrt(omega2) > kStiff;
+    return h * std::sqrt(omega2) > kStable;
   }
   void forget() { multipliers_.setZero(); }
 
@@ -244,7 +239,7 @@ void limitPairEnergy(const StepContext& context, RelaxationWorkspace& ws, StepRe
   for (const int i : bodies) rise += guard.rise(i);
   if (!(rise > 0)) return;
   takeOutOfGroup(context.model, bodies, held, rise, context.state);
-  if (rise > kReportedRise) report.limited += static_cast<int>(bodies.size());
+  if (rise > kReportedGain) report.limited += static_cast<int>(bodies.size());
 }
 
 }  // namespace ragdoll

@@ -1,0 +1,11 @@
+// What sleep and findings go by; the speeds and times of sleep are public (sleep.h).
+// Not here, since not tuned: sizes, guards against rounding, and caps of loops that converge.
+#pragma once
+
+namespace ragdoll {
+
+constexpr double kTouched = 0.005;   ///< [m] a body that comes this near touches
+constexpr double kWakeReach = 0.05;  ///< [m] an obstacle that moves this near wakes a body
+constexpr double kLyingGap = 1e-4;   ///< [m] what lies still touches to less
+
+}  // namespace ragdoll
