@@ -317,7 +317,11 @@ class FaultsTest(unittest.TestCase):
         self.assertNotIn('SIGKILL', said())
 
     def test_the_demo_of_pushing_ends_when_it_is_interrupted(self):
-        launch, said, master = self.launch('push.launch', 'rviz:=false')
+        for rounds in ('0', '1'):
+            self.interrupt_push(rounds)
+
+    def interrupt_push(self, rounds):
+        launch, said, master = self.launch('push.launch', 'rviz:=false', 'rounds:=' + rounds)
 
         def moves():
             try:
