@@ -38,7 +38,10 @@ class Gripper:
         self.call_reset = rospy.ServiceProxy(node + '/reset', Trigger)
 
     def tell(self):
-        """Broadcasts where the gripper is; lasts 1 / RATE."""
+        """Broadcasts where the gripper is; lasts 1 / RATE. The end of ROS is the end of the round:
+        neither publishing nor sleeping would tell."""
+        if rospy.is_shutdown():
+            raise rospy.ROSInterruptException('ROS ends')
         poses = []
         for parent, child, at in [('world', 'gripper', self.at),
                                   ('gripper', 'gripper/fingers', (0, 0, -FINGERS))]:

@@ -333,7 +333,9 @@ class FaultsTest(unittest.TestCase):
         begin = time.monotonic()
         launch.send_signal(signal.SIGINT)
         launch.wait(LIMIT)
-        print('the demo ended %.1f s after SIGINT' % (time.monotonic() - begin))
+        seconds = time.monotonic() - begin
+        print('the demo ended %.1f s after SIGINT' % seconds)
+        self.assertLess(seconds, 6)  # roslaunch itself takes 1 s
         self.assertNotIn('Traceback', said())
         self.assertNotIn('escalating', said())
 

@@ -316,7 +316,10 @@ class LabReplayTest(unittest.TestCase):
         self.assertEqual(status, 0, errors)
         self.assertIn('identical', out)
         new = os.path.join(self.folder, 'new.bag')
-        fix = subprocess.run(['rosbag', 'fix', old, new], stdout=subprocess.PIPE,
+        # Named, as rosbag finds it by itself only where rosdep has been set up.
+        rule = os.path.join(roslib.packages.get_pkg_dir('ragdoll_sim'), 'migration',
+                            'model_mass.bmr')
+        fix = subprocess.run(['rosbag', 'fix', old, new, rule], stdout=subprocess.PIPE,
                              stderr=subprocess.STDOUT, timeout=LIMIT, universal_newlines=True)
         self.assertEqual(fix.returncode, 0, fix.stdout)
         with rosbag.Bag(new) as bag:
