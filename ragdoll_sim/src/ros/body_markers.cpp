@@ -15,7 +15,7 @@ constexpr std::size_t kTriangles = 64;  ///< of a piece at most: 8 kB, so that e
 constexpr double kStretch = 0.005;      ///< of a stick; more is seen at the joints
 constexpr double kLifetime = 0.5;       ///< [s] of what is told anew each time
 constexpr double kTurn = 0.35;          ///< [rad] from which on the light looks wrong
-constexpr double kRelightRate = 6000;   ///< [bytes/s]
+constexpr double kRelightRate = 9000;   ///< [bytes/s]
 constexpr std::chrono::seconds kCalm{1};  ///< after it was bent
 
 double sizeOf(const Marker& marker) {

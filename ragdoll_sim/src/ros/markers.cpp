@@ -16,7 +16,7 @@ using std::chrono::milliseconds;
 using visualization_msgs::Marker;
 
 constexpr milliseconds kPeriod{33};        ///< at most 30 Hz
-constexpr milliseconds kStickPeriod{125};  ///< 8 Hz: the sticks of one body are 11 kB/s
+constexpr milliseconds kStickPeriod{200};  ///< 5 Hz: the sticks of one body are 7 kB/s
 constexpr double kBodyLifetime = 0.5;      ///< [s]
 constexpr double kForever = 0;             ///< [s]
 constexpr int kQueue = 32;  ///< messages kept for a slow listener: what is told once is not dropped
