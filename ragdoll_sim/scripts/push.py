@@ -6,6 +6,9 @@ under it. Stands for a robot: to the ragdoll it makes no difference who publishe
 Parameters: ~node (/ragdoll), ~hand (right_hand), ~speed (0.5 m/s), ~rounds (0: without end).
 """
 
+import signal
+import threading
+
 import rospy
 import tf2_ros
 from geometry_msgs.msg import TransformStamped
@@ -20,6 +23,28 @@ ABOVE = 1.3           # [m] height to travel at
 DRAG_TO = (-1.0, 0.5, 1.1)
 
 
+# rospy's own handler ends ROS within whatever the main thread does, which may hold the lock that
+# the end of ROS wants: it would never come.
+INTERRUPTED = threading.Event()
+
+
+def check_end():
+    """The end of ROS is the end of the round: neither publishing nor sleeping would tell."""
+    if INTERRUPTED.is_set() or rospy.is_shutdown():
+        raise rospy.ROSInterruptException('ROS ends')
+
+
+def wait_for_service(name):
+    while True:
+        check_end()
+        try:
+            return rospy.wait_for_service(name, timeout=0.5)
+        except rospy.ROSInterruptException:
+            raise
+        except rospy.ROSException:
+            continue  # not yet
+
+
 class Gripper:
     def __init__(self):
         node = rospy.get_param('~node', '/ragdoll')
@@ -32,13 +57,14 @@ class Gripper:
         self.broadcaster = tf2_ros.TransformBroadcaster()
         self.rate = rospy.Rate(RATE)
         for name in ('attach', 'detach', 'reset'):
-            rospy.wait_for_service(node + '/' + name)
+            wait_for_service(node + '/' + name)
         self.call_attach = rospy.ServiceProxy(node + '/attach', Attach)
         self.call_detach = rospy.ServiceProxy(node + '/detach', Detach)
         self.call_reset = rospy.ServiceProxy(node + '/reset', Trigger)
 
     def tell(self):
         """Broadcasts where the gripper is; lasts 1 / RATE."""
+        check_end()
         poses = []
         for parent, child, at in [('world', 'gripper', self.at),
                                   ('gripper', 'gripper/fingers', (0, 0, -FINGERS))]:
@@ -97,14 +123,15 @@ class Gripper:
 
 
 def main():
-    rospy.init_node('push')
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: INTERRUPTED.set())
+    rospy.init_node('push', disable_signals=True)
     gripper = Gripper()
     rounds = rospy.get_param('~rounds', 0)
     done = 0
     while not rospy.is_shutdown() and (rounds == 0 or done < rounds):
         gripper.round()
         done += 1
-    rospy.signal_shutdown('all rounds are done')
 
 
 if __name__ == '__main__':
@@ -112,5 +139,7 @@ if __name__ == '__main__':
         main()
     except (rospy.ROSException, rospy.ServiceException):
         # Of a node that is ending, services and publishers fail where they stand.
-        if not rospy.is_shutdown():
+        if not (INTERRUPTED.is_set() or rospy.is_shutdown()):
             raise
+    finally:
+        rospy.signal_shutdown('the end')

@@ -82,6 +82,7 @@ Coat::Coat(CoatKind kind, const Model& model, const FrameTracker& tracker, int r
         kind == CoatKind::kBoxes ? boxPieces(skeleton, tree) : capsulePieces(skeleton, tree);
     impl_->rigid = std::make_unique<RigidCoat>(pieces, skeleton, tree);
     shapes_.push_back(body(impl_->rigid->rest()));
+    shapes_.back().parts = impl_->rigid->partOfVertex();
   }
   update(tracker.now());
 }

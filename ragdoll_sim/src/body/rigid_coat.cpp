@@ -32,6 +32,12 @@ RigidCoat::RigidCoat(const std::vector<RigidPiece>& pieces, const Skeleton& skel
   }
 }
 
+std::vector<int> RigidCoat::partOfVertex() const {
+  std::vector<int> parts;
+  for (const Span& span : spans_) parts.insert(parts.end(), span.count, span.part);
+  return parts;
+}
+
 void RigidCoat::pose(const Eigen::Ref<const Points>& x, const Quat* parts, Mesh& out) const {
   for (const Span& span : spans_) {
     const Part& part = parts_[span.part];

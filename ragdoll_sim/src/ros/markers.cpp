@@ -15,14 +15,15 @@ namespace {
 using std::chrono::milliseconds;
 using visualization_msgs::Marker;
 
-constexpr milliseconds kPeriod{33};            ///< at most 30 Hz
-constexpr milliseconds kObstaclePeriod{1000};  ///< what stands still is repeated this often
-constexpr double kBodyLifetime = 0.5;          ///< [s]
-constexpr double kObstacleLifetime = 3;        ///< [s]
-constexpr double kPokeLifetime = 0.15;         ///< [s] a poke of one step is seen this long
-constexpr double kPullWidth = 0.01;            ///< [m]
-constexpr double kStickWidth = 0.012;          ///< [m]
-constexpr double kPinMargin = 0.015;           ///< [m] of a pin's ball around the particle's
+constexpr milliseconds kPeriod{33};        ///< at most 30 Hz
+constexpr milliseconds kStickPeriod{200};  ///< 5 Hz: the sticks of one body are 7 kB/s
+constexpr double kBodyLifetime = 0.5;      ///< [s]
+constexpr double kForever = 0;             ///< [s]
+constexpr int kQueue = 32;  ///< messages kept for a slow listener: what is told once is not dropped
+constexpr double kPokeLifetime = 0.15;  ///< [s] a poke of one step is seen this long
+constexpr double kPullWidth = 0.01;     ///< [m]
+constexpr double kStickWidth = 0.012;   ///< [m]
+constexpr double kPinMargin = 0.015;    ///< [m] of a pin's ball around the particle's
 const Rgba kStickColor{0.15f, 0.16f, 0.19f, 1};
 const Rgba kPokeColor{0.92f, 0.26f, 0.21f, 0.95f};
 
@@ -41,7 +42,7 @@ MarkerPublisher::MarkerPublisher(ros::NodeHandle& nh, const std::string& world_f
                                  const std::string& coat)
     : world_frame_(world_frame), coat_(coat) {
   publisher_ = nh.advertise<visualization_msgs::MarkerArray>(
-      "markers", 4, [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; });
+      "markers", kQueue, [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; });
 }
 
 void MarkerPublisher::setCoat(const std::string& coat) {
@@ -59,18 +60,27 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
   next_ = std::max(next_ + kPeriod, now + kPeriod / 2);
 
   if (other_coat_.exchange(false) || world.scene != scene_) startScene(world);
-  const bool all = newcomer_.exchange(false) || now >= next_obstacles_;
-  if (all) next_obstacles_ = now + kObstaclePeriod;
-  // The bodies' markers stay in the message: their points are many and need no new memory.
-  message_.markers.resize(body_markers_);
-  moveBodies(world, posture);
+  ++drawn_;
+  const bool all = newcomer_.exchange(false), slow = all || now >= next_sticks_;
+  if (slow) next_sticks_ = now + kStickPeriod;
+  message_.markers.clear();
+  if (slow) addSticks(world, posture);
+  for (BodyMarkers& body : bodies_)
+    body.append(*world.model, *world.tracker, posture, now, all, frames_, message_.markers);
   addObstacles(world, all);
   addPokes(world, posture);
   addPulls(world, posture);
-  addPins(world, posture);
+  if (slow) addPins(world, posture);
   pokes_.clear();
   if (limits_) addLimits(world, posture);
-  publisher_.publish(message_);
+  if (!message_.markers.empty()) publisher_.publish(message_);
+}
+
+void MarkerPublisher::clear() {
+  visualization_msgs::MarkerArray message;
+  message.markers.push_back(marker("", 0, 0));
+  message.markers[0].action = Marker::DELETEALL;
+  publisher_.publish(message);
 }
 
 void MarkerPublisher::startScene(const Snapshot& world) {
@@ -79,30 +89,16 @@ void MarkerPublisher::startScene(const Snapshot& world) {
     std::lock_guard<std::mutex> lock(coat_mutex_);
     return coatKind(coat_.empty() ? scene_->coat : coat_);
   }();
-  visualization_msgs::MarkerArray clear;
-  clear.markers.push_back(marker("", 0, 0));
-  clear.markers[0].action = Marker::DELETEALL;
-  publisher_.publish(clear);
-
-  coats_.clear();
-  message_.markers.clear();
-  Marker sticks = marker("sticks", 0, kBodyLifetime);
-  sticks.type = Marker::LINE_LIST;
-  sticks.scale.x = kStickWidth;
-  sticks.color = toColor(kStickColor);
-  message_.markers.push_back(std::move(sticks));
-  for (int i = 0; i < world.tracker->ragdolls(); ++i) {
-    coats_.emplace_back(kind, *world.model, *world.tracker, i);
-    for (std::size_t k = 0; k < coats_.back().shapes().size(); ++k)
-      message_.markers.push_back(
-          marker("coat", static_cast<int>(message_.markers.size()), kBodyLifetime));
-  }
-  body_markers_ = message_.markers.size();
+  clear();
+  bodies_.clear();
+  for (int i = 0; i < world.tracker->ragdolls(); ++i)
+    bodies_.emplace_back(kind, world_frame_, *world.model, *world.tracker, i,
+                         1 + i * BodyMarkers::kIds);
 
   obstacles_.clear();
   shown_obstacles_.clear();
   for (std::size_t i = 0; i < world.model->obstacles.size(); ++i) {
-    Marker m = marker("obstacles", static_cast<int>(i), kObstacleLifetime);
+    Marker m = marker("obstacles", static_cast<int>(i), kForever);
     toMarker(obstacleLook(world.model->obstacles[i], static_cast<int>(i)), m);
     obstacles_.push_back(std::move(m));
   }
@@ -120,21 +116,18 @@ Marker MarkerPublisher::marker(const std::string& ns, int id, double lifetime) c
   return m;
 }
 
-void MarkerPublisher::moveBodies(const Snapshot& world, const Posture& posture) {
-  ++drawn_;
-  std::vector<geometry_msgs::Point>& ends = message_.markers[0].points;
-  ends.clear();
+void MarkerPublisher::addSticks(const Snapshot& world, const Posture& posture) {
+  Marker m = marker("sticks", 0, kBodyLifetime);
+  m.type = Marker::LINE_LIST;
+  m.scale.x = kStickWidth;
+  m.color = toColor(kStickColor);
   for (const Ragdoll& r : world.model->ragdolls) {
     for (const Stick& s : world.model->skeletonOf(r).sticks) {
-      ends.push_back(toPoint(posture.x.col(r.first + s.a)));
-      ends.push_back(toPoint(posture.x.col(r.first + s.b)));
+      m.points.push_back(toPoint(posture.x.col(r.first + s.a)));
+      m.points.push_back(toPoint(posture.x.col(r.first + s.b)));
     }
   }
-  std::size_t next = 1;
-  for (Coat& coat : coats_) {
-    coat.update(posture);
-    for (const CoatShape& shape : coat.shapes()) toMarker(shape, message_.markers[next++]);
-  }
+  message_.markers.push_back(std::move(m));
 }
 
 void MarkerPublisher::addObstacles(const Snapshot& world, bool all) {
@@ -186,7 +179,7 @@ void MarkerPublisher::addPulls(const Snapshot& world, const Posture& posture) {
 void MarkerPublisher::addPins(const Snapshot& world, const Posture& posture) {
   int id = 0;
   for (const Pin& pin : world.model->pins) {
-    Marker m = marker("pins", id++, kPokeLifetime);
+    Marker m = marker("pins", id++, kBodyLifetime);
     m.type = Marker::SPHERE;
     m.pose.position = toPoint(posture.x.col(pin.particle));
     m.scale = toVector3(Vec3::Constant(2 * (world.model->radius[pin.particle] + kPinMargin)));

@@ -1,6 +1,7 @@
 // What rviz shows: the coat, the sticks, obstacles, the pokes and pulls that act, and the joints'
-// limits while they are asked for, in one MarkerArray. Fixed namespaces and ids, so that each
-// message overwrites the last; short lifetimes, so that nothing stays behind when the node ends.
+// limits while they are asked for. Fixed namespaces and ids, so that each message overwrites the
+// last. What stays as it is, rigid parts and obstacles, is told once to a new listener and when it
+// changes, and has no lifetime; what is told again and again has a short one.
 #pragma once
 
 #include <ros/publisher.h>
@@ -13,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "ragdoll_sim/body/coat.h"
+#include "body_markers.h"
 #include "ragdoll_sim/world/simulation.h"
 
 namespace ragdoll {
@@ -34,13 +35,19 @@ class MarkerPublisher {
   /// Does nothing while nobody listens, and more often than kRate.
   void publish(const Snapshot& world, const Posture& posture);
 
-  /// How often coats were computed.
+  /// Whether all frames of all bodies are on TF: then it moves their rigid parts.
+  void useFrames(bool frames) { frames_ = frames; }
+
+  /// Takes all markers away.
+  void clear();
+
+  /// How often messages were computed.
   std::size_t drawn() const { return drawn_; }
 
  private:
   void startScene(const Snapshot& world);
   visualization_msgs::Marker marker(const std::string& ns, int id, double lifetime) const;
-  void moveBodies(const Snapshot& world, const Posture& posture);
+  void addSticks(const Snapshot& world, const Posture& posture);
   void addObstacles(const Snapshot& world, bool all);
   void addPokes(const Snapshot& world, const Posture& posture);
   void addPulls(const Snapshot& world, const Posture& posture);
@@ -54,14 +61,14 @@ class MarkerPublisher {
   std::atomic<bool> newcomer_{true}, limits_{false};
   ros::Publisher publisher_;
   std::shared_ptr<const Scene> scene_;
-  std::vector<Coat> coats_;
+  std::vector<BodyMarkers> bodies_;
+  bool frames_ = true;
   std::vector<visualization_msgs::Marker> obstacles_;
   std::vector<Poke> pokes_;  ///< that acted since the last message
   std::vector<Pose> shown_obstacles_;
-  Simulation::Clock::time_point next_, next_obstacles_;
+  Simulation::Clock::time_point next_, next_sticks_;
   visualization_msgs::MarkerArray message_;
   std::size_t drawn_ = 0;
-  std::size_t body_markers_ = 0;  ///< the sticks and the coats, first in message_
 };
 
 }  // namespace ragdoll

@@ -39,13 +39,23 @@ Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock
   thread_ = std::thread([this] { run(); });
 }
 
-Publisher::~Publisher() {
+Publisher::~Publisher() { stop(); }
+
+void Publisher::stop() {
   {
     std::lock_guard<std::mutex> lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
+}
+
+void Publisher::clearMarkers() {
+  constexpr double kUntilSent = 0.05;  // [s]
+  stop();                              // else the next tick might draw again
+  if (!markers_.wanted()) return;
+  markers_.clear();
+  ros::WallDuration(kUntilSent).sleep();
 }
 
 void Publisher::publishNow() {
@@ -117,6 +127,7 @@ void Publisher::tick(Why why) {
   if (!between) publishTf(shown, now);
   if (!between) publishState(now, why);
   if (!between) publishJoints(shown, now);
+  markers_.useFrames(tfBodies() == "all");
   markers_.publish(world_, shown);
   metrics_.publish(world_, toHeader(parameters_.world_frame, now));
 }

@@ -35,10 +35,14 @@ class Publisher {
   /// What bodies wear; empty: what the scene says.
   void setCoat(const std::string& coat) { markers_.setCoat(coat); }
 
+  /// The end of publishing: what rviz shows has no lifetime, so it is taken away.
+  void clearMarkers();
+
   /// Returns once the present state has been published, whatever the tick.
   void publishNow();
 
  private:
+  void stop();
   void run();
   /// When it is due, because someone waits for it, or as nothing has been due for long.
   enum class Why { kDue, kDemanded, kIdle };

@@ -70,15 +70,17 @@ class Signals {
     return !taken_;
   }
   static void release() {
+    runs_ = true;
     deferred_ = false;
-    if (taken_) ros::requestShutdown();
   }
+  /// A signal has come: the loop of main is to end.
+  static bool taken() { return taken_; }
 
  private:
   static void take(int) {
-    if (taken_.exchange(true) || !deferred_) ros::requestShutdown();
+    if (taken_.exchange(true) || !(deferred_ || runs_)) ros::requestShutdown();
   }
-  static inline std::atomic<bool> deferred_{false}, taken_{false};
+  static inline std::atomic<bool> deferred_{false}, runs_{false}, taken_{false};
 };
 
 /// /use_sim_time for as long as this node is the clock; left alone where someone has set it before.
@@ -139,7 +141,10 @@ int main(int argc, char** argv) {
     ros::AsyncSpinner spinner(kCallbackThreads);
     spinner.start();
     signals.release();
-    while (ros::ok() && !ros::isShuttingDown()) ros::WallDuration(kPoll).sleep();
+    while (ros::ok() && !ros::isShuttingDown() && !signals.taken())
+      ros::WallDuration(kPoll).sleep();
+    publisher.clearMarkers();
+    ros::requestShutdown();
     simulation.end();  // else ROS would wait for a call that waits for its steps
     ros::waitForShutdown();
     given.restore();

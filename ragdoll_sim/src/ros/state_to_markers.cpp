@@ -175,8 +175,10 @@ void StateToMarkers::gatherActed(std::uint64_t before, std::uint64_t now) {
 
 void StateToMarkers::transforms(const ros::MessageEvent<tf2_msgs::TFMessage const>& event) {
   if (event.getPublisherName() == ros::this_node::getName() || !world_.tracker) return;
+  // The last one: the first may be there without the others, with ~tf_bodies: roots.
+  const int last = world_.tracker->size() - 1;
   for (const auto& transform : event.getConstMessage()->transforms)
-    if (world_.tracker->size() > 0 && transform.child_frame_id == world_.tracker->name(0))
+    if (last >= 0 && transform.child_frame_id == world_.tracker->name(last))
       recorded_tf_ = ros::WallTime::now();
 }
 

@@ -146,7 +146,7 @@ def bits(state):
 
 
 def momentum(model, state):
-    """[kg m/s] of a model with lumped masses; of segments Model.masses tell only the diagonal."""
+    """[kg m/s]"""
     sums = [0.0, 0.0, 0.0]
     for m, r in zip(model.ragdolls, state.ragdolls):
         for mass, v in zip(m.masses, r.velocities):

@@ -39,7 +39,6 @@ class PlaybackTest(unittest.TestCase):
     def setUpClass(cls):
         cls.client = Client()
         cls.client.restart()
-        cls.drawn = Inbox('/ragdoll/markers', MarkerArray)
 
     def setUp(self):
         self.folder = tempfile.mkdtemp()
@@ -58,8 +57,10 @@ class PlaybackTest(unittest.TestCase):
         return path
 
     def picture(self, head):
-        """All markers as the node drew them with the head there, once it has drawn all kinds."""
-        found, new = {}, self.drawn.reader()
+        """All markers as the node draws them for a new listener with the head there."""
+        drawn = Inbox('/ragdoll/markers', MarkerArray)
+        self.addCleanup(drawn.subscriber.unregister)
+        found, new = {}, drawn.reader()
 
         def whole():
             for message in new():
@@ -89,7 +90,6 @@ class PlaybackTest(unittest.TestCase):
         sticks = expected[('sticks', 0)]
         last = played.first(lambda m: numbers(m).get(('sticks', 0)) == sticks,
                             'the last state, drawn alike')
-        self.assertEqual([m.ns for m in last.markers].count('coat'), 1)
         keys, new = set(), played.reader()
 
         def alike():

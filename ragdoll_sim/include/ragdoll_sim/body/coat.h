@@ -29,8 +29,9 @@ struct CoatShape {
   Pose pose;                 ///< box, sphere: its middle; the others: identity, or the mesh's pose
   Vec3 size = Vec3::Ones();  ///< [m] box: edges; sphere(s): diameters; lines: x is the width
   Rgba color;
-  Points points;  ///< kSpheres: centres; kLines: pairs of ends
-  Mesh mesh;      ///< kMesh; its vertex colours, if any, instead of `color`
+  Points points;           ///< kSpheres: centres; kLines: pairs of ends
+  Mesh mesh;               ///< kMesh; its vertex colours, if any, instead of `color`
+  std::vector<int> parts;  ///< kMesh of rigid pieces: the part of the body that carries each vertex
 };
 
 class Coat {

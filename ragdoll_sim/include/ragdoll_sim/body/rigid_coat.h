@@ -38,6 +38,7 @@ class RigidCoat {
   RigidCoat(const std::vector<RigidPiece>& pieces, const Skeleton& skeleton, const FrameTree& tree);
 
   const Mesh& rest() const { return rest_; }
+  std::vector<int> partOfVertex() const;
   /// Vertices, normals and lit colours for the particles x (3 x n) and orientations of the parts.
   /// `out` starts as a copy of rest(); allocates nothing.
   void pose(const Eigen::Ref<const Points>& x, const Quat* parts, Mesh& out) const;
