@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/contact/constants.h"
+#include "core/contact/first_touch.h"
 
 namespace ragdoll {
 namespace {
@@ -142,19 +143,27 @@ int findTouches(const SweptCapsule& first, const SweptCapsule& second, double ma
   const double start = smallestGap(first.at(0), second.at(0));
   if (!(start <= travel + near)) return 0;
   const double thin = std::min({first.ra, first.rb, second.ra, second.rb});
+  const auto gapAt = [&](double time) { return smallestGap(first.at(time), second.at(time)); };
   double time = 1;
   if (start <= -0.5 * thin && start < 0) {
     time = 0;  // deep: where they would go may lie on the far side
-  } else if (travel > 0.5 * thin) {
+  } else {
+    const double end = gapAt(1);
+    const bool closes = start > kResting && end <= 0;
     double gap = start;
-    time = 0;
-    for (int i = 0; i < kMaxAdvances && gap > kSweepGap && time < 1; ++i) {
-      time = std::min(1.0, time + gap / travel);
-      gap = smallestGap(first.at(time), second.at(time));
+    if (travel > 0.5 * thin) {
+      time = 0;
+      for (int i = 0; i < kMaxAdvances && gap > kSweepGap && time < 1; ++i) {
+        time = std::min(1.0, time + gap / travel);
+        gap = gapAt(time);
+      }
+      if (gap > std::max(kSweepGap, near)) return 0;
+      if (closes && gap > 0) time = firstTouch(gapAt, time, gap, 1, end);
+    } else if (std::min(start, end) > near) {
+      return 0;
+    } else if (closes) {
+      time = firstTouch(gapAt, 0, start, 1, end);
     }
-    if (gap > std::max(kSweepGap, near)) return 0;
-  } else if (std::min(start, smallestGap(first.at(1), second.at(1))) > near) {
-    return 0;
   }
   return touchesAt(first.at(time), second.at(time), start, touches);
 }

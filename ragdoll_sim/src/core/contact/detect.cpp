@@ -8,6 +8,7 @@
 
 #include "core/contact/constants.h"
 #include "core/contact/distance.h"
+#include "core/contact/first_touch.h"
 
 namespace ragdoll {
 namespace {
@@ -53,27 +54,37 @@ Contact tangentAt(const SweptObstacle& m, const Vec3& p, double radius) {
   return c;
 }
 
-void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double radius,
-                     double margin, Contact& c, bool& found) {
-  const Vec3 p0 = m.toStart(x0), p1 = m.toEnd(x1);
-  const Obstacle& o = *m.obstacle;
-  const double travel = (p1 - p0).norm();
-  const double start = signedDistanceValue(o, p0) - radius;
-  found = start <= travel + margin;
-  if (!found) return;
-  Vec3 at = p1;
-  if (o.type != ObstacleSpec::Type::kPlane && start > -radius && travel > 0.5 * radius) {
-    // Far enough to pass through something: the first touch on the way. Touching already: p0.
+/// Where the sphere is first in touch on its way, or would be at the end; false: it stays clear.
+bool particleTouch(const Obstacle& o, const Vec3& p0, const Vec3& p1, double radius, double margin,
+                   double start, Vec3& at) {
+  const auto gap = [&](double s) { return signedDistanceValue(o, p0 + s * (p1 - p0)) - radius; };
+  const double travel = (p1 - p0).norm(), end = gap(1);
+  const bool closes = start > kResting && end <= 0;
+  at = p1;
+  if (o.type == ObstacleSpec::Type::kPlane) return end <= margin || start <= margin;
+  if (start > -radius && travel > 0.5 * radius) {
+    // Far enough to pass through something. Touching already: p0.
     double s = 0, d = start;
     for (int i = 0; i < kMaxAdvances && d > kSweepGap && s < 1; ++i) {
       s = std::min(1.0, s + d / travel);
-      d = signedDistanceValue(o, p0 + s * (p1 - p0)) - radius;
+      d = gap(s);
     }
-    found = d <= std::max(kSweepGap, margin);
+    if (d > std::max(kSweepGap, margin)) return false;
+    if (closes && d > 0) s = firstTouch(gap, s, d, 1, end);
     at = p0 + s * (p1 - p0);
-  } else {
-    found = signedDistanceValue(o, p1) - radius <= margin || start <= margin;
+    return true;
   }
+  if (closes) at = p0 + firstTouch(gap, 0, start, 1, end) * (p1 - p0);
+  return end <= margin || start <= margin;
+}
+
+void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double radius,
+                     double margin, Contact& c, bool& found) {
+  const Vec3 p0 = m.toStart(x0), p1 = m.toEnd(x1);
+  const double start = signedDistanceValue(*m.obstacle, p0) - radius;
+  found = start <= (p1 - p0).norm() + margin;
+  Vec3 at;
+  found = found && particleTouch(*m.obstacle, p0, p1, radius, margin, start, at);
   if (!found) return;
   c = tangentAt(m, at, radius);
   c.gap_start = start;
@@ -183,7 +194,8 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double ma
   };
   start = gapAt(0);
   if (start > travel + margin) return std::nullopt;
-  const double thin = std::min(k.ra, k.rb);
+  const double thin = std::min(k.ra, k.rb), end = gapAt(1);
+  const bool closes = start > kResting && end <= 0;
   if (start > -thin && travel > 0.5 * thin) {
     double s = 0, d = start;
     for (int i = 0; i < kMaxAdvances && d > kSweepGap && s < 1; ++i) {
@@ -191,10 +203,10 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double ma
       d = gapAt(s);
     }
     if (d > std::max(kSweepGap, margin)) return std::nullopt;
-    return axisAt(s);
+    return axisAt(closes && d > 0 ? firstTouch(gapAt, s, d, 1, end) : s);
   }
-  if (std::min(start, gapAt(1)) > margin) return std::nullopt;
-  return axisAt(1);
+  if (std::min(start, end) > margin) return std::nullopt;
+  return axisAt(closes ? firstTouch(gapAt, 0, start, 1, end) : 1);
 }
 
 /// Contacts of a capsule between its ends, at the instant of `axis`: where it is nearest, or both

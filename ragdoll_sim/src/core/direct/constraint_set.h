@@ -41,11 +41,14 @@ struct ConstraintSet {
 struct TouchingSet {
   std::vector<Contact> contacts;
   std::vector<LimitRow> limits;
+  std::vector<std::uint8_t> contact_hit, limit_hit;  ///< of each: Role::kHit
   std::vector<double> warm;  ///< of all their rows: the position stage's impulses over h
 
   void clear() {
     contacts.clear();
     limits.clear();
+    contact_hit.clear();
+    limit_hit.clear();
     warm.clear();
   }
 };

@@ -30,8 +30,7 @@ bool isComing(const Body& body, const Contact& c, double h) {
   if (end < -kDeepImpact * body.rows->scale) return body.located < kMaxDeepImpacts;
   if (c.obstacle < 0 || body.located >= kMaxLocated) return false;
   const double rate = c.before < body.tolerances.touching ? rateOf(body, c) : (end - c.before) / h;
-  const double pull = std::abs(c.normal.dot(body.context->model.gravity));
-  return -rate > kSlowSteps * body.context->h * std::max(kLeastPull, pull);
+  return -rate > comingSpeed(*body.context, c);
 }
 
 bool isComing(const Body& body, const LimitRow& limit, double h) {
@@ -86,6 +85,11 @@ Impact firstImpact(Body& body, double h) {
 }
 
 }  // namespace
+
+double comingSpeed(const StepContext& step, const Contact& c) {
+  const double pull = std::abs(c.normal.dot(step.model.gravity));
+  return kSlowSteps * step.h * std::max(kLeastPull, pull);
+}
 
 double timeOfZero(double start, double rate, double end, double h) {
   if (start <= 0) return 0;

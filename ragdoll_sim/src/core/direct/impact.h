@@ -15,6 +15,9 @@ struct Impact {
 /// Time at which start + rate t + q t^2 = 0, with q from the value `end` at h.
 double timeOfZero(double start, double rate, double end, double h);
 
+/// [m/s] approach above which a contact comes from afar: slower is rest.
+double comingSpeed(const StepContext& step, const Contact& contact);
+
 /// Marks as coming what the bodies come to from afar, faster than gravity would bring them there:
 /// it does not press until it is reached.
 void findComing(Body& body, double h);

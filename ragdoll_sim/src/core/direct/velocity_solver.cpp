@@ -5,6 +5,7 @@
 
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/impact.h"
 #include "core/direct/motion.h"
 #include "core/direct/pair_rows.h"
 
@@ -46,9 +47,11 @@ void evaluateRates(Body& body) {
 bool isHitNow(const Body& body, const Schur::Row& row) {
   if (row.kind == Kind::kLimit) {
     const LimitRow& limit = body.touching.limits[row.source];
-    return limit.compliance == 0 && limit.before >= body.tolerances.touching_angle;
+    return limit.compliance == 0 &&
+           (body.touching.limit_hit[row.source] || limit.before >= body.tolerances.touching_angle);
   }
-  return body.touching.contacts[row.source].before >= body.tolerances.touching;
+  return body.touching.contact_hit[row.source] ||
+         body.touching.contacts[row.source].before >= body.tolerances.touching;
 }
 
 /// Locks the rows of what is just hit, at no impulse.
@@ -59,6 +62,20 @@ void lockHit(Body& body) {
       schur.lock(i);
       body.touching.warm[i] = 0;
     }
+}
+
+/// Locks the contacts that the motion ends just before: they have not pressed and come from afar,
+/// and the next substep has their impact.
+void lockComing(Body& body) {
+  Schur& schur = body.memory->schur;
+  for (int i = 0; i < body.constraints.own_rows; ++i) {
+    const Schur::Row& row = schur.row(i);
+    if (row.kind != Kind::kNormal || body.touching.warm[i] != 0 || !isHitNow(body, row)) continue;
+    const Contact& c = body.touching.contacts[row.source];
+    const double rate =
+        schur.along(i, body.vData()) - row.direction.dot(c.surface_motion) / body.context->h;
+    if (-rate > comingSpeed(*body.context, c)) schur.lock(i);
+  }
 }
 
 /// [m/s] approach above which a contact bounces: slower is rest.
@@ -86,6 +103,7 @@ void keepTouchingContacts(Body& body, double h) {
     if (gapAfter(body, c) >= body.tolerances.touching && set.contact_role[i] != Role::kHit)
       continue;
     body.touching.contacts.push_back(c);
+    body.touching.contact_hit.push_back(set.contact_role[i] == Role::kHit);
     const int row = h > 0 && i < set.contact_row.size() ? set.contact_row[i] : -1;
     for (int k = 0; k < (c.friction > 0 ? 3 : 1); ++k)
       body.touching.warm.push_back(row >= 0 && row + k < body.total.size() ? body.total[row + k] / h
@@ -105,6 +123,7 @@ void keepTouchingLimits(Body& body, double h) {
         set.limit_role[i] != Role::kHit)
       continue;
     body.touching.limits.push_back(limit);
+    body.touching.limit_hit.push_back(set.limit_role[i] == Role::kHit);
     angles.evaluate(body.context->model, after, body.touching.limits.back());
     const int row = h > 0 && i < set.limit_row.size() ? set.limit_row[i] : -1;
     body.touching.warm.push_back(row >= 0 && row < body.total.size() ? body.total[row] / h : 0.0);
@@ -193,6 +212,7 @@ void releaseSprings(Body& body, double h) {
                   body.system->W.row(limit.particle[k] - body.first);
     if (limit.damping == 0) continue;
     body.touching.limits.push_back(limit);
+    body.touching.limit_hit.push_back(0);
     body.touching.warm.push_back(0);
   }
 }
@@ -231,8 +251,11 @@ void solveVelocities(Island& island, Stage stage, double h) {
   }
   if (stage != Stage::kBounce) {
     // What pressed all the while does so until the impact, which is not to take that back.
-    if (stage == Stage::kImpact)
-      for (Body* body : island.bodies) lockHit(*body);
+    for (Body* body : island.bodies)
+      if (stage == Stage::kImpact)
+        lockHit(*body);
+      else if (h > 0)
+        lockComing(*body);
     pushVelocities(island, first_pair, false);
   }
   if (stage != Stage::kMotion) pushVelocities(island, first_pair, true);

@@ -1,0 +1,39 @@
+// When a gap that closes during a step is first zero, for contacts whose plane is tangent there.
+#pragma once
+
+#include <cmath>
+
+namespace ragdoll {
+
+/// Time in [lo, hi] at which gap(time), `open` > 0 at lo and `closed` <= 0 at hi, is zero: regula
+/// falsi that halves the value at an end that stays (Illinois [Dowell1971]). Gaps to convex
+/// obstacles are convex along a straight path, so that there is one such time.
+template <class Gap>
+double firstTouch(const Gap& gap, double lo, double open, double hi, double closed) {
+  constexpr int kMaxEvaluations = 30;  // 5 to 8 are usual
+  constexpr double kSettled = 1e-12;   // of the step
+  constexpr double kRounding = 1e-14;  // [m]
+  int stays = 0;                       // 1: the end at lo stayed last time, -1: the one at hi
+  for (int i = 0; i < kMaxEvaluations && hi - lo > kSettled; ++i) {
+    const double time = lo + (hi - lo) * open / (open - closed);
+    const double now = gap(time);
+    if (std::abs(now) < kRounding) return time;
+    if (now > 0) {
+      lo = time;
+      open = now;
+      if (stays == -1) closed *= 0.5;
+      stays = -1;
+    } else {
+      hi = time;
+      closed = now;
+      if (stays == 1) open *= 0.5;
+      stays = 1;
+    }
+  }
+  return lo;
+}
+
+/// [m] A gap that is open by less slides or rests: it does not come to touch.
+constexpr double kResting = 1e-6;
+
+}  // namespace ragdoll

@@ -1,0 +1,104 @@
+// Impacts against closed forms: a smooth ball and an elastic surface, without gravity or with it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ragdoll_sim/core/build_model.h"
+#include "support/worlds.h"
+
+namespace ragdoll::test {
+namespace {
+
+constexpr double kRadius = 0.1;
+
+/// A ball that a surface without friction throws back as fast as it came.
+struct Ball {
+  Model model;
+  Inputs inputs;
+  Workspace workspace;
+  State state;
+
+  Ball(const Vec3& position, const Vec3& velocity, ObstacleSpec obstacle, double step,
+       double gravity = 0) {
+    SkeletonSpec skeleton;
+    skeleton.name = "ball";
+    skeleton.particles.push_back(particle("p", Vec3::Zero(), 1, kRadius));
+    Scene scene = sceneOf(skeleton, position);
+    scene.ragdolls[0].velocity = velocity;
+    scene.gravity = Vec3(0, 0, -gravity);
+    obstacle.friction = 0;
+    obstacle.restitution = 1;
+    scene.obstacles.push_back(obstacle);
+    scene.solver.method = Method::kShake;
+    scene.solver.step = step;
+    model = buildModel(scene);
+    inputs = startInputs(model);
+    state = startState(model);
+  }
+  void run(double seconds) {
+    const long steps = std::lround(seconds / model.solver.step);
+    for (long i = 0; i < steps; ++i) step(model, inputs, workspace, state);
+  }
+};
+
+/// Beside its middle a sphere of radius R turns the ball by its normal at first touch: the path and
+/// the mirrored path meet at the centre distance R + r, whatever the step.
+TEST(Impact, BesideTheMiddleOfASphereTurnsTheBallByTheNormalAtFirstTouch) {
+  ObstacleSpec sphere;
+  sphere.type = ObstacleSpec::Type::kSphere;
+  sphere.radius = 0.3;
+  const double x = 0.2, reach = sphere.radius + kRadius, speed = 3;
+  const double z = std::sqrt(reach * reach - x * x);  // of the ball at the touch
+  const Vec3 normal(x / reach, 0, z / reach), in(0, 0, -speed);
+  const Vec3 out = in - 2 * normal.dot(in) * normal;
+  const double time = (1 - z) / speed;
+  const Vec3 end = Vec3(x, 0, z) + (1 - time) * out;
+  for (const double hz : {30, 60, 120, 240, 1000, 4000}) {
+    Ball ball(Vec3(x, 0, 1), in, sphere, 1 / hz);
+    ball.run(1);
+    EXPECT_NEAR((ball.state.x.col(0) - end).norm(), 0, 1e-6) << hz << " Hz";
+  }
+}
+
+/// The same at a box's edge.
+TEST(Impact, AtABoxsEdgeTurnsTheBallByTheNormalAtFirstTouch) {
+  ObstacleSpec box;
+  box.type = ObstacleSpec::Type::kBox;
+  box.size = Vec3(1, 1, 1);
+  box.pose.position = Vec3(-0.5, 0, -0.5);  // an edge along y through the origin
+  const double x = 0.05, speed = 3, z = std::sqrt(kRadius * kRadius - x * x);
+  const Vec3 normal(x / kRadius, 0, z / kRadius), in(0, 0, -speed);
+  const Vec3 out = in - 2 * normal.dot(in) * normal;
+  const Vec3 end = Vec3(x, 0, z) + (1 - (1 - z) / speed) * out;
+  for (const double hz : {60, 120, 1000}) {
+    Ball ball(Vec3(x, 0, 1), in, box, 1 / hz);
+    ball.run(1);
+    EXPECT_NEAR((ball.state.x.col(0) - end).norm(), 0, 1e-5) << hz << " Hz";
+  }
+}
+
+/// A step that ends just above the surface leaves the bounce to the next one.
+TEST(Impact, AGapOfAWholeNumberOfStepsBounces) {
+  for (const double hz : {30, 60, 120, 240, 1000}) {
+    Ball ball(Vec3(0, 0, 0.2), Vec3(0, 0, -1), floorPlane(), 1 / hz);
+    ball.run(1);
+    EXPECT_NEAR(ball.state.v(2, 0), 1, 1e-12) << hz << " Hz";
+    EXPECT_NEAR(ball.state.x(2, 0), 1, 1e-6) << hz << " Hz";
+  }
+}
+
+/// Dropped from 5 cm it comes up to 5 cm after hundreds of bounces.
+TEST(Impact, AnElasticBallBouncesOn) {
+  Ball ball(Vec3(0, 0, 0.15), Vec3::Zero(), floorPlane(), 1.0 / 120, 9.81);
+  ball.run(60);
+  double highest = 0;
+  for (int i = 0; i < 120; ++i) {
+    ball.run(1.0 / 120);
+    highest = std::max(highest, ball.state.x(2, 0));
+  }
+  EXPECT_NEAR(highest, 0.15, 2e-3);
+}
+
+}  // namespace
+}  // namespace ragdoll::test
