@@ -65,11 +65,11 @@ void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, dou
   if (o.type != ObstacleSpec::Type::kPlane && start > -radius && travel > 0.5 * radius) {
     // Far enough to pass through something: the first touch on the way. Touching already: p0.
     double s = 0, d = start;
-    for (int i = 0; i < kMaxAdvances && d > kSweepGap && s < 1; ++i) {
+    for (int i = 0; i < kMaxAdvances && d > kGapResolution && s < 1; ++i) {
       s = std::min(1.0, s + d / travel);
       d = signedDistanceValue(o, p0 + s * (p1 - p0)) - radius;
     }
-    found = d <= std::max(kSweepGap, margin);
+    found = d <= std::max(kGapResolution, margin);
     at = p0 + s * (p1 - p0);
   } else {
     found = signedDistanceValue(o, p1) - radius <= margin || start <= margin;
@@ -186,11 +186,11 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double ma
   const double thin = std::min(k.ra, k.rb);
   if (start > -thin && travel > 0.5 * thin) {
     double s = 0, d = start;
-    for (int i = 0; i < kMaxAdvances && d > kSweepGap && s < 1; ++i) {
+    for (int i = 0; i < kMaxAdvances && d > kGapResolution && s < 1; ++i) {
       s = std::min(1.0, s + d / travel);
       d = gapAt(s);
     }
-    if (d > std::max(kSweepGap, margin)) return std::nullopt;
+    if (d > std::max(kGapResolution, margin)) return std::nullopt;
     return axisAt(s);
   }
   if (std::min(start, gapAt(1)) > margin) return std::nullopt;
