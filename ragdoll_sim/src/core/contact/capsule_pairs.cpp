@@ -82,7 +82,8 @@ int touchesAt(const CapsuleAxis& a, const CapsuleAxis& b, double start,
   }
   // Axes that cross at a small angle are nearest between the ends.
   const double gap0 = gapAt(a, b, ends[0]), gap1 = gapAt(a, b, ends[1]);
-  if (gapAt(a, b, nearest) < std::min(gap0, gap1) - kFlatTouch) ends[gap0 > gap1 ? 0 : 1] = nearest;
+  if (gapAt(a, b, nearest) < std::min(gap0, gap1) - kGapResolution)
+    ends[gap0 > gap1 ? 0 : 1] = nearest;
   touches = {touchAt(a, b, ends[0], start), touchAt(a, b, ends[1], start)};
   return 2;
 }
@@ -153,11 +154,11 @@ int findTouches(const SweptCapsule& first, const SweptCapsule& second, double ma
     double gap = start;
     if (travel > 0.5 * thin) {
       time = 0;
-      for (int i = 0; i < kMaxAdvances && gap > kSweepGap && time < 1; ++i) {
+      for (int i = 0; i < kMaxAdvances && gap > kGapResolution && time < 1; ++i) {
         time = std::min(1.0, time + gap / travel);
         gap = gapAt(time);
       }
-      if (gap > std::max(kSweepGap, near)) return 0;
+      if (gap > std::max(kGapResolution, near)) return 0;
       if (closes && gap > 0) time = firstTouch(gapAt, time, gap, 1, end);
     } else if (std::min(start, end) > near) {
       return 0;

@@ -65,11 +65,11 @@ bool particleTouch(const Obstacle& o, const Vec3& p0, const Vec3& p1, double rad
   if (start > -radius && travel > 0.5 * radius) {
     // Far enough to pass through something. Touching already: p0.
     double s = 0, d = start;
-    for (int i = 0; i < kMaxAdvances && d > kSweepGap && s < 1; ++i) {
+    for (int i = 0; i < kMaxAdvances && d > kGapResolution && s < 1; ++i) {
       s = std::min(1.0, s + d / travel);
       d = gap(s);
     }
-    if (d > std::max(kSweepGap, margin)) return false;
+    if (d > std::max(kGapResolution, margin)) return false;
     if (closes && d > 0) s = firstTouch(gap, s, d, 1, end);
     at = p0 + s * (p1 - p0);
     return true;
@@ -198,11 +198,11 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double ma
   const bool closes = start > kResting && end <= 0;
   if (start > -thin && travel > 0.5 * thin) {
     double s = 0, d = start;
-    for (int i = 0; i < kMaxAdvances && d > kSweepGap && s < 1; ++i) {
+    for (int i = 0; i < kMaxAdvances && d > kGapResolution && s < 1; ++i) {
       s = std::min(1.0, s + d / travel);
       d = gapAt(s);
     }
-    if (d > std::max(kSweepGap, margin)) return std::nullopt;
+    if (d > std::max(kGapResolution, margin)) return std::nullopt;
     return axisAt(closes && d > 0 ? firstTouch(gapAt, s, d, 1, end) : s);
   }
   if (std::min(start, end) > margin) return std::nullopt;

@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/direct/constants.h"
 #include "core/direct/length_recovery.h"
 #include "core/mechanics/joint_damping.h"
 
 namespace ragdoll {
 namespace {
+
+constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into shape
 
 bool obstaclesMove(const StepContext& step) {
   const std::vector<Pose>& end = step.inputs.obstacles;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/contact/constants.h"
 #include "core/direct/constants.h"
 #include "core/direct/penetration.h"
 #include "core/direct/workspace.h"
@@ -129,24 +130,24 @@ bool findMissed(Body& body, double h) {
   // The relaxation leaves sticks off their lengths, too, but not so far.
   const bool limits = body.isWhole() || step.relaxed;
   const Points& after = poseAfter(body);
-  bool any = limits && addLimits(body, -kMissed / kLever, step.h, Role::kActive);
+  bool any = limits && addLimits(body, -kGapResolution / kLever, step.h, Role::kActive);
   set.missed.clear();
   if (!step.ws.obstacles.empty()) {
     appendContacts(step.model, step.ws.obstacles, step.state.x, after, body.index, 0, set.missed);
-    appendStickOverlaps(step.model, step.ws.obstacles, step.state.x, after, body.index,
-                        kMissedStick, set.missed);
+    appendStickOverlaps(step.model, step.ws.obstacles, step.state.x, after, body.index, kSlop,
+                        set.missed);
   }
   const std::size_t obstacles = set.missed.size();
   if (step.model.self_collision)
     body.detector.appendSelf(step.model, step.state.x, after, body.index,
-                             PairSearch::overlaps(kPairSlop), set.missed);
+                             PairSearch::overlaps(kSlop), set.missed);
   for (std::size_t i = 0; i < set.missed.size(); ++i) {
     Contact& c = set.missed[i];
     if (isPassed(body, c)) continue;
     startContact(body, c, i < obstacles ? step.h : h);
     if (i < obstacles)  // what overlaps opens in a part of a step by a part of it
       c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - kRecoverySpeed * h));
-    if (gapAfter(body, c) >= (i < obstacles ? -kMissed : -kPairSlop)) continue;
+    if (gapAfter(body, c) >= (i < obstacles ? -kGapResolution : -kSlop)) continue;
     set.contacts.push_back(c);
     set.contact_role.push_back(Role::kActive);
     any = true;
@@ -179,7 +180,7 @@ void activateAll(Body& body) {
 }
 
 bool isSqueezed(const Body& body) {
-  if (body.constraints.overlap <= kSoundOverlap) return false;
+  if (body.constraints.overlap <= kClose) return false;
   const std::vector<Contact>& all = body.constraints.contacts;
   for (std::size_t i = 0; i < all.size(); ++i) {
     if (all[i].gap_start > -kTouching) continue;

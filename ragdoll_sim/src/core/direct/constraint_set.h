@@ -20,7 +20,7 @@ enum class Role : std::uint8_t {
 /// Which overlaps have no way out and are ignored: they may stay as they are.
 enum class OverlapPolicy : std::uint8_t {
   kResolve,     ///< none
-  kIgnoreDeep,  ///< those deeper than kSoundOverlap
+  kIgnoreDeep,  ///< those deeper than kClose
   kIgnoreAll,
   kPassThrough,  ///< moving pins drag the body through the obstacles that it is in
 };

@@ -100,7 +100,7 @@ double timeOfZero(double start, double rate, double end, double h) {
 
 void findComing(Body& body, double h) {
   ConstraintSet& set = body.constraints;
-  if (set.overlap > kSoundOverlap) return;
+  if (set.overlap > kClose) return;
   for (std::size_t i = 0; i < set.contacts.size(); ++i)
     if (isComing(body, set.contacts[i], h)) set.contact_role[i] = Role::kComing;
   for (std::size_t i = 0; i < set.limits.size(); ++i)

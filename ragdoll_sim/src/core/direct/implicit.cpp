@@ -10,6 +10,9 @@ namespace ragdoll {
 
 namespace {
 
+constexpr double kBalance = 1e-9;       ///< of the longest stick: positions against multipliers
+constexpr int kMaxImplicitNewton = 40;  ///< iterations
+
 /// Where Newton's method starts: at rest, with the tension of the last motion.
 void start(const Body& body, double h, ImplicitScratch& s) {
   const int sticks = body.rows->s;
@@ -63,7 +66,8 @@ void findStep(const Body& body, ImplicitScratch& s) {
 
 /// How much of the step is taken, so that no stick turns too far.
 double shareOf(const Body& body, double reach, double shortest, ImplicitScratch& s) {
-  if (reach * std::sqrt(s.step.colwise().squaredNorm().maxCoeff()) < kSmallShare * shortest)
+  if (reach * std::sqrt(s.step.colwise().squaredNorm().maxCoeff()) <
+      0.98 * kLargestShare * shortest)
     return 1;
   double share = 1;
   s.turn.noalias() = s.step * body.system->B.transpose();

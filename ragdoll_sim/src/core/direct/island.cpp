@@ -109,10 +109,10 @@ bool findMissed(Island& island, double h) {
   pairs.missed.clear();
   island.s.detector.appendBetween(island.context.model, island.context.state, island.s.all,
                                   island.context.state.x, posesAfter(island),
-                                  PairSearch::overlaps(kPairSlop), pairs.missed);
+                                  PairSearch::overlaps(kSlop), pairs.missed);
   for (Contact& c : pairs.missed) {
     startPair(island, c, h);
-    if (pairGapAfter(island, c) >= -kPairSlop) continue;
+    if (pairGapAfter(island, c) >= -kSlop) continue;
     pairs.contacts.push_back(c);
     pairs.active.push_back(1);
     any = true;

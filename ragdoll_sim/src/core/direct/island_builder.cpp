@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/contact/constants.h"
 #include "core/direct/constants.h"
 #include "core/direct/direct_step.h"
 #include "core/direct/motion.h"
@@ -12,6 +13,8 @@
 
 namespace ragdoll {
 namespace {
+
+constexpr int kIslandRounds = 4;  ///< of islands that grow
 
 int sizeOf(const Model& model, int ragdoll) {
   return model.skeletonOf(model.ragdolls[ragdoll]).size();
@@ -43,7 +46,7 @@ void IslandBuilder::step(const StepContext& context, StepReport& report) {
   predict(context);
   for (int round = 0; round < kIslandRounds; ++round) {
     findContacts(context, round > 0);
-    unite(context, round == 0 ? kIslandGap : -kPairSlop);
+    unite(context, round == 0 ? kClose : -kSlop);
     if (!stepIslands(context)) break;
     if (holdsAll(context.state)) break;
   }
@@ -114,9 +117,9 @@ void IslandBuilder::findContacts(const StepContext& context, bool overlaps_only)
   for (;;) {
     contacts_.clear();
     if (!overlaps_only)
-      detector_.appendBetween(context.model, state, x0_, state.x,
-                              PairSearch::touches(kIslandMargin), contacts_);
-    detector_.appendBetween(context.model, state, x0_, state.x, PairSearch::overlaps(kPairSlop),
+      detector_.appendBetween(context.model, state, x0_, state.x, PairSearch::touches(kNearBody),
+                              contacts_);
+    detector_.appendBetween(context.model, state, x0_, state.x, PairSearch::overlaps(kSlop),
                             contacts_);
     was_asleep_ = state.asleep;
     if (!wakeTouched(contacts_, state.x, state)) return;

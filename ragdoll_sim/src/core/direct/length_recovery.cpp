@@ -10,6 +10,10 @@
 namespace ragdoll {
 namespace {
 
+constexpr double kPositionRounding = 4e-15;  ///< relative, with some room
+constexpr double kWhole = 1e-6;      ///< relative error of a squared length: none to restore
+constexpr int kRecoverySweeps = 60;  ///< of relaxation, where Newton's method fails
+
 /// Relative error of the worst squared length.
 double lengthError(Body& body) {
   BodyResponse& response = body.memory->response;

@@ -48,7 +48,7 @@ void buildRows(Island& island, double h, bool leapfrog) {
   pairs.row.assign(pairs.contacts.size(), -1);
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
     const Contact& c = pairs.contacts[i];
-    if (pairs.active[i] || pairGapAfter(island, c) <= kActiveGap || pairs.cache.find(c))
+    if (pairs.active[i] || pairGapAfter(island, c) <= kClose || pairs.cache.find(c))
       pairs.row[i] = addPairRows(island, c, static_cast<int>(i));
   }
 }

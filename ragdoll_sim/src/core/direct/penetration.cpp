@@ -8,10 +8,9 @@
 namespace ragdoll {
 
 double allowedPenetration(const Contact& pair, double over, double step) {
-  const double overlap = std::max(0.0, -pair.gap_start), more = overlap - kPairSlop;
+  const double overlap = std::max(0.0, -pair.gap_start), more = overlap - kSlop;
   const double behind = std::max(0.0, -pair.before) * (1 - over / step);
-  return std::max(behind,
-                  more > 0 ? kPairSlop + more * std::exp(-over / kPairRecoveryTime) : overlap);
+  return std::max(behind, more > 0 ? kSlop + more * std::exp(-over / kRecoveryTime) : overlap);
 }
 
 double allowedOffset(const Contact& c, const MotionSpan& span) {
@@ -32,7 +31,7 @@ double allowedViolation(const LimitRow& limit, const MotionSpan& span, OverlapPo
 
 bool isIgnored(const Contact& c, OverlapPolicy policy) {
   if (policy == OverlapPolicy::kResolve) return false;
-  return c.gap_start <= (policy == OverlapPolicy::kIgnoreDeep ? -kSoundOverlap : kTouching);
+  return c.gap_start <= (policy == OverlapPolicy::kIgnoreDeep ? -kClose : kTouching);
 }
 
 }  // namespace ragdoll

@@ -96,7 +96,7 @@ bool solveRows(Island& island, double h) {
     if (!solveRound(island, {round == 0, true, false})) return false;
     const double now = worst(island);
     if (now < island.bodies[0]->tolerances.contact) return true;
-    if (round > 1 && now > kUnsettled && now > kProgress * violation) return true;
+    if (round > 1 && now > kSlop && now > kProgress * violation) return true;
     violation = now;
   }
   return true;
@@ -134,7 +134,7 @@ bool solvePositions(Island& island, double h, int& contacts) {
     if (search + 2 == kMaxSearches) activateAll(island);  // the last one solves for all
     for (Body* body : island.bodies) body->motion = body->free;
   }
-  if (worst(island) > kUnsettled) return false;
+  if (worst(island) > kSlop) return false;
   contacts += countContacts(island);
   rememberAll(island, h);
   return true;
@@ -163,7 +163,7 @@ bool solvePositionsImplicitly(Island& island, double h) {
     if (!done && round > 1 && now > kProgress * violation) break;
     violation = now;
   }
-  if (worst(island) > kUnsettled || findMissed(island, h)) return false;
+  if (worst(island) > kSlop || findMissed(island, h)) return false;
   rememberAll(island, h);
   return true;
 }

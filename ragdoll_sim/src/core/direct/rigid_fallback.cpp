@@ -11,6 +11,10 @@
 namespace ragdoll {
 namespace {
 
+constexpr double kEnergyRounding = 1e-9;  ///< of the energy: less is no rise
+constexpr int kMaxShortenings = 30;       ///< of a rigid motion that touches
+constexpr double kTouchDepth = 1e-7;      ///< [m] a rigid motion may end in an obstacle by that
+
 /// [m/s] of what several pins carry along, which need not be rigid.
 Points carriedVelocities(const Body& body) {
   const std::vector<int>& pins = body.pinned->pins;

@@ -18,8 +18,7 @@ void buildContactRows(Body& body) {
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
     if (set.contact_role[i] == Role::kComing) continue;
-    if (set.contact_role[i] == Role::kIfNear && gapAfter(body, c) > kActiveGap &&
-        !body.cache.find(c))
+    if (set.contact_role[i] == Role::kIfNear && gapAfter(body, c) > kClose && !body.cache.find(c))
       continue;
     set.contact_row[i] = schur.size();
     schur.addContact(c, static_cast<int>(i));
@@ -38,7 +37,7 @@ void buildLimitRows(Body& body, double h, bool leapfrog) {
     LimitRow& limit = set.limits[i];
     if (set.limit_role[i] == Role::kComing) continue;
     if (set.limit_role[i] == Role::kIfNear && limit.compliance == 0 &&
-        angles[limit.limit] > kActiveAngle && !body.cache.find(limit))
+        angles[limit.limit] > kClose / kLever && !body.cache.find(limit))
       continue;
     // One that touches at the start pushes along its direction there, as the sticks do.
     if (leapfrog && limit.compliance == 0 &&

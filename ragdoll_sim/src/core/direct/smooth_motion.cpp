@@ -13,6 +13,9 @@
 namespace ragdoll {
 namespace {
 
+constexpr int kRefinements = 3;     ///< of the time at which rk arrives
+constexpr int kMaxAdaptive = 1024;  ///< substeps of one step; as small as they get
+
 /// Dormand-Prince 5 over h, no matter what it meets: the motion, and velocities body.v1.
 bool integrate(Body& body, double h) {
   double* m = body.multipliers();

@@ -4,8 +4,6 @@
 
 namespace ragdoll {
 
-constexpr double kTouched = 0.005;   ///< [m] a body that comes this near touches
 constexpr double kWakeReach = 0.05;  ///< [m] an obstacle that moves this near wakes a body
-constexpr double kLyingGap = 1e-4;   ///< [m] what lies still touches to less
 
 }  // namespace ragdoll

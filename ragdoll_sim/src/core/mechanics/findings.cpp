@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstddef>
 
+#include "core/contact/constants.h"
 #include "core/contact/detect.h"
 #include "core/contact/distance.h"
 #include "core/contact/pair_detect.h"
-#include "core/mechanics/constants.h"
 #include "ragdoll_sim/core/number_text.h"
 
 namespace ragdoll {
@@ -71,13 +71,13 @@ int contactsOfSleepers(const Model& model, const State& state) {
   State awake = state;  // pairs of sleepers are left out
   std::fill(awake.asleep.begin(), awake.asleep.end(), 0);
   for (const int r : sleepers) {
-    appendContacts(model, obstacles, state.x, state.x, r, kLyingGap, contacts);
+    appendContacts(model, obstacles, state.x, state.x, r, kGapResolution, contacts);
     if (model.self_collision)
-      pairs.appendSelf(model, state.x, state.x, r, PairSearch::touches(kLyingGap), contacts);
+      pairs.appendSelf(model, state.x, state.x, r, PairSearch::touches(kGapResolution), contacts);
   }
   if (model.ragdoll_collision)
-    pairs.appendBetween(model, awake, sleepers, state.x, state.x, PairSearch::touches(kLyingGap),
-                        contacts);
+    pairs.appendBetween(model, awake, sleepers, state.x, state.x,
+                        PairSearch::touches(kGapResolution), contacts);
   return static_cast<int>(contacts.size());
 }
 

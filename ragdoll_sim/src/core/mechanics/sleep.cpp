@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/contact/constants.h"
 #include "core/contact/contact.h"
 #include "core/contact/detect.h"
 #include "core/mechanics/constants.h"
@@ -79,7 +80,7 @@ bool wakeTouched(const std::vector<Contact>& contacts, const Points& x1, State& 
     if (!state.asleep[sleeper] || state.quiet[mover] > 0) continue;
     double gap = -c.offset;
     for (int k = 0; k < c.count; ++k) gap += c.weight[k] * c.normal.dot(x1.col(c.particle[k]));
-    if (std::min(gap, c.gap_start) > kTouched) continue;
+    if (std::min(gap, c.gap_start) > kNearBody) continue;
     wake(state, sleeper);
     woke = true;
   }

@@ -4,10 +4,9 @@
 
 namespace ragdoll {
 
-constexpr double kSweepMargin = 0.005;  ///< [m] contacts this near take part: sweeps may close them
-constexpr double kMostStretch = 0.25;   ///< of a length; falls and swings of a human stay below
-constexpr double kMostDepth = 0.5;      ///< of the radius: deeper than sweeps leave behind
-constexpr double kMostGain = 0.25;      ///< of the energy: sweeps that work gain less than a third
-constexpr double kFreeSpeed = 1.0;      ///< [m/s] of the whole body: gains of less are let be
+constexpr double kMostStretch = 0.25;  ///< of a length; falls and swings of a human stay below
+constexpr double kMostDepth = 0.5;     ///< of the radius: deeper than sweeps leave behind
+constexpr double kMostGain = 0.25;     ///< of the energy: sweeps that work gain less than a third
+constexpr double kFreeSpeed = 1.0;     ///< [m/s] of the whole body: gains of less are let be
 
 }  // namespace ragdoll

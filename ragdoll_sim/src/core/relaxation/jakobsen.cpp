@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "core/contact/constants.h"
 #include "core/contact/detect.h"
 #include "core/linear/relax.h"
 #include "core/mechanics/joint_damping.h"
-#include "core/relaxation/constants.h"
 #include "core/relaxation/integrate.h"
 #include "core/relaxation/relaxation_guard.h"
 #include "ragdoll_sim/core/sleep.h"
@@ -66,14 +66,14 @@ void constrain(const Model& model, const State& start, RelaxationWorkspace& ws, 
 
 void findAllContacts(const Model& model, const Inputs& inputs, RelaxationWorkspace& ws,
                      const State& state) {
-  findContacts(model, state, ws.x1, inputs.obstacles, kSweepMargin, ws.contacts);
+  findContacts(model, state, ws.x1, inputs.obstacles, kNearBody, ws.contacts);
   if (model.self_collision)
     for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
       if (!state.asleep[i])
         ws.pairs.appendSelf(model, state.x, ws.x1, static_cast<int>(i),
-                            PairSearch::touches(kSweepMargin), ws.contacts);
+                            PairSearch::touches(kNearBody), ws.contacts);
   if (model.ragdoll_collision)
-    ws.pairs.appendBetween(model, state, state.x, ws.x1, PairSearch::touches(kSweepMargin),
+    ws.pairs.appendBetween(model, state, state.x, ws.x1, PairSearch::touches(kNearBody),
                            ws.contacts);
 }
 
