@@ -24,9 +24,18 @@
 //                  two bones' directions, so the half-space (twist = 90 deg) is all that a point
 //                  body can know; less keeps the axis nearer to where the file puts it.
 // kTurn: C = (angle - |phi|) r, where r and phi are the polar coordinates of the child in the plane
-//   of `reference` (the middle of the range) and `normal`. For hinges on a rigid parent and for
-//   ranges beyond +-90 deg, and for the regions of `planes` joints (plane_limits.h). Fades out,
-//   smooth, where the child points along the axis.
+//   of `reference` (the middle of the range) and `normal`. For hinges whose twist keeps the child
+//   away from the axis, r = 0, where its direction has a jump.
+//
+// A range whose child may point along the axis - a region of a `planes` joint (plane_limits.h), a
+// hinge with a twist of 90 deg on a rigid parent or with a range beyond +-90 deg - is bordered by
+// two great circles through the axis, and C is the angle to them:
+//   up to a half turn  two rows kWithin of 90 deg, n the circle's pole on the inside. A child that
+//                      slides along one border over the axis meets the other: an impact.
+//   more               kWedge, the angle to what is forbidden, a wedge narrower than a half turn:
+//                      sin C = r sin(min(angle - |phi|, 90 deg)). Beyond the axis it is free.
+// With one row (angle - |phi|) r it was thrown from one border to the other in a step, by a force
+// square to neither: a body hung by its foot gained 1 kJ in a step.
 #pragma once
 
 #include <array>
@@ -53,11 +62,11 @@ struct Direction {
 
 /// One constraint C(X) >= 0 of one joint.
 struct Limit {
-  enum class Kind { kWithin, kTurn };
+  enum class Kind { kWithin, kTurn, kWedge };
   Kind kind = Kind::kWithin;
   int joint = 0;
   Direction reference, child;
-  Direction normal;     ///< kTurn only
+  Direction normal;     ///< kTurn, kWedge
   bool region = false;  ///< of a `planes` joint: for the direct methods
   double angle = 0;     ///< [rad] in (0, pi)
   double sin_angle = 0, cos_angle = 1;

@@ -1,7 +1,7 @@
 // The joint limits of a state as one-sided rows C(X) >= 0 with exact gradients: what every solver
 // projects on. Geometry: limit.h, and plane_limits.h: a `planes` joint has for the relaxation one
 // row, where its child has left the regions, C = minus the angle back to its last allowed
-// direction; for the direct methods a row for each region.
+// direction; for the direct methods a row for each border of a region.
 #pragma once
 
 #include <array>

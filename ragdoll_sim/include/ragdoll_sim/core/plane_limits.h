@@ -21,10 +21,9 @@
 // the body. A bone square to a plane has no angle in it, which is allowed. The way back is shared
 // by mass between child and parent (as C = -angle(last allowed, child), a row like the others'),
 // where the thesis moves the child alone: a return that nothing balances is a rocket, and drove a
-// body lying on stairs to 20 kJ. So the relaxation. The direct methods stop the child at the border
-// of each region (Limit::Kind::kTurn, smooth where the plane shows little of the bone): the way
-// back to a direction some degrees inside has a pole where it ends, and a body left its regions by
-// 10 degrees while they searched for it.
+// body lying on stairs to 20 kJ. So the relaxation. The direct methods stop the child at the
+// borders of each region (limit.h): the way back to a direction some degrees inside has a pole
+// where it ends, and a body left its regions by 10 degrees while they searched for it.
 #pragma once
 
 #include "ragdoll_sim/core/limit.h"

@@ -55,10 +55,39 @@ void fillTurn(const Limit& limit, const Vec3& z, const Vec3& w, const double* x,
   addGradient(limit.normal, on_s * w, x, first, row);
 }
 
+/// Of kWedge: sin C = w . n, with n the pole of the nearer border on the inside; along it from the
+/// forbidden wedge's tip on: r, the sine of the angle to the axis.
+struct Wedge {
+  double sine = 0, on_c = 0, on_s = 0;  ///< and its derivatives with respect to c and s
+};
+
+Wedge wedgeOf(const Limit& limit, double c, double s) {
+  const double side = s < 0 ? -1 : 1;
+  const double along = limit.cos_angle * c + limit.sin_angle * side * s;
+  const double across = limit.sin_angle * c - limit.cos_angle * side * s;
+  if (along >= 0) return {across, limit.sin_angle, -limit.cos_angle * side};
+  const double r = std::max(std::hypot(c, s), kPole);
+  return {r, c / r, s / r};
+}
+
+/// C = asin(sine of the wedge).
+void fillWedge(const Limit& limit, const Vec3& z, const Vec3& w, const double* x, int first,
+               LimitRow& row) {
+  const Vec3 n = valueOf(limit.normal, x);
+  const Wedge wedge = wedgeOf(limit, w.dot(z), w.dot(n));
+  const double cosine = std::sqrt(std::max(1 - wedge.sine * wedge.sine, kPole));
+  const double on_c = wedge.on_c / cosine, on_s = wedge.on_s / cosine;
+  row.value = std::asin(std::clamp(wedge.sine, -1.0, 1.0));
+  addGradient(limit.child, on_c * z + on_s * n, x, first, row);
+  addGradient(limit.reference, on_c * w, x, first, row);
+  addGradient(limit.normal, on_s * w, x, first, row);
+}
+
 void fill(const Limit& limit, const Vec3& r, const Vec3& w, const double* x, int first,
           LimitRow& row) {
   row.count = 0;
   if (limit.kind == Limit::Kind::kTurn) return fillTurn(limit, r, w, x, first, row);
+  if (limit.kind == Limit::Kind::kWedge) return fillWedge(limit, r, w, x, first, row);
   fillWithin(limit.angle, limit.reference, limit.child, r, w, x, first, row);
 }
 
@@ -79,6 +108,11 @@ double turnValue(const Limit& limit, const Vec3& z, const Vec3& w, const double*
   return (limit.angle - std::abs(std::atan2(s, c))) * std::hypot(c, s);
 }
 
+double wedgeValue(const Limit& limit, const Vec3& z, const Vec3& w, const double* x) {
+  const Wedge wedge = wedgeOf(limit, w.dot(z), w.dot(valueOf(limit.normal, x)));
+  return std::asin(std::clamp(wedge.sine, -1.0, 1.0));
+}
+
 double withinValue(const Limit& limit, const Vec3& r, const Vec3& w) {
   return limit.angle - std::atan2(r.cross(w).norm(), r.dot(w));
 }
@@ -87,7 +121,8 @@ double withinValue(const Limit& limit, const Vec3& r, const Vec3& w) {
 
 double limitValue(const Limit& limit, const double* x) {
   const Vec3 r = valueOf(limit.reference, x), w = valueOf(limit.child, x);
-  return limit.kind == Limit::Kind::kWithin ? withinValue(limit, r, w) : turnValue(limit, r, w, x);
+  if (limit.kind == Limit::Kind::kWithin) return withinValue(limit, r, w);
+  return limit.kind == Limit::Kind::kTurn ? turnValue(limit, r, w, x) : wedgeValue(limit, r, w, x);
 }
 
 LimitRow limitRow(const Model& model, int ragdoll, int limit) {
@@ -120,7 +155,7 @@ void findAngles(const Model& model, const Points& x, int ragdoll, double margin,
       if (limit.angle > margin && r.dot(w) > far) continue;
       value = withinValue(limit, r, w);
     } else {
-      value = turnValue(limit, r, w, body);
+      value = limitValue(limit, body);
       if (value >= margin) continue;
     }
     rows.push_back(limitRow(model, ragdoll, static_cast<int>(k)));

@@ -148,13 +148,35 @@ class LimitBuilder {
         !frames_.fixedIn(joint.parent, joint.axis.cross(m), normal))
       checks_.fail(j, ".parent", "nothing shows how its parent is turned, so it has no angle");
     const double half = (joint.range.end - joint.range.begin) / 2;
-    if (half < M_PI - kNegligibleAngle) add(j, Limit::Kind::kTurn, reference, child, normal, half);
+    const bool free = twist > M_PI / 2 - kNegligibleAngle && !sharesAxis(joint);
+    if (free)
+      addLune(j, m, joint.axis.cross(m), child, half);
+    else if (half < M_PI - kNegligibleAngle)
+      add(j, Limit::Kind::kTurn, reference, child, normal, half);
     if (twist > M_PI / 2 - kNegligibleAngle || sharesAxis(joint)) return;
     const double tilt = std::acos(std::clamp(joint.axis.dot(w), -1.0, 1.0));
     frames_.fixedIn(joint.parent, joint.axis, axis);
     addWithin(j, axis, child, tilt + twist);
     frames_.fixedIn(joint.parent, -joint.axis, axis);
     addWithin(j, axis, child, M_PI - tilt + twist);
+  }
+
+  /// The directions within `half` of the half-plane of `middle` and the axis, `side` a quarter turn
+  /// on, by rows that hold where the child points along the axis, too (limit.h).
+  void addLune(int j, const Vec3& middle, const Vec3& side, const Direction& child, double half) {
+    const int parent = s_.joints[j].parent;
+    Direction first, second;
+    if (half > M_PI / 2 + kNegligibleAngle) {
+      if (half > M_PI - kNegligibleAngle) return;
+      frames_.fixedIn(parent, middle, first);
+      frames_.fixedIn(parent, side, second);
+      return add(j, Limit::Kind::kWedge, first, child, second, half);
+    }
+    frames_.fixedIn(parent, std::sin(half) * middle - std::cos(half) * side, first);
+    addWithin(j, first, child, M_PI / 2);
+    if (half > M_PI / 2 - kNegligibleAngle) return;  // both are the same
+    frames_.fixedIn(parent, std::sin(half) * middle + std::cos(half) * side, second);
+    addWithin(j, second, child, M_PI / 2);
   }
 
   /// Two particles in common hold parent and child on an axis: no row need do that.
@@ -178,11 +200,9 @@ class LimitBuilder {
     s_.plane_limits.push_back(limit);
     for (const PlaneLimit::Region& region : limit.regions) {
       if (!region.used) continue;
-      Direction middle, side;
-      frames_.fixedIn(joint.parent, region.middle, middle);
-      frames_.fixedIn(joint.parent, region.side, side);
-      add(j, Limit::Kind::kTurn, middle, limit.child, side, region.half);
-      s_.limits.back().region = true;
+      const std::size_t known = s_.limits.size();
+      addLune(j, region.middle, region.side, limit.child, region.half);
+      for (std::size_t k = known; k < s_.limits.size(); ++k) s_.limits[k].region = true;
     }
   }
 

@@ -51,23 +51,24 @@ TEST(Planes, ReturnWithoutNetForceOrTorqueAndByTheirGradient) {
   EXPECT_GT(outside, 20);
 }
 
-TEST(Planes, OfTheDirectMethodsAreOneRowForEachRegion) {
+TEST(Planes, OfTheDirectMethodsAreTheBordersOfTheirRegions) {
   SkeletonSpec s = narrowPlanes();
   s.joints[0].planes[0] = AngleRange{rad(-5), rad(5)};
   const Model model = buildModel(sceneOf(s));
   for (unsigned seed = 0; seed < 50; ++seed) {
     const Points x = shaken(model, 0.08, seed);
-    ASSERT_EQ(model.skeletons[0].limits.size(), 3u);
+    ASSERT_EQ(model.skeletons[0].limits.size(), 6u);
     LimitAngles angles;
     double worst = 0;
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 6; ++k) {
       LimitRow row = limitRow(model, 0, k);
       angles.at(model, x, 0).evaluate(model, x, row);
       EXPECT_EQ(row.value, angles.at(model, x, 0)[k]);
       expectGradient(model, x, row);
       worst = std::max(worst, -row.value);
     }
-    EXPECT_NEAR(limitViolation(model, x, 0), worst, 0.05);  // the shaken trunk is no rigid frame
+    // One is an angle in the plane, the other to a border; the shaken trunk is no rigid frame.
+    EXPECT_NEAR(limitViolation(model, x, 0), worst, 0.06);
   }
 }
 

@@ -1,0 +1,82 @@
+// Joint limits give no energy where a child slides from one border of a region to the other, over
+// the axis that both meet in.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/worlds.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+/// The largest rise of the energy after `start` [s] above its least value before, in largest kinetic
+/// energies.
+double relativeRise(const std::string& scene, double start, double seconds) {
+  World world(parseScene(scene));
+  double least = 0, rise = 0, most = 0;
+  const double h = world.model.solver.step;
+  for (int i = 0; i * h < seconds; ++i) {
+    world.steps(1);
+    if (world.state.time < start) continue;
+    const double kinetic = kineticEnergy(world.model, world.state);
+    const double energy = kinetic + potentialEnergy(world.model, world.state);
+    if (most == 0) least = energy;
+    least = std::min(least, energy);
+    rise = std::max(rise, energy - least);
+    most = std::max(most, kinetic);
+  }
+  return rise / most;
+}
+
+const std::string kHung =
+    "pins: [ragdoll/right_foot]\n"
+    "ragdolls: [{model: human_thesis, position: [0, 0, 2], rpy_deg: ";
+
+TEST(PlaneEnergy, OfABodyHungByItsFootDoesNotRise) {
+  EXPECT_LT(relativeRise(kHung + "[180, 0, 0]}]\nsolver: {preset: balanced}\n", 0, 20), 1e-3);
+  EXPECT_LT(relativeRise(kHung + "[0, 90, 0]}]\nsolver: {preset: reference}\n", 0, 5), 1e-3);
+}
+
+/// A rod of 2 kg on a group that pins hold; the region's axis is y, where a poke throws the rod.
+const std::string kRod = R"(
+gravity: [0, 0, 0]
+ragdolls:
+  - name: r
+    model:
+      name: rod
+      particles:
+        a: {position: [0, 0, 0], mass: 1}
+        b: {position: [0.3, 0, 0], mass: 1}
+        c: {position: [0, 0.3, 0], mass: 1}
+        d: {position: [0, 0, 0.3], mass: 1}
+        e: {position: [0.2, 0, 0.35]}
+      sticks: [[a, b], [a, c], [b, c], [a, d], [b, d], [c, d], [a, e]]
+      segments:
+        trunk: {particles: [a, b, c, d]}
+        rod: {from: a, to: e, mass: 2, gyration: 0.289}
+      joints:
+        j: {type: planes, parent: trunk, child: rod, yz_deg: REGION}
+pins: [r/a, r/b, r/c]
+pokes: [{at: 0, body: rod, force: [5, 3, 0], duration: 0.2}]
+solver: {preset: balanced, method: METHOD}
+)";
+
+std::string rod(const std::string& region, const std::string& method) {
+  std::string scene = kRod;
+  scene.replace(scene.find("REGION"), 6, region);
+  return scene.replace(scene.find("METHOD"), 6, method);
+}
+
+TEST(PlaneEnergy, OfARodThatCirclesInItsRegionDoesNotRise) {
+  for (const std::string method : {"shake", "rk"})
+    for (const std::string region : {"[-185, -60]", "[-200, 60]", "[-190, -10]"})
+      EXPECT_LT(relativeRise(rod(region, method), 0.25, 20), 1e-3) << method << region;
+}
+
+}  // namespace
+}  // namespace ragdoll
