@@ -1,6 +1,5 @@
 // Laws of joint limits in motion: they hold under a strong poke, push back from any backward bend,
 // keep momentum. Soft limits: soft_limits_test.cpp.
-#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/limits.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +10,9 @@
 #include <tuple>
 #include <utility>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/core/plane_limits.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/limbs.h"
 
@@ -162,8 +163,8 @@ TEST(Planes, RememberTheLastAllowedDirectionInTheState) {
   EXPECT_EQ(world.state.allowed.cols(), 11);
 }
 
-/// What a joint of human_thesis allows of a child bone that hangs down, bent by `bend` degrees towards
-/// `to` and that plane turned by `turn` to the left.
+/// What a joint of human_thesis allows of a child bone that hangs down, bent by `bend` degrees
+/// towards `to` and that plane turned by `turn` to the left.
 bool thesisAllows(const std::string& joint, const Vec3& to, double bend, double turn) {
   static const Model model = buildModel(humanScene("human_thesis"));
   const Skeleton& s = model.skeletons[0];
