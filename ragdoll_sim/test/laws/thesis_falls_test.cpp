@@ -3,6 +3,7 @@
 // back; the direct method holds the borders.
 #include <gtest/gtest.h>
 
+#include "ragdoll_sim/core/plane_limits.h"
 #include "ragdoll_sim/core/solver_presets.h"
 #include "support/falls.h"
 #include "support/limbs.h"
