@@ -20,6 +20,7 @@ struct StepReport {
   int rigid = 0;       ///< motions with the joints frozen, where even implicit steps failed
   int joining = 0;     ///< ragdolls whose sticks were drawn towards their lengths from far
   int unresolved = 0;  ///< ragdolls whose constraints did not converge
+  int fast_fallbacks = 0;  ///< method fast: ragdolls that took the step by shake
 };
 
 /// Scratch memory of one model, sized once; a step allocates nothing after the first few. Where the

@@ -20,6 +20,8 @@ RAGDOLL_INLINE float atLeast(float a, float least) { return a < least ? least : 
 /// 1 with the sign of a.
 RAGDOLL_INLINE double signOf(double a) { return a < 0 ? -1.0 : 1.0; }
 RAGDOLL_INLINE float signOf(float a) { return a < 0 ? -1.0f : 1.0f; }
+RAGDOLL_INLINE double larger(double a, double b) { return a > b ? a : b; }
+RAGDOLL_INLINE float larger(float a, float b) { return a > b ? a : b; }
 
 /// A number as Real has them: constants of the model are doubles.
 template <class Real>
@@ -153,7 +155,7 @@ template <class R>
 RAGDOLL_INLINE V3<R> onParent(const Tree& t, const Work<R>& w, const TreeLink& link,
                               const V3<R>& f) {
   using N = typename NumberOf<R>::Type;
-  if (link.at < 0) return {};
+  if (link.at < 0) return V3<R>{};
   if (t.links[link.parent].kind == TreeLink::Kind::kPointer) return N(t.points[link.at].at[0]) * f;
   return cross(load3(w.lever + 3 * link.at), f);
 }
@@ -411,7 +413,7 @@ template <class R>
 RAGDOLL_INLINE void rotation(const V3<R>& s, R* m, R& off) {
   using N = typename NumberOf<R>::Type;
   const R s2 = dot(s, s);
-  off = s2 > off ? s2 : off;
+  off = larger(s2, off);
   const R g = N(1) / (N(1) + squareRoot(atLeast(N(1) - s2, N(0))));
   m[0] = -g * (s.y * s.y + s.z * s.z);
   m[4] = -g * (s.x * s.x + s.z * s.z);
@@ -451,7 +453,7 @@ RAGDOLL_INLINE void retract(const Tree& t, const R* q, const V3<R>& shift, Work<
     if (k.kind == TreeLink::Kind::kPointer) {
       const R a = q[k.first], b = q[k.first + 1];
       const R s2 = a * a + b * b;
-      off = s2 > off ? s2 : off;
+      off = larger(s2, off);
       const R less = -s2 / (N(1) + squareRoot(atLeast(N(1) - s2, N(0))));
       const V3<R> change = less * load3(axes) + a * load3(axes + 3) + b * load3(axes + 6);
       store3(change, turn);

@@ -1,6 +1,7 @@
 #include "ragdoll_sim/core/step.h"
 
 #include "core/direct/shake.h"
+#include "core/fast/fast.h"
 #include "core/relaxation/jakobsen.h"
 #include "core/step/workspace.h"
 #include "ragdoll_sim/core/sleep.h"
@@ -38,6 +39,8 @@ StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, 
   ws.pressing.clear();
   if (model.solver.method == Method::kJakobsen)
     stepJakobsen(model, inputs, h, ws, state, report);
+  else if (model.solver.method == Method::kFast)
+    stepFast(model, inputs, h, ws, state, report);
   else
     stepShake(model, inputs, h, ws, state, report);
   if (model.solver.sleep) putToSleep(model, ws.pressing, h, ws.pressed, state);

@@ -8,6 +8,7 @@
 #include "core/contact/pair_detect.h"
 #include "core/direct/shake_body.h"
 #include "core/direct/shake_pairs.h"
+#include "core/fast/fast.h"
 #include "core/limits/limit_projection.h"
 #include "core/relaxation/projection.h"
 #include "ragdoll_sim/core/step.h"
@@ -34,6 +35,8 @@ struct Workspace::Impl {
   ShakeScratch shake;
   ShakePairs together;
   std::vector<Press> presses;  ///< of this step
+
+  FastScratch fast;
 
   bool unguarded = false;  ///< the step guard is off: to measure what it costs, for nothing else
 };
