@@ -149,6 +149,7 @@ RAGDOLL_INLINE void setLaneContact(const LaneContact& c, int l, const L& w,
   setLane(row.restitution, l, N(c.restitution));
   setLane(row.inverse_normal, l, N(1));
   const double along = n[0] * c.impulse[0] + n[1] * c.impulse[1] + n[2] * c.impulse[2];
+  if (!(along > 0)) return;  // it did not press along this normal
   setLane(row.press, l, N(share * along));
   setLane(row.pull.x, l, N(share * (c.impulse[0] - along * n[0])));
   setLane(row.pull.y, l, N(share * (c.impulse[1] - along * n[1])));
@@ -171,6 +172,7 @@ RAGDOLL_INLINE void warmPlanes(const PackStep& step, const Lane* lanes, L& w) {
         const double* f = press.impulse;
         const double share = lanes[l].pull * step.h * step.h;
         const double along = n[0] * f[0] + n[1] * f[1] + n[2] * f[2];
+        if (!(along > 0)) continue;
         setLane(row.press, l, typename L::N(share * along));
         setLane(row.pull.x, l, typename L::N(share * (f[0] - along * n[0])));
         setLane(row.pull.y, l, typename L::N(share * (f[1] - along * n[1])));
