@@ -29,7 +29,8 @@ constexpr double kPackFull = 0.3;
 constexpr double kSelfNear = 1e-3;  ///< [m] limbs this near touch
 
 // What a step may leave worse than it was; what is left worse is made again by shake.
-constexpr double kMostDeep = 0.015;       ///< [m] of a particle in an obstacle
+constexpr double kMostDeep = 0.012;       ///< [m] of a particle in an obstacle
+constexpr double kWorse = 2e-3;           ///< [m] than a deep one is to be after the step
 constexpr double kMostStickDeep = 0.015;  ///< [m] of a stick
 constexpr double kMostAngle = 0.15;       ///< [rad] of a limit
 

@@ -374,8 +374,9 @@ RAGDOLL_SECTION void checkBounds(const FastBody& b, L& w) {
   measureLimits(b, w);
   for (int i = 0; i < w.contact_count; ++i) {
     const ContactRow<R>& row = w.contacts[i];
-    const R gap = row.start + dot(row.normal, row.base) - row.allowed;
-    const auto deep = both(less(gap, R{} - N(kMostDeep)), less(R{}, row.inverse_normal));
+    const R gap = row.start + dot(row.normal, row.base);
+    const auto worse = both(less(gap, R{} - N(kMostDeep)), less(gap, row.allowed - N(kWorse)));
+    const auto deep = both(worse, less(R{}, row.inverse_normal));
     w.off = select(deep, R{} + N(1), w.off);
   }
   for (int i = 0; i < w.limit_count; ++i) {
