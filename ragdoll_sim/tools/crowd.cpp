@@ -1,8 +1,10 @@
 // ragdoll_lab crowd: what many bodies cost, beside one in the same run.
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -29,7 +31,8 @@ constexpr double kShortestTime = 0.02;  ///< [s] what is shorter is run several 
 
 class Crowd {
  public:
-  Crowd(int bodies, const std::string& model_name, const Words& settings, double seconds)
+  Crowd(int bodies, const std::string& model_name, const Words& settings, double seconds,
+        int threads)
       : bodies_(bodies) {
     Scene scene = parseScene(
         "ragdolls: [{name: body, model: " + model_name + ", count: " + std::to_string(bodies) +
@@ -38,6 +41,7 @@ class Crowd {
         "crowd");
     applySettings(scene, settings);
     scene.solver.sleep = false;
+    if (threads >= 0) scene.solver.threads = threads;
     model_ = buildModel(scene);
     inputs_ = startInputs(model_);
     steps_ = stepsOf("--seconds", seconds, model_.solver.step);
@@ -50,8 +54,11 @@ class Crowd {
     for (; sum < kShortestTime; ++runs) {
       State state = startState(model_);
       const double begin = cpuTime();
+      const auto clock = std::chrono::steady_clock::now();
       for (int k = 0; k < steps_; ++k) step(model_, inputs_, workspace_, state);
       last_ = std::max(1e-9, cpuTime() - begin);
+      const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - clock;
+      wall_ = wall.count() / (1.0 * steps_ * bodies_);
       sum += last_;
       stick_error_ = maxStickError(model_, state);
     }
@@ -59,7 +66,9 @@ class Crowd {
   }
 
   int bodies() const { return bodies_; }
-  double lastRun() const { return last_; }            ///< [s]
+  double lastRun() const { return last_; }  ///< [s]
+  double wall() const { return wall_; }     ///< [s] of a body's step, of the last run
+  int threads() const { return model_.solver.threads; }
   double stickError() const { return stick_error_; }  ///< relative, at the end
   /// [s] simulated
   double perCpuSecond(double per_body_step) const {
@@ -71,7 +80,7 @@ class Crowd {
   Model model_;
   Inputs inputs_;
   Workspace workspace_;
-  double last_ = 0, stick_error_ = 0;
+  double last_ = 0, wall_ = 0, stick_error_ = 0;
 };
 
 int bodiesIn(const std::string& word) {
@@ -93,22 +102,41 @@ int crowdCommand(const Words& words) {
   std::string n, model = "human";
   Words settings;
   double seconds = 2;
+  int threads = -1;
+  bool json = false;
   CommandLine line{"crowd N [options]", kAbout, {}, "N", "how many bodies"};
   auto add = line.options.add_options();
   add("model", po::value(&model)->default_value(model), "Name or file of the bodies' model");
   add("seconds", po::value(&seconds)->default_value(seconds), "Simulated time [s]");
   add("set", po::value(&settings),
       "Change a setting, such as solver.preset=draft; may be given again");
+  add("threads", po::value(&threads), "Of a step, 0: all cores; else the settings'");
+  add("json", po::bool_switch(&json), "Print one JSON object");
   if (!parse(line, words, n)) return kOk;
   checked("--seconds", seconds, false);
   const int bodies = bodiesIn(n);
-  Crowd one(1, model, settings, seconds), all(bodies, model, settings, seconds);
-  std::vector<double> alone, among, ratios;
+  Crowd one(1, model, settings, seconds, threads);
+  Crowd all(bodies, model, settings, seconds, threads);
+  std::vector<double> alone, among, ratios, walls;
   for (int round = 0; round < kRounds; ++round) {
     alone.push_back(one.measure());
     among.push_back(all.measure());
+    walls.push_back(all.wall());
     ratios.push_back(among.back() / alone.back());
     if (round + 1 >= kFewRounds && all.lastRun() > kLong) break;
+  }
+  const bool finite = std::isfinite(all.stickError()) && std::isfinite(one.stickError());
+  if (json) {
+    const double wall = median(walls);
+    const nlohmann::json out = {{"bodies", bodies},
+                                {"threads", all.threads()},
+                                {"us_per_body_step", 1e6 * median(among)},
+                                {"wall_us_per_body_step", 1e6 * wall},
+                                {"us_alone", 1e6 * median(alone)},
+                                {"simulated_per_wall_second", all.perCpuSecond(wall)},
+                                {"stick_error", all.stickError()}};
+    std::printf("%s\n", out.dump(2).c_str());
+    return finite ? kOk : kCheckFailed;
   }
   std::printf("bodies                          %10d %10d\n", one.bodies(), all.bodies());
   std::printf("CPU time per body and step [us] %10.3g %10.3g   %.3g times\n", 1e6 * median(alone),
@@ -117,7 +145,7 @@ int crowdCommand(const Words& words) {
               all.perCpuSecond(median(among)));
   std::printf("stick error at the end          %10.2g %10.2g\n", one.stickError(),
               all.stickError());
-  return std::isfinite(all.stickError()) && std::isfinite(one.stickError()) ? kOk : kCheckFailed;
+  return finite ? kOk : kCheckFailed;
 }
 
 }  // namespace ragdoll::lab

@@ -19,6 +19,7 @@ const std::vector<MethodEntry>& methods() {
       {Method::kJakobsen, "jakobsen", 60, 15360, {1, 4, 10, 40}},
       {Method::kShake, "shake", 30, 61440, {}},
       {Method::kRk, "rk", 30, 15360, {}},
+      {Method::kFast, "fast", 30, 1920, {}},
   };
   return table;
 }

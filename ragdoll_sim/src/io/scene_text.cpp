@@ -203,7 +203,9 @@ void writeSettings(std::ostream& out, const Scene& scene) {
       << ", step: " << number(solver.step) << ", sweeps: " << solver.sweeps
       << ", tolerance: " << number(solver.tolerance) << ", damping: " << number(solver.damping)
       << ", joint_damping: " << number(solver.joint_damping)
-      << ", sleep: " << (solver.sleep ? "true" : "false") << "}\n"
+      << ", sleep: " << (solver.sleep ? "true" : "false")
+      << ", numbers: " << io::numbersNames().at(static_cast<std::size_t>(solver.numbers))
+      << ", threads: " << solver.threads << "}\n"
       << "coat: " << name(scene.coat) << "\n";
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMaxEntries =
     10000;  ///< of every list of a scene, and of all ragdolls together
-constexpr std::size_t kMaxParts = 200000;  ///< of all models of a scene: an alias repeats parts
+constexpr std::size_t kMaxParts = 200000;   ///< of all models of a scene: an alias repeats parts
 constexpr std::size_t kMaxPlaced = 100000;  ///< particles of a scene with a place of their own
 constexpr double kDegree = M_PI / 180;
 constexpr double kUnitTolerance = 1e-14;  ///< a quaternion this close to unit length stays as it is

@@ -12,6 +12,7 @@ namespace io {
 namespace {
 
 constexpr int kMaxSweeps = 100000;
+constexpr int kMaxThreads = 256;
 constexpr double kSmallestStep = 1e-7;  ///< [s]
 constexpr double kLargestStep = 1;      ///< [s]
 
@@ -22,7 +23,7 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 }  // namespace
 
 const std::vector<std::string>& methodNames() {
-  static const std::vector<std::string> names = {"jakobsen", "shake", "rk"};
+  static const std::vector<std::string> names = {"jakobsen", "shake", "rk", "fast"};
   return names;
 }
 
@@ -32,15 +33,20 @@ const std::vector<std::string>& integratorNames() {
   return names;
 }
 
+const std::vector<std::string>& numbersNames() {
+  static const std::vector<std::string> names = {"double", "float"};
+  return names;
+}
+
 const std::vector<std::string>& coatNames() {
   static const std::vector<std::string> names = {"none", "sticks", "boxes", "capsules", "skin"};
   return names;
 }
 
 const std::vector<std::string>& solverKeys() {
-  static const std::vector<std::string> keys = {"preset",  "method",        "integrator",
-                                                "step",    "sweeps",        "tolerance",
-                                                "damping", "joint_damping", "sleep"};
+  static const std::vector<std::string> keys = {
+      "preset",  "method",        "integrator", "step",    "sweeps", "tolerance",
+      "damping", "joint_damping", "sleep",      "numbers", "threads"};
   return keys;
 }
 
@@ -72,6 +78,10 @@ void readSolverKnob(const std::string& key, const Reader& value, SolverSpec& sol
     solver.joint_damping = value.notNegative();
   } else if (key == "sleep") {
     solver.sleep = value.boolean();
+  } else if (key == "numbers") {
+    solver.numbers = static_cast<Numbers>(value.choice(numbersNames()));
+  } else if (key == "threads") {
+    solver.threads = value.integer(0, kMaxThreads);
   }
 }
 

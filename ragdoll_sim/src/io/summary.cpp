@@ -21,7 +21,8 @@ std::string toJson(const Summary& s) {
                                 {"limited", s.guard.limited},
                                 {"rigid", s.guard.rigid},
                                 {"unresolved", s.guard.unresolved},
-                                {"max_substeps", s.guard.max_substeps}};
+                                {"max_substeps", s.guard.max_substeps},
+                                {"fast_fallbacks", s.guard.fast_fallbacks}};
   const std::vector<std::pair<std::string, nlohmann::json>> entries = {
       {"steps", s.steps},
       {"seconds", s.seconds},
@@ -78,6 +79,7 @@ void WatchedRun::step() {
   summary_.guard.joining += report.joining > 0;
   summary_.guard.limited += report.limited > 0;
   summary_.guard.unresolved += report.unresolved > 0;
+  summary_.guard.fast_fallbacks += static_cast<std::uint64_t>(report.fast_fallbacks);
   summary_.guard.max_substeps = std::max(summary_.guard.max_substeps, report.substeps);
   measure();
 }

@@ -28,6 +28,8 @@ const char* name(Method method) {
       return "shake";
     case Method::kRk:
       return "rk";
+    case Method::kFast:
+      return "fast";
   }
   return "";
 }

@@ -135,11 +135,11 @@ TEST(SceneErrors, OutOfRangeNamesTheRange) {
 }
 
 TEST(SceneErrors, ChoicesAreListed) {
-  EXPECT_THAT(errorAfterRagdoll("solver: {preset: fast}\n"),
-              StartsWith("scene.yaml:2: solver.preset: is 'fast'; one of thesis, draft, balanced, "
+  EXPECT_THAT(errorAfterRagdoll("solver: {preset: quick}\n"),
+              StartsWith("scene.yaml:2: solver.preset: is 'quick'; one of thesis, fast, draft, balanced, "
                          "precise, reference is expected"));
   EXPECT_THAT(errorAfterRagdoll("solver: {method: euler}\n"),
-              HasSubstr("one of jakobsen, shake, rk"));
+              HasSubstr("one of jakobsen, shake, rk, fast"));
   EXPECT_THAT(errorAfterRagdoll("coat: wool\n"), HasSubstr("one of none, sticks, boxes, capsules"));
   EXPECT_THAT(errorAfterRagdoll("obstacles: [{type: cone}]\n"),
               StartsWith("scene.yaml:2: obstacles[0].type: is 'cone'; one of plane, box, sphere"));

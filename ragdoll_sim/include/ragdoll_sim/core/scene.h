@@ -114,7 +114,8 @@ struct PokeSpec {
   std::string where;
 };
 
-enum class Method { kJakobsen, kShake, kRk };
+enum class Method { kJakobsen, kShake, kRk, kFast };
+enum class Numbers { kDouble, kFloat };
 enum class Integrator { kVerlet, kEuler, kSymplecticEuler, kMidpoint, kVelocityVerlet };
 
 /// Every knob of the solver; presets are values of this struct (solver_presets.h).
@@ -128,6 +129,8 @@ struct SolverSpec {
   double damping = 0;        ///< [1/s] velocity decay rate, >= 0
   double joint_damping = 0;  ///< [1/s] decay rate of motion within a body (joint_damping.h), >= 0
   bool sleep = true;         ///< bodies at rest stop moving and costing until disturbed (sleep.h)
+  Numbers numbers = Numbers::kDouble;  ///< fast: what it computes with
+  int threads = 1;  ///< of one step of the whole scene, 0: all cores; the same bits for any number
   std::string where;
 };
 

@@ -9,7 +9,7 @@
 
 namespace ragdoll {
 
-/// thesis, draft, balanced, precise, reference: from the source's own to the most accurate.
+/// thesis, fast, draft, balanced, precise, reference: from the source's own to the most accurate.
 const std::vector<std::string>& presetNames();
 
 /// Order of the error of a preset, such as "10 mm": how far particles are from the exact motion (RMS)

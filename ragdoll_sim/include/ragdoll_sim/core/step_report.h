@@ -13,6 +13,7 @@ struct StepReport {
   int rigid = 0;       ///< motions with the joints frozen, where even implicit steps failed
   int joining = 0;     ///< ragdolls whose sticks were drawn towards their lengths from far
   int unresolved = 0;  ///< ragdolls whose constraints did not converge
+  int fast_fallbacks = 0;  ///< method fast: ragdolls that took the step by shake
 
   /// Of other bodies of the same step.
   StepReport& operator+=(const StepReport& other);
@@ -27,6 +28,7 @@ inline StepReport& StepReport::operator+=(const StepReport& other) {
   rigid += other.rigid;
   joining += other.joining;
   unresolved += other.unresolved;
+  fast_fallbacks += other.fast_fallbacks;
   return *this;
 }
 

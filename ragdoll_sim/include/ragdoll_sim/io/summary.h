@@ -21,6 +21,7 @@ struct GuardCounts {
   std::uint64_t limited = 0;     ///< steps in which energy was limited (StepReport)
   std::uint64_t unresolved = 0;  ///< steps whose constraints did not converge
   int max_substeps = 1;
+  std::uint64_t fast_fallbacks = 0;  ///< method fast: bodies' steps that shake took
 };
 
 struct Summary {

@@ -19,6 +19,7 @@
 namespace ragdoll {
 namespace {
 
+constexpr int kMaxThreads = 256;        ///< of a step
 constexpr int kMaxParticles = 1000000;  ///< in a scene; more is a typing error
 /// Of a scene's systems, whose matrices over particles and sticks are dense: 2 GB and about 10 s.
 constexpr double kMaxNumbers = 1e8, kMaxWork = 2e10;
@@ -31,6 +32,9 @@ void checkSolver(const SolverSpec& s) {
                 "sweeps is " + std::to_string(s.sweeps) + "; it must be in 1 ... 100000");
   if (!(std::isfinite(s.tolerance) && s.tolerance >= 0))
     throw Error(s.where + ".tolerance", "tolerance must be >= 0 [m]; 0 is a fixed step");
+  if (s.threads < 0 || s.threads > kMaxThreads)
+    throw Error(s.where + ".threads", "threads is " + std::to_string(s.threads) +
+                                          "; it must be in 0 ... " + std::to_string(kMaxThreads));
   if (!(std::isfinite(s.damping) && s.damping >= 0))
     throw Error(s.where + ".damping", "damping must be >= 0 [1/s]");
   if (!(std::isfinite(s.joint_damping) && s.joint_damping >= 0))

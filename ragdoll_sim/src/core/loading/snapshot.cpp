@@ -10,7 +10,7 @@ namespace ragdoll {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x504e534c4c4f4447;  ///< "GDOLLSNP"
-constexpr std::uint32_t kVersion = 4;  ///< of the layout; change it with any of the visit functions
+constexpr std::uint32_t kVersion = 5;  ///< of the layout; change it with any of the visit functions
 
 std::uint64_t fnv(const std::uint8_t* data, std::size_t size) {
   std::uint64_t h = 14695981039346656037ull;
@@ -147,9 +147,9 @@ void visit(Reader& a, CachedImpulse& impulse) { visitImpulse(a, impulse); }
 template <class Archive, class T>
 void visitSolver(Archive& a, T& solver) {
   auto& [preset, method, integrator, step, sweeps, tolerance, damping, joint_damping, sleep,
-         where] = solver;
+         numbers, threads, where] = solver;
   a(preset), a(method), a(integrator), a(step), a(sweeps), a(tolerance), a(damping),
-      a(joint_damping), a(sleep), a(where);
+      a(joint_damping), a(sleep), a(numbers), a(threads), a(where);
 }
 
 template <class Archive, class T>

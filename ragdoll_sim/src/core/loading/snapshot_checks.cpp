@@ -84,7 +84,8 @@ void checkPins(const Model& model, const std::vector<Pin>& pins) {
 void checkSolver(const SolverSpec& solver) {
   const auto& presets = presetNames();
   require(std::count(presets.begin(), presets.end(), solver.preset) > 0 &&
-              isIndex(static_cast<int>(solver.method), 3) &&
+              isIndex(static_cast<int>(solver.method), 4) &&
+              isIndex(static_cast<int>(solver.numbers), 2) && solver.threads >= 0 &&
               isIndex(static_cast<int>(solver.integrator), 5),
           "its solver is none");
 }

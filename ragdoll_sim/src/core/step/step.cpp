@@ -1,6 +1,7 @@
 #include "ragdoll_sim/core/step.h"
 
 #include "core/direct/direct_step.h"
+#include "core/fast/fast.h"
 #include "core/relaxation/jakobsen.h"
 #include "core/step/workspace.h"
 #include "ragdoll_sim/core/sleep.h"
@@ -43,6 +44,8 @@ StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, 
                             ws.supports};
   if (relaxed)
     stepJakobsen(context, ws.relaxation, report);
+  else if (model.solver.method == Method::kFast)
+    stepFast(context, ws.fast, report);
   else
     stepDirect(context, report);
   if (model.solver.sleep) putToSleep(model, ws.supports.pressing, h, ws.supports.pressed, state);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "core/direct/workspace.h"
+#include "core/fast/fast.h"
 #include "core/mechanics/supports.h"
 #include "core/relaxation/workspace.h"
 #include "ragdoll_sim/core/step.h"
@@ -13,6 +14,7 @@ struct Workspace::Impl {
   Supports supports;  ///< of this step
   RelaxationWorkspace relaxation;
   DirectWorkspace direct;
+  FastScratch fast;
   bool guarded = true;  ///< false: the step guard is off
 };
 

@@ -1,0 +1,84 @@
+// What passes between the step and the packs of bodies: plain numbers, one body (lane) at a time,
+// so that units of different instruction sets share no types. Private to the fast method.
+#pragma once
+
+#include <cstddef>
+
+#include "core/fast/body.h"
+#include "core/fast/constants.h"
+
+namespace ragdoll::fast {
+
+/// An obstacle's tangent plane at a particle or stick, at the step's end; world.
+struct LaneContact {
+  int feature = 0;
+  int slot = 0;  ///< which of the feature's contacts
+  int obstacle = 0;
+  double weight = 0;  ///< of Feature::b; 0 of a particle
+  double radius = 0;  ///< [m] of the body there
+  double normal[3] = {0, 0, 1};
+  double offset = 0;  ///< [m] of the obstacle's surface along the normal
+  double friction = 0, restitution = 0;
+  double motion[3] = {0, 0, 0};   ///< [m] of the surface there during the step
+  double impulse[3] = {0, 0, 0};  ///< [N] in the last step
+};
+
+struct LanePress {
+  int feature = 0, obstacle = 0;
+  double impulse[3] = {0, 0, 0};  ///< [N]
+};
+
+/// One body of a pack.
+struct Lane {
+  const double* x = nullptr;      ///< [m] 3 n
+  const double* v = nullptr;      ///< [m/s] likewise
+  double* x1 = nullptr;           ///< [m] 3 n, out
+  double* v1 = nullptr;           ///< [m/s] likewise
+  double* predicted = nullptr;    ///< [m] 3 n, out: where the free motion leads; may be null
+  const double* force = nullptr;  ///< [N] 3 n of pokes; null: none
+  double pull = 1;                ///< of h^2 a: 1/2; 1 where v is the last step's mean
+  double pin[3] = {0, 0, 0};      ///< [m] motion of the pin
+  bool driven = false;            ///< pins or obstacles move: they may give it energy
+  const LaneContact* contacts = nullptr;
+  int contact_count = 0;
+  double* limit_impulse = nullptr;  ///< [N m] per limit, in and out
+  LanePress* presses = nullptr;     ///< in: of the last step; out: room for press_room
+  int press_count = 0;
+  bool good = true;      ///< out: x and v are there
+  bool pressed = false;  ///< out: an obstacle pressed
+  bool limited = false;  ///< out: its energy was limited
+};
+
+/// A plane that stands still.
+struct StillPlane {
+  int obstacle = 0;
+  double normal[3] = {0, 0, 1};
+  double offset = 0;  ///< [m]
+  double friction = 0, restitution = 0;
+};
+
+struct PackStep {
+  double h = 0;  ///< [s]
+  double gravity[3] = {0, 0, 0};
+  double keep = 1;        ///< of velocities, damping
+  double keep_inner = 1;  ///< of velocities against the rigid motion, joint damping
+  const StillPlane* planes = nullptr;
+  int plane_count = 0;
+};
+
+/// For one instruction set, number and width. `memory` is aligned to 64 bytes.
+struct PackMethod {
+  int lanes = 1;
+  std::size_t (*memory)(const FastBody& body, int planes);  ///< [bytes]
+  /// Free motion: lanes' `predicted`.
+  void (*predict)(const FastBody& body, const PackStep& step, Lane* lanes, void* memory);
+  /// The rest of that step: x, v, impulses.
+  void (*finish)(const FastBody& body, const PackStep& step, Lane* lanes, void* memory);
+};
+
+/// Most presses that a lane may have.
+inline int pressRoom(const FastBody& body, int planes) {
+  return static_cast<int>(body.features.size()) * (kSlots + planes);
+}
+
+}  // namespace ragdoll::fast

@@ -1,0 +1,39 @@
+// What the fast method is tuned by. What a change does: docs/fast.md#constants.
+#pragma once
+
+namespace ragdoll::fast {
+
+constexpr int kMaxLanes = 16;   ///< bodies of a pack: floats in the widest vector
+constexpr int kNewton = 3;      ///< linearised solves a step
+constexpr int kSweeps = 4;      ///< Gauss-Seidel sweeps of each
+constexpr int kRateSweeps = 2;  ///< of the velocities at the end
+
+constexpr double kRecovery = 0.2;  ///< of a violation, undone a step; 1 throws bodies up
+constexpr double kMargin = 0.1;    ///< [m] as near boxes, spheres and capsules are looked for
+// What takes part: what is nearer than this, and than what the body's fastest particle covers in
+// so many steps; an impact moves limbs that the free motion leaves alone.
+constexpr double kNear = 0.01;       ///< [m]
+constexpr double kReach = 2;         ///< steps
+constexpr double kNearAngle = 0.05;  ///< [rad]
+constexpr double kTurnReach = 4;     ///< [rad/m] times what the fastest particle covers in a step
+constexpr double kLeastSine = 0.2;   ///< of a limit's angle: nearer to a pole its cosine is flat
+
+constexpr double kBounce = 4;  ///< [g h] slower approaches do not bounce: they are rest
+
+constexpr double kMostSine2 = 0.9;     ///< a link that turns by more in a step is not for a pack
+constexpr double kMostStretch = 1e-3;  ///< of a length at the start: the body is being joined
+
+/// Share of a pack that bodies have to fill: a pack takes some three times as long as one body.
+constexpr double kPackFull = 0.3;
+
+constexpr double kSelfNear = 1e-3;  ///< [m] limbs this near touch
+
+// What a step may leave worse than it was; what is left worse is made again by shake.
+constexpr double kMostDeep = 0.012;       ///< [m] of a particle in an obstacle
+constexpr double kWorse = 2e-3;           ///< [m] than a deep one is to be after the step
+constexpr double kMostStickDeep = 0.015;  ///< [m] of a stick
+constexpr double kMostAngle = 0.15;       ///< [rad] of a limit
+
+constexpr int kSlots = 4;  ///< contacts of one particle or stick beside those with planes
+
+}  // namespace ragdoll::fast

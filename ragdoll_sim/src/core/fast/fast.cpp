@@ -1,0 +1,349 @@
+#include "core/fast/fast.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/contact/pair_detect.h"
+#include "core/direct/direct_step.h"
+#include "core/fast/body_build.h"
+#include "core/fast/dispatch.h"
+#include "core/fast/workers.h"
+#include "ragdoll_sim/core/limits.h"
+
+namespace ragdoll {
+namespace fast {
+namespace {
+
+constexpr double kDeeper = 1e-3;  ///< [m] what a sunken stick may sink on in a step
+
+bool moves(const SweptObstacle& o) { return o.p0 != o.p1 || o.R0 != o.R1; }
+
+/// Obstacles as the packs want them.
+void sortObstacles(const std::vector<SweptObstacle>& all, FastScratch& s) {
+  s.obstacles.clear();
+  s.planes.clear();
+  s.driven = false;
+  for (const SweptObstacle& o : all) {
+    s.driven = s.driven || moves(o);
+    if (o.obstacle->type != ObstacleSpec::Type::kPlane || moves(o)) {
+      s.obstacles.push_back(o);
+      continue;
+    }
+    StillPlane plane;
+    plane.obstacle = o.index;
+    const Vec3 n = o.R1.col(2);
+    for (int c = 0; c < 3; ++c) plane.normal[c] = n[c];
+    plane.offset = n.dot(o.p1);
+    plane.friction = o.obstacle->friction;
+    plane.restitution = o.obstacle->restitution;
+    s.planes.push_back(plane);
+  }
+}
+
+/// Where each ragdoll's last presses are.
+void sortPresses(const Model& model, const State& state, FastScratch& s) {
+  s.first_press.assign(model.ragdolls.size() + 2, 0);
+  for (const CachedImpulse& p : state.impulses) ++s.first_press[p.ragdoll + 2];
+  for (std::size_t i = 2; i < s.first_press.size(); ++i) s.first_press[i] += s.first_press[i - 1];
+  s.press.resize(state.impulses.size());
+  for (std::size_t k = 0; k < state.impulses.size(); ++k)
+    s.press[s.first_press[state.impulses[k].ragdoll + 1]++] = static_cast<int>(k);
+}
+
+/// One pack on its way through a step.
+class PackRun {
+ public:
+  PackRun(const StepContext& context, const FastScratch& scratch, PackScratch& pack, Batch& batch)
+      : model_(context.model),
+        inputs_(context.inputs),
+        h_(context.h),
+        force_(context.force),
+        scratch_(scratch),
+        pack_(pack),
+        predicted_(context.ws.predicted),
+        state_(context.state),
+        batch_(batch),
+        body_(scratch.bodies[batch.system]),
+        method_(packFor(context.model.solver.numbers == Numbers::kFloat, batch.count,
+                        scratch.most_lanes)) {}
+
+  void run() {
+    prepare();
+    method_.predict(body_, step_, lanes_, pack_.memory.data());
+    for (int l = 0; l < batch_.count; ++l) findContacts(l);
+    method_.finish(body_, step_, lanes_, pack_.memory.data());
+    for (int l = 0; l < batch_.count; ++l) keep(l);
+  }
+
+ private:
+  int ragdollOf(int l) const { return scratch_.order[batch_.begin + l]; }
+
+  void prepare() {
+    const SolverSpec& solver = model_.solver;
+    const int n = 3 * body_.tree.particles, limits = static_cast<int>(body_.limits.size());
+    step_.h = h_;
+    for (int c = 0; c < 3; ++c) step_.gravity[c] = model_.gravity[c];
+    step_.keep = solver.damping > 0 ? std::exp(-solver.damping * h_) : 1;
+    step_.keep_inner = solver.joint_damping > 0 ? std::exp(-solver.joint_damping * h_) : 1;
+    step_.planes = scratch_.planes.data();
+    step_.plane_count = static_cast<int>(scratch_.planes.size());
+    const std::size_t bytes = method_.memory(body_, step_.plane_count) + 64;
+    if (pack_.memory.size() < bytes) pack_.memory.resize(bytes);
+    room_ = pressRoom(body_, step_.plane_count);
+    pack_.spare.resize(2 * kMaxLanes * n);
+    pack_.limit_impulses.assign(kMaxLanes * limits + 1, 0.0);
+    if (static_cast<int>(pack_.presses.size()) < kMaxLanes * room_)
+      pack_.presses.resize(kMaxLanes * room_);
+    pack_.contacts.resize(kMaxLanes);
+    for (int l = 0; l < method_.lanes; ++l) {
+      lanes_[l] = Lane();
+      pack_.contacts[l].clear();
+      lanes_[l].limit_impulse = pack_.limit_impulses.data() + l * limits;
+      lanes_[l].presses = pack_.presses.data() + l * room_;
+      if (l < batch_.count) {
+        fill(l);
+      } else {  // a lane for no body: the first one's again
+        lanes_[l].x = lanes_[0].x;
+        lanes_[l].v = lanes_[0].v;
+        lanes_[l].x1 = pack_.spare.data() + n * (kMaxLanes + l);
+      }
+      lanes_[l].v1 = pack_.spare.data() + n * l;
+    }
+  }
+
+  void fill(int l) {
+    Lane& lane = lanes_[l];
+    const int index = ragdollOf(l);
+    const Ragdoll& r = model_.ragdolls[index];
+    lane.x = state_.x.data() + 3 * r.first;
+    lane.v = state_.v.data() + 3 * r.first;
+    lane.x1 = predicted_.data() + 3 * r.first;
+    if (!scratch_.obstacles.empty()) lane.predicted = predicted_.data() + 3 * r.first;
+    if (force_) lane.force = force_->data() + 3 * r.first;
+    lane.driven = scratch_.driven;
+    for (int k = scratch_.first_press[index]; k < scratch_.first_press[index + 1]; ++k)
+      takePress(state_.impulses[scratch_.press[k]], r, lane);
+    const System& system = model_.systemOf(r);
+    lane.pull = !system.pins.empty() && state_.step > 0 ? 1 : 0.5;
+    for (std::size_t p = 0; p < inputs_.pins.size(); ++p) {
+      if (model_.pins[p].ragdoll != index) continue;
+      const Vec3 motion = inputs_.pins[p] - state_.x.col(model_.pins[p].particle);
+      for (int c = 0; c < 3; ++c) lane.pin[c] = motion[c];
+      lane.driven = lane.driven || motion != Vec3::Zero();
+    }
+  }
+
+  void takePress(const CachedImpulse& press, const Ragdoll& r, Lane& lane) const {
+    if (press.a < 0) {
+      if (-1 - press.a < static_cast<int>(body_.limits.size()))
+        lane.limit_impulse[-1 - press.a] = press.impulse.x();
+      return;
+    }
+    if (press.obstacle < 0) return;
+    const int feature = featureOf(press.a - r.first, press.b < 0 ? -1 : press.b - r.first);
+    if (feature < 0 || lane.press_count >= room_) return;
+    LanePress& to = lane.presses[lane.press_count++];
+    to.feature = feature;
+    to.obstacle = press.obstacle;
+    for (int c = 0; c < 3; ++c) to.impulse[c] = press.impulse[c];
+  }
+
+  int featureOf(int a, int b) const {
+    if (b < 0) return a < body_.particles ? a : -1;
+    for (std::size_t f = body_.particles; f < body_.features.size(); ++f)
+      if (body_.features[f].a == a && body_.features[f].b == b) return static_cast<int>(f);
+    return -1;
+  }
+
+  /// With all but planes that stand still.
+  void findContacts(int l) {
+    if (scratch_.obstacles.empty()) return;
+    const int index = ragdollOf(l);
+    const Ragdoll& r = model_.ragdolls[index];
+    Lane& lane = lanes_[l];
+    std::vector<LaneContact>& contacts = pack_.contacts[l];
+    pack_.found.clear();
+    appendContacts(model_, scratch_.obstacles, state_.x, predicted_, index, kMargin, pack_.found);
+    for (const Contact& c : pack_.found) {
+      LaneContact to;
+      to.feature = featureOf(c.particle[0] - r.first, c.count > 1 ? c.particle[1] - r.first : -1);
+      if (to.feature < 0) continue;
+      int nth = 0;  // of this feature's, and of them with this obstacle
+      to.slot = step_.plane_count;
+      for (const LaneContact& other : contacts) {
+        to.slot += other.feature == to.feature;
+        nth += other.feature == to.feature && other.obstacle == c.obstacle;
+      }
+      if (to.slot >= step_.plane_count + kSlots) continue;
+      to.obstacle = c.obstacle;
+      to.weight = c.count > 1 ? c.weight[1] : 0;
+      to.offset = c.offset;
+      to.friction = c.friction;
+      to.restitution = c.restitution;
+      for (int k = 0; k < 3; ++k) {
+        to.normal[k] = c.normal[k];
+        to.motion[k] = c.surface_motion[k];
+      }
+      for (int k = 0; k < lane.press_count; ++k)
+        if (lane.presses[k].feature == to.feature && lane.presses[k].obstacle == c.obstacle &&
+            nth-- == 0)
+          std::copy_n(lane.presses[k].impulse, 3, to.impulse);
+      contacts.push_back(to);
+    }
+    lane.contacts = contacts.data();
+    lane.contact_count = static_cast<int>(contacts.size());
+  }
+
+  /// Whether a stick has turned over an edge into an obstacle; predicted_: where the body is now.
+  bool sticksSink(int index) {
+    if (scratch_.obstacles.empty()) return false;
+    pack_.found.clear();
+    appendStickOverlaps(model_, scratch_.obstacles, state_.x, predicted_, index, kMostStickDeep,
+                        pack_.found);
+    return std::any_of(pack_.found.begin(), pack_.found.end(), [this](const Contact& c) {
+      double gap = -c.offset;
+      for (int k = 0; k < c.count; ++k)
+        gap += c.weight[k] * c.normal.dot(predicted_.col(c.particle[k]));
+      return gap < c.gap_start - kDeeper;
+    });
+  }
+
+  /// Whether limbs come near each other on the way: what touches is for shake.
+  bool touchesItself(int index) {
+    if (!model_.self_collision) return false;
+    pack_.found.clear();
+    PairDetector().appendSelf(model_, state_.x, predicted_, index, PairSearch::touches(kSelfNear),
+                              pack_.found);
+    return !pack_.found.empty();
+  }
+
+  /// What became of a body.
+  void keep(int l) {
+    const Lane& lane = lanes_[l];
+    const int index = ragdollOf(l);
+    if (!lane.good || sticksSink(index) || touchesItself(index)) {
+      batch_.left.push_back(index);
+      return;
+    }
+    const Ragdoll& r = model_.ragdolls[index];
+    const int n = 3 * body_.tree.particles;
+    std::copy_n(lane.x1, n, state_.x.data() + 3 * r.first);
+    std::copy_n(lane.v1, n, state_.v.data() + 3 * r.first);
+    const auto add = [&](int a, int b, int obstacle, const Vec3& impulse) {
+      batch_.impulses.emplace_back();
+      CachedImpulse& press = batch_.impulses.back();
+      press.ragdoll = index;
+      press.a = a;
+      press.b = b;
+      press.obstacle = obstacle;
+      press.impulse = impulse;
+    };
+    for (int k = 0; k < lane.press_count; ++k) {
+      const LanePress& press = lane.presses[k];
+      const Feature& f = body_.features[press.feature];
+      add(r.first + f.a, f.b < 0 ? -1 : r.first + f.b, press.obstacle,
+          {press.impulse[0], press.impulse[1], press.impulse[2]});
+    }
+    batch_.contacts += lane.press_count;
+    batch_.limited += lane.limited;
+    for (std::size_t i = 0; i < body_.limits.size(); ++i)
+      if (lane.limit_impulse[i] > 0)
+        add(-1 - static_cast<int>(i), body_.limits[i].joint, -1, {lane.limit_impulse[i], 0, 0});
+  }
+
+  const Model& model_;
+  const Inputs& inputs_;
+  double h_;
+  const Points* force_;
+  const FastScratch& scratch_;
+  PackScratch& pack_;
+  Points& predicted_;
+  State& state_;
+  Batch& batch_;
+  const FastBody& body_;
+  const PackMethod& method_;
+  PackStep step_;
+  Lane lanes_[kMaxLanes];
+  int room_ = 0;
+};
+
+/// Awake bodies, system by system, in batches that a pack takes.
+void sortBodies(const Model& model, const State& state, FastScratch& s, std::vector<int>& left) {
+  s.order.clear();
+  const bool single = model.solver.numbers == Numbers::kFloat;
+  std::size_t used = 0;
+  for (std::size_t system = 0; system < model.systems.size(); ++system) {
+    const int begin = static_cast<int>(s.order.size());
+    for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
+      if (state.asleep[i] || model.ragdolls[i].system != static_cast<int>(system)) continue;
+      (s.bodies[system].why_not.empty() ? s.order : left).push_back(static_cast<int>(i));
+    }
+    const int end = static_cast<int>(s.order.size());
+    for (int at = begin; at < end;) {
+      const int lanes = packFor(single, end - at, s.most_lanes).lanes;
+      if (used == s.batches.size()) s.batches.emplace_back();
+      Batch& batch = s.batches[used++];
+      batch.system = static_cast<int>(system);
+      batch.begin = at;
+      batch.count = std::min(lanes, end - at);
+      batch.impulses.clear();
+      batch.left.clear();
+      batch.contacts = batch.limited = 0;
+      at += batch.count;
+    }
+  }
+  s.batches.resize(used);
+}
+
+void stepPacks(const StepContext& context, FastScratch& s, StepReport& report,
+               std::vector<int>& left) {
+  std::vector<CachedImpulse>& impulses = context.ws.impulses;
+  sortObstacles(context.ws.obstacles, s);
+  sortPresses(context.model, context.state, s);
+  sortBodies(context.model, context.state, s, left);
+  const int threads = Workers::count(context.model.solver.threads);
+  std::vector<PackScratch> packs(threads > 1 ? threads - 1 : 0);  // of the other threads
+  Workers().run(threads, static_cast<int>(s.batches.size()), [&](int part, int worker) {
+    PackScratch& pack = worker == 0 ? s.pack : packs[worker - 1];
+    PackRun(context, s, pack, s.batches[part]).run();
+  });
+  for (const Batch& batch : s.batches) {
+    impulses.insert(impulses.end(), batch.impulses.begin(), batch.impulses.end());
+    left.insert(left.end(), batch.left.begin(), batch.left.end());
+    report.contacts += batch.contacts;
+    report.limited += batch.limited;
+  }
+  for (const CachedImpulse& impulse : impulses)
+    if (impulse.obstacle >= 0) context.supports.pressed[impulse.ragdoll] = 1;
+}
+
+}  // namespace
+}  // namespace fast
+
+void stepFast(const StepContext& context, FastScratch& s, StepReport& report) {
+  const Model& model = context.model;
+  State& state = context.state;
+  if (model.ragdoll_collision) {
+    report.fast_fallbacks =
+        static_cast<int>(std::count(state.asleep.begin(), state.asleep.end(), std::uint8_t(0)));
+    return stepDirect(context, report);
+  }
+  prepareDirect(context);
+  if (s.bodies.size() != model.systems.size()) {
+    s.bodies.clear();
+    for (const System& system : model.systems) s.bodies.push_back(fast::buildBody(model, system));
+  }
+  std::vector<int> left;
+  fast::stepPacks(context, s, report, left);
+  std::fill(state.multipliers.begin(), state.multipliers.end(), 0.0);  // of another method's step
+  std::vector<CachedImpulse>& impulses = context.ws.impulses;
+  for (const int ragdoll : left)
+    stepBodies(context, {ragdoll}, {}, impulses, context.supports.pressing, report);
+  report.fast_fallbacks = static_cast<int>(left.size());
+  for (const CachedImpulse& impulse : state.impulses)
+    if (state.asleep[impulse.ragdoll]) impulses.push_back(impulse);
+  std::swap(state.impulses, impulses);
+  keepAllowed(model, state);
+}
+
+}  // namespace ragdoll

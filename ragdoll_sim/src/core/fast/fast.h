@@ -1,0 +1,63 @@
+// Fast method: one linearised solve a step, with fixed work, for packs of bodies at a time.
+//
+// A body is a tree in tangent coordinates (linear/tree.h); contacts and limits are rows in them,
+// pressed by a fixed number of projected Gauss-Seidel sweeps [Moreau1988] between a fixed number of
+// Newton iterations. Nothing is located in time and no step is made again: what does not fit (no
+// tree, a body that turns too far in a step, bodies that touch bodies) takes that step by shake
+// (direct/direct_step.h) and is counted. The bits of a body do not depend on which bodies share its
+// pack, on the pack's width, or on the number of threads. docs/fast.md.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/contact/detect.h"
+#include "core/direct/body.h"
+#include "core/fast/body.h"
+#include "core/fast/border.h"
+#include "ragdoll_sim/core/inputs.h"
+#include "ragdoll_sim/core/step.h"
+
+namespace ragdoll {
+
+namespace fast {
+
+/// What one pack is prepared in.
+struct PackScratch {
+  std::vector<char> memory;
+  std::vector<double> spare;  ///< positions and velocities of lanes without a body
+  std::vector<double> limit_impulses;
+  std::vector<LanePress> presses;
+  std::vector<std::vector<LaneContact>> contacts;  ///< per lane
+  std::vector<Contact> found;
+};
+
+/// Bodies of one system that are stepped together, and what came of it.
+struct Batch {
+  int system = 0;
+  int begin = 0, count = 0;  ///< of FastScratch::order
+  std::vector<CachedImpulse> impulses;
+  std::vector<int> left;  ///< ragdolls for the direct method
+  int contacts = 0, limited = 0;
+};
+
+}  // namespace fast
+
+/// Kept from step to step: bodies of each system, room.
+struct FastScratch {
+  std::vector<fast::FastBody> bodies;  ///< per system
+  std::vector<int> order;              ///< awake ragdolls, system by system
+  std::vector<fast::Batch> batches;
+  std::vector<SweptObstacle> obstacles;  ///< but still planes
+  std::vector<fast::StillPlane> planes;
+  std::vector<int> first_press;  ///< per ragdoll and one more: into `press`
+  std::vector<int> press;        ///< of State::impulses, ragdoll by ragdoll
+  bool driven = false;           ///< an obstacle moves
+  fast::PackScratch pack;
+  int most_lanes = 0;  ///< of a pack; 0: as many as the processor has. For tests.
+};
+
+/// Moves x and v of all awake ragdolls by the step, as stepDirect.
+void stepFast(const StepContext& context, FastScratch& scratch, StepReport& report);
+
+}  // namespace ragdoll

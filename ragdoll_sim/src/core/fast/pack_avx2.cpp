@@ -1,0 +1,10 @@
+// Packs for AVX2: compiled with -mavx2 where the compiler has it (CMakeLists.txt).
+#include "core/fast/lane_step.h"
+#include "core/fast/methods.h"
+
+namespace ragdoll::fast {
+
+const PackMethod kMiddle64 = methodOf<LaneWork<double, 4>>();
+const PackMethod kMiddle32 = methodOf<LaneWork<float, 8>>();
+
+}  // namespace ragdoll::fast

@@ -1,0 +1,220 @@
+// What the fast method keeps (docs/fast.md): the same bits in any pack, lengths, momentum, order of
+// the free motion, the laws of contact to first order, quality over random falls; and what it hands
+// on.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/step/workspace.h"
+#include "ragdoll_sim/core/solver_presets.h"
+#include "support/falls.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+Scene fastScene(const std::string& text) {
+  Scene scene = parseScene(text, "test");
+  scene.solver = SolverSpec();
+  scene.solver.method = Method::kFast;
+  scene.solver.step = 1.0 / 60;
+  return scene;
+}
+
+/// Humans that fall side by side, each as it likes.
+Scene crowd(int bodies, Numbers numbers) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  Scene scene = fastScene(
+      "ragdolls: [{model: human}]\nobstacles: [{type: plane, friction: 0.5}, {type: box, position: "
+      "[0.3, 0.2, 0.2], size: [0.5, 0.5, 0.4]}]\n");
+  scene.solver.numbers = numbers;
+  scene.solver.joint_damping = 1;
+  const RagdollSpec human = scene.ragdolls[0];
+  scene.ragdolls.clear();
+  for (int i = 0; i < bodies; ++i) {
+    RagdollSpec r = human;
+    r.name = "human" + std::to_string(i);
+    r.pose.orientation = Quat(unit(random), unit(random), unit(random), unit(random)).normalized();
+    r.pose.position = Vec3(0.1 * i, 0, 1.2 + 0.1 * i);
+    r.velocity = Vec3(unit(random), unit(random), unit(random));
+    scene.ragdolls.push_back(r);
+  }
+  return scene;
+}
+
+State after(const Scene& scene, int steps, int most_lanes = 0) {
+  World world(scene);
+  world.workspace.impl().fast.most_lanes = most_lanes;
+  world.steps(steps);
+  return world.state;
+}
+
+class FastBits : public testing::TestWithParam<Numbers> {};
+
+TEST_P(FastBits, AreTheSameInPacksOfAnyWidth) {
+  const Scene scene = crowd(19, GetParam());
+  const State wide = after(scene, 90);
+  EXPECT_TRUE(wide.x.allFinite());
+  for (const int lanes : {1, 2, 4, 8})
+    EXPECT_EQ(hash(after(scene, 90, lanes)), hash(wide)) << lanes;
+}
+
+TEST_P(FastBits, DoNotDependOnTheNeighbours) {
+  Scene scene = crowd(11, GetParam());
+  const State together = after(scene, 90);
+  const RagdollSpec last = scene.ragdolls.back();
+  const Eigen::Index n = together.x.cols() / 11;
+  scene.ragdolls = {last};
+  EXPECT_EQ(after(scene, 90).x, together.x.rightCols(n));
+}
+
+INSTANTIATE_TEST_SUITE_P(Numbers, FastBits, testing::Values(Numbers::kDouble, Numbers::kFloat));
+
+TEST(Fast, FallsFreely) {
+  Scene scene = fastScene("ragdolls: [{model: human, velocity: [1, 0, 2]}]\n");
+  World world(scene);
+  const Points start = world.state.x;
+  EXPECT_EQ(world.steps(60).fast_fallbacks, 0);
+  const Points fallen = start.colwise() + Vec3(1, 0, 2 - 0.5 * 9.81);
+  EXPECT_LT((world.state.x - fallen).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT((world.state.v.colwise() - Vec3(1, 0, 2 - 9.81)).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+const char* const kTumble =
+    "ragdolls: [{model: human, position: [0, 0, 3], angular_velocity: [1, 2, 0.5]}]\n"
+    "gravity: [0, 0, 0]\n";
+
+TEST(Fast, KeepsLengthsAndMomentaInTheAir) {
+  World world(fastScene(kTumble));
+  const Vec3 spin = angularMomentum(world.model, world.state);
+  world.steps(300);
+  EXPECT_LT(maxStickError(world.model, world.state), 1e-13);
+  EXPECT_LT(momentum(world.model, world.state).norm(),
+            0.1);  // [kg m/s] of 75 kg: Newton ends early
+  EXPECT_LT((angularMomentum(world.model, world.state) - spin).norm(), 0.02 * spin.norm());
+}
+
+/// [m] RMS from rk after 0.3 s of a motion that no limit meets.
+double tumbleError(double rate) {
+  Scene scene = fastScene(kTumble);
+  for (RagdollSpec& r : scene.ragdolls) {
+    auto free = std::make_shared<SkeletonSpec>(*r.skeleton);
+    free->joints.clear();
+    r.skeleton = free;
+  }
+  Scene exact = scene;
+  exact.solver.method = Method::kRk;
+  exact.solver.step = 0.3 / 300;
+  const Points reference = after(exact, 300).x;
+  scene.solver.step = 1 / rate;
+  const Points ours = after(scene, static_cast<int>(std::lround(0.3 * rate))).x;
+  return std::sqrt((ours - reference).colwise().squaredNorm().mean());
+}
+
+TEST(Fast, IsOfSecondOrderInTheAir) {
+  const double coarse = tumbleError(60), fine = tumbleError(120);
+  EXPECT_LT(coarse, 5e-3);
+  EXPECT_NEAR(std::log2(coarse / fine), 2, 0.3);
+}
+
+TEST(Fast, HangsByAPin) {
+  World world(fastScene("ragdolls: [{model: human, position: [0, 0, 2]}]\npins: [left_hand]\n"));
+  const int hand = world.model.pins[0].particle;
+  const Vec3 held = world.x(hand);
+  const double start = potentialEnergy(world.model, world.state);
+  double most = start;
+  for (int i = 0; i < 180; ++i) {
+    world.steps(1);
+    most = std::max(
+        most, kineticEnergy(world.model, world.state) + potentialEnergy(world.model, world.state));
+  }
+  EXPECT_LT((world.x(hand) - held).norm(), 1e-12);
+  EXPECT_LT(most, start + 30);  // of the means of steps at which it swings fastest
+  EXPECT_LT(maxStickError(world.model, world.state), 1e-13);
+}
+
+TEST(Fast, SlidesAsFarAsFrictionLetsIt) {
+  Scene scene =
+      fastScene("ragdolls: [{model: human}]\nobstacles: [{type: plane, friction: 0.4}]\n");
+  scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(oneStick(1, 1, 0.1));
+  scene.ragdolls[0].pose.position = Vec3(0, 0, 0.1);
+  scene.ragdolls[0].velocity = Vec3(0, 2, 0);
+  World world(scene);
+  world.steps(120);
+  EXPECT_NEAR(world.x(0).y(), 2 * 2 / (2 * 0.4 * 9.81), 0.02);
+  EXPECT_NEAR(world.x(0).z(), 0.1, 1e-3);
+  EXPECT_LT(world.v(0).norm(), 1e-6);
+}
+
+TEST(Fast, BouncesToFirstOrder) {
+  Scene scene = fastScene(
+      "ragdolls: [{model: human}]\nobstacles: [{type: plane, friction: 0, restitution: 0.5}]\n");
+  scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(oneParticle(1, 0.1));
+  scene.ragdolls[0].pose.position = Vec3(0, 0, 1.1);
+  World world(scene);
+  double highest = 0;
+  for (int i = 0; i < 60; ++i) {
+    world.steps(1);
+    if (i > 30) highest = std::max(highest, world.x(0).z() - 0.1);
+  }
+  EXPECT_NEAR(highest, 0.25, 0.06);
+}
+
+TEST(Fast, ComesToRestAndSleeps) {
+  Scene scene = fastScene(
+      "ragdolls: [{model: human, position: [0, 0, 1.5], rpy_deg: [20, 60, 0]}]\n"
+      "obstacles: [{type: plane, friction: 0.6}]\n");
+  scene.solver.joint_damping = 2;
+  World world(scene);
+  world.steps(600);
+  EXPECT_TRUE(world.state.asleep[0]);
+}
+
+TEST(Fast, HandsOnWhatIsNotForIt) {
+  SkeletonSpec square = oneParticle();
+  square.particles = {particle("a", {0, 0, 0}), particle("b", {1, 0, 0}), particle("c", {1, 1, 0}),
+                      particle("d", {0, 1, 0})};
+  square.sticks = {stick("a", "b"), stick("b", "c"), stick("c", "d"), stick("d", "a")};
+  Scene scene = fastScene("ragdolls: [{model: human}]\n");
+  scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(square);
+  World loop(scene);
+  EXPECT_EQ(loop.steps(1).fast_fallbacks, 1);
+  World two(fastScene("ragdolls: [{model: human}]\npins: [left_hand, right_hand]\n"));
+  EXPECT_EQ(two.steps(1).fast_fallbacks, 1);
+  Scene together = crowd(2, Numbers::kDouble);
+  together.ragdoll_collision = true;
+  World crowded(together);
+  EXPECT_EQ(crowded.steps(1).fast_fallbacks, 2);
+}
+
+class FastFalls : public testing::TestWithParam<std::string> {};
+
+TEST_P(FastFalls, HoldTheBodyTogetherAndEndAtRest) {
+  constexpr int kFalls = samples(100);
+  std::mt19937 random(2007);
+  FallRecord record;
+  for (int fall = 0; fall < kFalls; ++fall) {
+    Scene scene = randomFall(GetParam(), random);
+    const double damping = scene.solver.joint_damping;
+    scene.solver = preset("fast");
+    scene.solver.joint_damping = damping;
+    addFall(scene, 10, record);
+  }
+  RecordProperty("limit_deg", std::to_string(record.limit_deg));
+  RecordProperty("penetration_mm", std::to_string(record.penetration_mm));
+  RecordProperty("stick_mm", std::to_string(record.stick_mm));
+  RecordProperty("step_rise_J", std::to_string(record.step_rise));
+  EXPECT_LT(record.stretch, 1e-9);
+  EXPECT_LT(record.limit_deg, 15);
+  EXPECT_LT(record.penetration_mm, 20);
+  EXPECT_LT(record.rise, 1);
+  EXPECT_GE(record.sleeping, 98 * kFalls / 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, FastFalls, testing::Values("fall", "stairs", "between_objects"));
+
+}  // namespace
+}  // namespace ragdoll
