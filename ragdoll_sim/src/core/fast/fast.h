@@ -16,7 +16,7 @@
 #include "core/fast/body.h"
 #include "core/fast/border.h"
 #include "ragdoll_sim/core/inputs.h"
-#include "ragdoll_sim/core/step.h"
+#include "ragdoll_sim/core/step_report.h"
 
 namespace ragdoll {
 
