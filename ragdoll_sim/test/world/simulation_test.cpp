@@ -130,8 +130,12 @@ TEST_F(Clocked, aClockThatTicksSlowlyIsFollowed) {
 
 TEST_F(Clocked, aLeapIsNotMadeUpFor) {
   ASSERT_TRUE(tick(0.5));
-  clock_ = clock_ + 1000;
-  ASSERT_TRUE(tick(0.5));
+  clock_ = clock_ + 1000;  // seen when the simulation looks, maybe with what follows
+  const double before = time();
+  ASSERT_TRUE(waitFor([&] {
+    clock_ = clock_ + 0.01;
+    return time() > before + 0.3;
+  }));
   EXPECT_LT(time(), 2);
 }
 
