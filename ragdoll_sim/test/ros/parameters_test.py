@@ -29,7 +29,7 @@ CASES = [
     ('max_frame_speed', '0', ['> 0']),
     ('publish_every', '-1', ['[0, 3600]']),
     ('tf_bodies', 'some', ['some', 'all, roots or none']),
-    ('preset', 'quick', ['quick', 'thesis, draft']),
+    ('preset', 'quick', ['quick', 'thesis, fast, draft']),
     ('step', 'fast', ['a number', 'fast']),
     ('step', '2.0', ['is 2;', '[1e-05, 1]', '[s]']),
     ('method', '7', ['[0, 2]']),
