@@ -32,7 +32,7 @@ CASES = [
     ('preset', 'quick', ['quick', 'thesis, fast, draft']),
     ('step', 'fast', ['a number', 'fast']),
     ('step', '2.0', ['is 2;', '[1e-05, 1]', '[s]']),
-    ('method', '7', ['[0, 2]']),
+    ('method', '7', ['[0, 3]']),
     ('method', 'shake', ['a whole number', 'shake']),
     ('gravity_z', '-200', ['[-100, 100]']),
     ('gravity_z', 'nan', ['gravity_z']),
