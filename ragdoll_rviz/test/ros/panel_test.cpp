@@ -155,7 +155,7 @@ TEST_F(Panel, aSceneThatCannotBeLoadedIsNotShown) {
 
 TEST_F(Panel, choosesAPresetAndShowsItsError) {
   auto* preset = find<QComboBox>("preset");
-  ASSERT_TRUE(waitFor([&] { return preset->count() == 5 && !preset->currentText().isEmpty(); }));
+  ASSERT_TRUE(waitFor([&] { return preset->count() == 6 && !preset->currentText().isEmpty(); }));
   for (const char* name : {"thesis", "balanced"}) {
     preset->setCurrentText(name);
     Q_EMIT preset->activated(preset->currentIndex());
