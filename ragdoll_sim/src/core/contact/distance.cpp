@@ -8,10 +8,11 @@ namespace {
 
 using Type = ObstacleSpec::Type;
 
-/// Distance to a core point or axis, less the radius.
-Distance rounded(const Vec3& from_core, double radius) {
+/// Distance to a core point or axis, less the radius. out: the way from the core itself, which a
+/// capsule's must not have along its axis, where the surface is far.
+Distance rounded(const Vec3& from_core, double radius, const Vec3& out) {
   const double length = from_core.norm();
-  if (length < kMinLength) return {-radius, Vec3::UnitZ()};
+  if (length < kMinLength) return {-radius, out};
   return {length - radius, from_core / length};
 }
 
@@ -39,9 +40,10 @@ Distance signedDistance(const Obstacle& o, const Vec3& p) {
     case Type::kBox:
       return boxDistance(o.half, p);
     case Type::kSphere:
-      return rounded(p, o.radius);
+      return rounded(p, o.radius, Vec3::UnitZ());
     case Type::kCapsule:
-      return rounded(p - Vec3(0, 0, std::clamp(p.z(), -o.half.z(), o.half.z())), o.radius);
+      return rounded(p - Vec3(0, 0, std::clamp(p.z(), -o.half.z(), o.half.z())), o.radius,
+                     Vec3::UnitX());
   }
   return {};
 }

@@ -60,6 +60,15 @@ TEST(Distance, CentresAndSurfacesHaveANormal) {
             Vec3::UnitX());
 }
 
+TEST(Distance, NormalOnACapsulesAxisLeadsOut) {
+  const Obstacle capsule = obstacle(Type::kCapsule, Vec3(0, 0, 1), 0.5);
+  for (const double z : {0.0, 0.7, -1.0, 1.0}) {
+    const Distance d = signedDistance(capsule, Vec3(0, 0, z));
+    EXPECT_DOUBLE_EQ(d.value, -0.5);
+    EXPECT_NEAR(signedDistanceValue(capsule, Vec3(0, 0, z) + 0.5 * d.normal), 0, 1e-15);
+  }
+}
+
 TEST(Distance, OfAStickIsItsNearestPlaces) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform(-1.5, 1.5), thickness(0.01, 0.3);
