@@ -11,8 +11,9 @@ die() { say "$@"; exit 1; }
 # Debian packages the ROS packages one by one; ROS Noetic has its own names for them on Ubuntu.
 needed_packages() {
   local package
-  echo build-essential cmake ninja-build python3 libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev \
-    libboost-program-options-dev libgtest-dev libgmock-dev gnuplot-nox qtbase5-dev xvfb
+  echo build-essential clang cmake ninja-build python3 libeigen3-dev libyaml-cpp-dev \
+    nlohmann-json3-dev libboost-program-options-dev libgtest-dev libgmock-dev gnuplot-nox \
+    qtbase5-dev xvfb
   if is_noetic; then
     for package in catkin diagnostic-msgs diagnostic-updater dynamic-reconfigure geometry-msgs \
         interactive-markers message-generation message-runtime rosbag rosbag-storage rosbash \

@@ -106,7 +106,7 @@ TEST_P(Bullet, StickIsCaughtBetweenItsEnds) {
 
 INSTANTIATE_TEST_SUITE_P(Speeds, Bullet, testing::Values(3.0, 30.0, 1000.0));
 
-/// A ball that starts in the middle of an obstacle comes out, however symmetric it lies.
+/// What starts in the middle of an obstacle comes out, however symmetric it lies.
 class Within : public testing::TestWithParam<ObstacleSpec::Type> {
  protected:
   static Scene inside(SkeletonSpec skeleton, const Vec3& at) {
@@ -128,6 +128,12 @@ TEST_P(Within, ABallComesOut) {
   EXPECT_GT(maxPenetration(world.model, world.state), 0.3);
   world.steps(120);
   EXPECT_LT(maxPenetration(world.model, world.state), 1e-3);
+}
+
+TEST_P(Within, AStickComesOut) {
+  World world(inside(oneStick(1, 1, 0.05), Vec3(-0.5, 0, 0)));
+  world.steps(240);
+  EXPECT_LT(maxStickPenetration(world.model, world.state), 1e-3);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shapes, Within,

@@ -41,13 +41,14 @@ TEST(JointDamping, InnerVelocityDecaysAtTheRate) {
   v.row(1) << 1, -2, 1;  // bends: no momentum, no spin
   const Eigen::MatrixXd M = Eigen::MatrixXd::Identity(3, 3);
   const Points start = v;
-  dampInnerMotion(M, {}, std::exp(-0.3), x, v);
+  const Eigen::VectorXd sums = M.rowwise().sum();
+  dampInnerMotion({M, sums}, {}, std::exp(-0.3), x, v);
   EXPECT_LT((v - std::exp(-0.3) * start).norm(), 1e-12);
   v.row(1) << -1, 0, 1;  // turns about the middle: nothing to damp
   const Points turning = v;
-  dampInnerMotion(M, {}, 0.5, x, v);
+  dampInnerMotion({M, sums}, {}, 0.5, x, v);
   EXPECT_LT((v - turning).norm(), 1e-8);
-  dampInnerMotion(M, {1}, 0.5, x, v);  // pinned in the middle: the same turn
+  dampInnerMotion({M, sums}, {1}, 0.5, x, v);  // pinned in the middle: the same turn
   EXPECT_LT((v - turning).norm(), 1e-8);
 }
 

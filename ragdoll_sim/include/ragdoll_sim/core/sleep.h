@@ -45,7 +45,7 @@ void wakeDisturbed(const Model& model, const Inputs& inputs, double h, State& st
 bool wakeTouched(const std::vector<Contact>& contacts, const Points& x1, State& state);
 
 /// After a step of h [s]: puts to sleep what has been still long enough. pressed: per ragdoll,
-/// whether an obstacle pressed in this step. pressing: who lies on a body that lies on something
+/// whether an obstacle pressed in this step; scratch afterwards. pressing: who lies on a body that lies on something
 /// lies on something, and bodies that press on each other fall asleep together or not at all.
 void putToSleep(const Model& model, const std::vector<BodyPair>& pressing, double h,
                 std::vector<std::uint8_t>& pressed, State& state);

@@ -1,4 +1,4 @@
-// One step of the world. The single entry for every method: reads as a table of contents.
+// One step of the world. The single entry for every method; what it starts from: build_model.h.
 #pragma once
 
 #include <memory>
@@ -11,8 +11,10 @@
 
 namespace ragdoll {
 
-/// Scratch memory of one model, sized once; a step allocates nothing after the first few. Where the
-/// model changes, begin with a new one.
+/// Scratch memory of one model, which grows with what a run meets and never shrinks: a step that
+/// meets no more contacts and limits at once than those before it allocates nothing
+/// (test/allocation), but for the guard's last resorts. Where the model changes, begin with a new
+/// one.
 class Workspace {
  public:
   Workspace();

@@ -5,13 +5,13 @@ namespace ragdoll {
 
 /// What a step did that a user may want to know. Nothing is mended silently.
 struct StepReport {
-  int contacts = 0;    ///< contact points that pressed
-  int substeps = 1;    ///< most substeps that any ragdoll took
-  int guarded = 0;     ///< ragdolls for which the step guard changed the method or the step
-  int limited = 0;     ///< ragdolls whose energy was limited: contact, limit's blow, implicit step
-  int implicit = 0;    ///< implicit steps that the guard took in place of explicit ones
-  int rigid = 0;       ///< motions with the joints frozen, where even implicit steps failed
-  int joining = 0;     ///< ragdolls whose sticks were drawn towards their lengths from far
+  int contacts = 0;  ///< contact points that pressed
+  int substeps = 1;  ///< most substeps that any ragdoll took
+  int guarded = 0;   ///< ragdolls for which the step guard changed the method or the step
+  int limited = 0;   ///< ragdolls whose energy was limited: contact, limit's impact, implicit step
+  int implicit = 0;  ///< implicit steps that the guard took in place of explicit ones
+  int rigid = 0;     ///< motions with the joints frozen, where even implicit steps failed
+  int joining = 0;   ///< ragdolls whose sticks were drawn towards their lengths from far
   int unresolved = 0;  ///< ragdolls whose constraints did not converge
   int fast_fallbacks = 0;  ///< method fast: ragdolls that took the step by shake
 

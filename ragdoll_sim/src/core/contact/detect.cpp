@@ -21,24 +21,6 @@ Vec3 halfExtent(const Obstacle& o, const Eigen::Matrix3d& R) {
   return (R.cwiseAbs() * o.half).array() + o.radius;
 }
 
-SweptObstacle swept(const Obstacle& o, const Pose& start, const Pose& end) {
-  SweptObstacle m{&o,
-                  -1,
-                  start.orientation.toRotationMatrix(),
-                  end.orientation.toRotationMatrix(),
-                  start.position,
-                  end.position,
-                  {}};
-  if (o.type == ObstacleSpec::Type::kPlane) {
-    m.bounds = {Vec3::Constant(-std::numeric_limits<double>::infinity()),
-                Vec3::Constant(std::numeric_limits<double>::infinity())};
-  } else {
-    const Vec3 e0 = halfExtent(o, m.R0), e1 = halfExtent(o, m.R1);
-    m.bounds = {(m.p0 - e0).cwiseMin(m.p1 - e1), (m.p0 + e0).cwiseMax(m.p1 + e1)};
-  }
-  return m;
-}
-
 /// Contact with the tangent plane at `p` (a point of the body's axis, in the obstacle's frame).
 Contact tangentAt(const SweptObstacle& m, const Vec3& p, double radius) {
   const Distance d = signedDistance(*m.obstacle, p);
@@ -275,12 +257,30 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
 
 }  // namespace
 
+SweptObstacle sweepObstacle(const Obstacle& o, const Pose& start, const Pose& end) {
+  SweptObstacle m{&o,
+                  -1,
+                  start.orientation.toRotationMatrix(),
+                  end.orientation.toRotationMatrix(),
+                  start.position,
+                  end.position,
+                  {}};
+  if (o.type == ObstacleSpec::Type::kPlane) {
+    m.bounds = {Vec3::Constant(-std::numeric_limits<double>::infinity()),
+                Vec3::Constant(std::numeric_limits<double>::infinity())};
+  } else {
+    const Vec3 e0 = halfExtent(o, m.R0), e1 = halfExtent(o, m.R1);
+    m.bounds = {(m.p0 - e0).cwiseMin(m.p1 - e1), (m.p0 + e0).cwiseMax(m.p1 + e1)};
+  }
+  return m;
+}
+
 void sweepObstacles(const Model& model, const State& state, const std::vector<Pose>& end,
                     std::vector<SweptObstacle>& obstacles) {
   obstacles.clear();
   for (std::size_t k = 0; k < model.obstacles.size(); ++k) {
-    obstacles.push_back(
-        swept(model.obstacles[k], state.obstacles[k], end.empty() ? state.obstacles[k] : end[k]));
+    obstacles.push_back(sweepObstacle(model.obstacles[k], state.obstacles[k],
+                                      end.empty() ? state.obstacles[k] : end[k]));
     obstacles.back().index = static_cast<int>(k);
   }
 }
@@ -329,9 +329,8 @@ double stickGap(const Obstacle& obstacle, const Vec3& a, const Vec3& b, double r
 
 void findContacts(const Model& model, const State& state, const Points& predicted,
                   const std::vector<Pose>& obstacle_end, double margin,
-                  std::vector<Contact>& contacts) {
+                  std::vector<SweptObstacle>& obstacles, std::vector<Contact>& contacts) {
   contacts.clear();
-  std::vector<SweptObstacle> obstacles;
   sweepObstacles(model, state, obstacle_end, obstacles);
   for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
     if (!state.asleep[i])

@@ -28,6 +28,9 @@ struct SweptObstacle {
   Vec3 toEnd(const Vec3& x) const { return R1.transpose() * (x - p1); }
 };
 
+/// An obstacle of a step, from pose to pose; of no index.
+SweptObstacle sweepObstacle(const Obstacle& obstacle, const Pose& start, const Pose& end);
+
 /// All obstacles of a step. end: poses at its end (empty: they stand still).
 void sweepObstacles(const Model& model, const State& state, const std::vector<Pose>& end,
                     std::vector<SweptObstacle>& swept);
@@ -49,9 +52,10 @@ void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& o
 /// the obstacle where they are nearest; negative: overlap.
 double stickGap(const Obstacle& obstacle, const Vec3& a, const Vec3& b, double ra, double rb);
 
-/// Contacts of all awake ragdolls between state.x and `predicted`, as appendContacts.
+/// Contacts of all awake ragdolls between state.x and `predicted`, as appendContacts. obstacles:
+/// scratch.
 void findContacts(const Model& model, const State& state, const Points& predicted,
                   const std::vector<Pose>& obstacle_end, double margin,
-                  std::vector<Contact>& contacts);
+                  std::vector<SweptObstacle>& obstacles, std::vector<Contact>& contacts);
 
 }  // namespace ragdoll

@@ -30,7 +30,8 @@ void movePins(Body& body) {
     const auto row = std::find(pins.begin(), pins.end(), pin.particle - body.first) - pins.begin();
     const Vec3 speed = (step.inputs.pins[p] - step.state.x.col(pin.particle)) / step.h;
     body.pin_speed = std::max(body.pin_speed, speed.norm());
-    body.v() += (speed - step.state.v.col(pin.particle)) * body.system->pin_motion.row(row);
+    const Vec3 change = speed - step.state.v.col(pin.particle);
+    body.v().noalias() += change * body.system->pin_motion.row(row);
   }
 }
 
@@ -39,8 +40,8 @@ void damp(Body& body) {
   const double h = body.context->h;
   if (solver.damping > 0) body.v() *= std::exp(-solver.damping * h);
   if (solver.joint_damping > 0)
-    dampInnerMotion(body.skeleton->M, body.pinned->pins, std::exp(-solver.joint_damping * h),
-                    body.x(), body.v());
+    dampInnerMotion(massOf(body), body.pinned->pins, std::exp(-solver.joint_damping * h), body.x(),
+                    body.v());
 }
 
 /// Impulses of the last step: the body's own, and between the island's bodies.
@@ -61,8 +62,10 @@ void fillCaches(Island& island) {
 
 void makeAffine(Body& body) {
   if (body.skeleton->groups.empty()) return;  // then `affine` is the identity
-  body.x() = (body.x() * body.system->affine.transpose()).eval();
-  body.v() = (body.v() * body.system->affine.transpose()).eval();
+  body.kept.noalias() = body.x() * body.system->affine.transpose();
+  body.x() = body.kept;
+  body.kept.noalias() = body.v() * body.system->affine.transpose();
+  body.v() = body.kept;
 }
 
 void beginStep(Body& body, StepReport& report) {

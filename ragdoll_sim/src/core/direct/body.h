@@ -14,6 +14,7 @@
 #include "core/limits/limit_angles.h"
 #include "core/linear/body_response.h"
 #include "core/mechanics/energy_gain.h"
+#include "core/mechanics/joint_damping.h"
 #include "core/mechanics/supports.h"
 #include "ragdoll_sim/core/inputs.h"
 #include "ragdoll_sim/core/step_report.h"
@@ -98,13 +99,16 @@ struct Body {
   PairDetector detector;  ///< of the body with itself
   RungeKuttaScratch stages;
   ImplicitScratch implicit;
-  Eigen::VectorXd b, total;  ///< of the Schur complement's rows: gaps or rates, impulses
+  RowValues b, total;  ///< of the Schur complement's rows: gaps or rates, impulses
   Eigen::VectorXd tension, row_sums;
   Eigen::VectorXd lengths2, inverse_lengths2;  ///< of sticks that recover their lengths
 
   /// Whether the sticks have their lengths; before that angles mean nothing.
   bool isWhole() const { return lengths.length2 == rows->length2.data(); }
 };
+
+/// [kg]
+inline MassMatrix massOf(const Body& body) { return {body.skeleton->M, body.rows->mass}; }
 
 /// Values in State::multipliers of one body.
 inline int multiplierCount(const StickRows& rows) { return 2 * rows.s + 1; }

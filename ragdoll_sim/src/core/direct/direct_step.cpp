@@ -58,8 +58,9 @@ void stepBodies(const StepContext& context, const std::vector<int>& bodies,
 
 void predictFreely(const StepContext& context, int ragdoll) {
   IslandScratch& scratch = context.ws.island;
-  if (scratch.places.empty()) scratch.places.resize(1);
-  Body& body = scratch.places[0];
+  scratch.ragdolls.assign(1, ragdoll);
+  makePlaces(context.model, scratch.ragdolls, scratch);
+  Body& body = takePlace(context.model, ragdoll, scratch);
   body.bind(context, ragdoll);
   StepReport ignored;
   beginStep(body, ignored);

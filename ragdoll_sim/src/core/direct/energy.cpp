@@ -60,7 +60,7 @@ bool isHeld(const Island& island) {
 bool removeFromBody(Body& body, double gain) {
   const double before = kineticEnergy(body);
   body.kept = body.v();
-  dampInnerMotion(body.skeleton->M, body.pinned->pins, 0, body.x(), body.v());
+  dampInnerMotion(massOf(body), body.pinned->pins, 0, body.x(), body.v());
   const double rigid = kineticEnergy(body);
   const double inner = before - rigid;
   const bool held = isHeld(body);
@@ -147,7 +147,7 @@ bool removeEnergy(Island& island, double gain) {
   for (Body* body : island.bodies) body->limited = body->limited || gain > kReportedGain;
   if (island.isLone()) return removeFromBody(*island.bodies[0], gain);
   takeOutOfGroup(island.context.model, island.s.ragdolls, isHeld(island), gain,
-                 island.context.state);
+                 island.context.state, island.s.group);
   return true;
 }
 

@@ -52,11 +52,13 @@ void findStep(const Body& body, ImplicitScratch& s) {
   s.DB.noalias() = s.unbalanced * body.system->B.transpose();
   s.solved = s.lu.solve(s.sides);
   const auto moved = s.solved.leftCols(n);
-  s.pulled = s.lu.solve(s.DB.transpose()).transpose();  // DB (I - Lambda G)^-1
+  s.turned_pulls = s.lu.solve(s.DB.transpose());
+  s.pulled = s.turned_pulls.transpose();  // DB (I - Lambda G)^-1
   s.system.noalias() = s.D.transpose() * s.D;
   s.system.array() *= s.solved.rightCols(sticks).array();
   for (int k = 0; k < sticks; ++k) s.change[k] = -s.stretch[k] + s.D.col(k).dot(s.pulled.col(k));
-  s.change = s.lu.compute(s.system).solve(s.change);
+  s.solution = s.lu.compute(s.system).solve(s.change);
+  s.change.swap(s.solution);
   s.step = -s.unbalanced;
   s.impulses = s.DB * s.lambda.cwiseMin(0.0).asDiagonal();
   s.step.noalias() -= s.impulses * moved;

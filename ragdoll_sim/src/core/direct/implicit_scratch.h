@@ -3,6 +3,7 @@
 
 #include <Eigen/LU>
 
+#include "core/linear/stick_kernels.h"
 #include "ragdoll_sim/core/types.h"
 
 namespace ragdoll {
@@ -10,7 +11,8 @@ namespace ragdoll {
 struct ImplicitScratch {
   Points free, dx, unbalanced, step;
   Eigen::MatrixXd D0, D, impulses, DB, tangent, sides, solved, pulled, system, turn;
-  Eigen::VectorXd lambda, stretch, change;
+  PaddedRows turned_pulls;  ///< as the solution of a transposed right-hand side lies in memory
+  Eigen::VectorXd lambda, stretch, change, solution;
   Eigen::PartialPivLU<Eigen::MatrixXd> lu;
 };
 

@@ -38,16 +38,30 @@ int Island::placeOf(int ragdoll) const {
   return it != s.ragdolls.end() && *it == ragdoll ? static_cast<int>(it - s.ragdolls.begin()) : -1;
 }
 
+void makePlaces(const Model& model, const std::vector<int>& bodies, IslandScratch& s) {
+  s.places.resize(model.skeletons.size());
+  s.used.assign(model.skeletons.size(), 0);
+  for (const int i : bodies) ++s.used[model.ragdolls[i].skeleton];
+  for (std::size_t k = 0; k < s.used.size(); ++k)
+    if (static_cast<int>(s.places[k].size()) < s.used[k]) s.places[k].resize(s.used[k]);
+  s.used.assign(model.skeletons.size(), 0);
+}
+
+Body& takePlace(const Model& model, int ragdoll, IslandScratch& s) {
+  const int skeleton = model.ragdolls[ragdoll].skeleton;
+  return s.places[skeleton][s.used[skeleton]++];
+}
+
 void bindIsland(Island& island, const std::vector<int>& bodies, const std::vector<int>& others) {
   IslandScratch& s = island.s;
   s.ragdolls = bodies;
   s.all.resize(bodies.size() + others.size());
   std::merge(bodies.begin(), bodies.end(), others.begin(), others.end(), s.all.begin());
-  if (s.places.size() < bodies.size()) s.places.resize(bodies.size());
+  makePlaces(island.context.model, bodies, s);
   s.bodies.clear();
-  for (std::size_t k = 0; k < bodies.size(); ++k) {
-    s.places[k].bind(island.context, bodies[k]);
-    s.bodies.push_back(&s.places[k]);
+  for (const int i : bodies) {
+    s.bodies.push_back(&takePlace(island.context.model, i, s));
+    s.bodies.back()->bind(island.context, i);
   }
   s.pairs.contacts.clear();
   s.pairs.touching.clear();

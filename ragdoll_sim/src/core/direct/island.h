@@ -11,6 +11,7 @@
 #include "core/contact/pair_detect.h"
 #include "core/direct/body.h"
 #include "core/linear/joint_schur.h"
+#include "core/mechanics/pair_energy.h"
 
 namespace ragdoll {
 
@@ -27,15 +28,17 @@ struct PairSet {
 
 /// Memory of islands, as large as the largest.
 struct IslandScratch {
-  std::vector<Body> places;
-  std::vector<Body*> bodies;  ///< awake, ascending
-  std::vector<int> all;       ///< ragdolls: the bodies, and sleepers near them, ascending
+  std::vector<std::vector<Body>> places;  ///< by skeleton, so that buffers keep their sizes
+  std::vector<Body*> bodies;              ///< awake, ascending
+  std::vector<int> all;  ///< ragdolls: the bodies, and sleepers near them, ascending
   PairSet pairs;
   PairDetector detector;
   JointSchur joint;
-  Eigen::VectorXd b, p, total, change;
-  std::vector<Eigen::VectorXd> parts;
+  GroupScratch group;
+  RowValues b, p, total, change;
+  std::vector<RowValues> parts;
   std::vector<int> ragdolls;  ///< of the bodies
+  std::vector<int> used;      ///< places of each skeleton
 };
 
 struct Island {
@@ -52,6 +55,12 @@ struct Island {
   /// Place of a ragdoll among the bodies; -1: it does not move.
   int placeOf(int ragdoll) const;
 };
+
+/// Places for `bodies` are there afterwards, and none is taken: room for them all, as those that
+/// are bound must not move.
+void makePlaces(const Model& model, const std::vector<int>& bodies, IslandScratch& scratch);
+/// A place that is not taken yet.
+Body& takePlace(const Model& model, int ragdoll, IslandScratch& scratch);
 
 /// Binds the island's places to bodies (awake, ascending); others: sleepers near them.
 void bindIsland(Island& island, const std::vector<int>& bodies, const std::vector<int>& others);

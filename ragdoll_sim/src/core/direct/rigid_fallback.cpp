@@ -61,7 +61,7 @@ void moveRigidly(Island& island, double h, StepReport& report) {
   double t = h;
   for (int i = 0; i < kMaxShortenings; ++i, t *= 0.5) {
     if (i + 1 == kMaxShortenings) t = 0;
-    motion = rigidMotion(body.skeleton->M, pins, start, v0 + t * body.acceleration);
+    motion = rigidMotion(massOf(body), pins, start, v0 + t * body.acceleration);
     if (pins.size() > 1) motion.drift.setZero();
     setRigidMotion(body, start, carried, t, motion);
     if (!body.motion.dx.allFinite()) continue;

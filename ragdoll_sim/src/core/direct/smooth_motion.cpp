@@ -68,6 +68,54 @@ SmoothTrial moveToImpact(Island& island, double h) {
   return {std::max(until, kSnap * h), true};
 }
 
+/// How far a step of h has come in substeps that keep the tolerance.
+struct AdaptiveStep {
+  double h;      ///< [s]
+  double& next;  ///< [s] the substep to try next; in the state, as the next step begins with it
+  double left;   ///< [s]
+  int taken = 0;
+
+  void accept(double took) {
+    left -= took;
+    ++taken;
+  }
+};
+
+/// After a motion over sub that met something; whole: it was found.
+void meet(Island& island, AdaptiveStep& step, double sub, bool whole, StepReport& report) {
+  const SmoothTrial impact = whole ? moveToImpact(island, sub) : SmoothTrial{0, false};
+  if (impact.ok && impact.took != 0) return step.accept(impact.took);
+  restore(island);  // contacts and limits that press: the order is theirs
+  takeSubsteps(island, sub, report);
+  step.next = std::min(2 * sub, step.h);
+  step.accept(sub);
+}
+
+/// After a free motion over sub: accepted if its error is small enough, or it cannot be smaller.
+void judge(Island& island, AdaptiveStep& step, double sub, bool whole, StepReport& report) {
+  Body& body = *island.bodies[0];
+  const double tolerance = island.context.model.solver.tolerance;
+  const bool least = sub < 1.01 * step.h / kMaxAdaptive;
+  take(body);
+  const double rate =
+      rungeKuttaError(*body.rows, body.memory->response.start(), body.vData(), sub, body.stages) /
+      sub;
+  const bool ok = whole && rate < 1e300;
+  if (!ok && least) {  // not for an explicit method
+    restore(island);
+    takeSubsteps(island, step.left, report);
+    step.left = 0;
+    return;
+  }
+  // The estimate is of fourth order, so that its rate falls with the fourth power of the substep.
+  const double growth =
+      ok ? kSafety * std::pow(std::max(rate / tolerance, 1e-12), -0.25) : kFailedGrowth;
+  step.next = sub * std::clamp(growth, kSmallestGrowth, kLargestGrowth);
+  if (!ok || (rate > tolerance && !least)) return restore(island);
+  report.unresolved += rate > tolerance;
+  step.accept(sub);
+}
+
 }  // namespace
 
 SmoothTrial moveSmoothly(Island& island, double h) {
@@ -82,53 +130,19 @@ SmoothTrial moveSmoothly(Island& island, double h) {
 
 void stepWithinTolerance(Island& island, double h, StepReport& report) {
   Body& body = *island.bodies[0];
-  const double tolerance = island.context.model.solver.tolerance;
-  double& next = body.multipliers()[2 * body.rows->s];
-  if (!(next > 0)) next = h;
-  double left = h;
-  int taken = 0;
-  while (left > kNothingLeft * h) {
-    const double sub = left / std::ceil(left / std::min(next, left) - 1e-6);
-    const bool least = sub < 1.01 * h / kMaxAdaptive;
+  AdaptiveStep step{h, body.multipliers()[2 * body.rows->s], h};
+  if (!(step.next > 0)) step.next = h;
+  while (step.left > kNothingLeft * h) {
+    const double sub = step.left / std::ceil(step.left / std::min(step.next, step.left) - 1e-6);
     save(island);
-    bool ok = integrate(body, sub);
+    const bool whole = integrate(body, sub);
     findCandidates(body, sub);
-    if (!isFree(body)) {
-      const SmoothTrial impact = ok ? moveToImpact(island, sub) : SmoothTrial{0, false};
-      double took = impact.took;
-      if (!impact.ok || took == 0) {  // contacts and limits that press: the order is theirs
-        restore(island);
-        takeSubsteps(island, sub, report);
-        next = std::min(2 * sub, h);
-        took = sub;
-      }
-      left -= took;
-      ++taken;
-      continue;
-    }
-    take(body);
-    const double rate =
-        rungeKuttaError(*body.rows, body.memory->response.start(), body.vData(), sub, body.stages) /
-        sub;
-    ok = ok && rate < 1e300;
-    if (!ok && least) {  // not for an explicit method
-      restore(island);
-      takeSubsteps(island, left, report);
-      break;
-    }
-    // The estimate is of fourth order, so that its rate falls with the fourth power of the substep.
-    const double growth =
-        ok ? kSafety * std::pow(std::max(rate / tolerance, 1e-12), -0.25) : kFailedGrowth;
-    next = sub * std::clamp(growth, kSmallestGrowth, kLargestGrowth);
-    if (!ok || (rate > tolerance && !least)) {
-      restore(island);
-      continue;
-    }
-    report.unresolved += rate > tolerance;
-    left -= sub;
-    ++taken;
+    if (isFree(body))
+      judge(island, step, sub, whole, report);
+    else
+      meet(island, step, sub, whole, report);
   }
-  report.substeps = std::max(report.substeps, taken);
+  report.substeps = std::max(report.substeps, step.taken);
 }
 
 }  // namespace ragdoll

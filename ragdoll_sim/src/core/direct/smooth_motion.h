@@ -6,7 +6,7 @@
 
 namespace ragdoll {
 
-/// Moves a lone body by Dormand-Prince 5 over h, or to the first impact, whose blow it takes.
+/// Moves a lone body by Dormand-Prince 5 over h, or to the first impact, which it takes.
 /// Returns the time that took; 0: something touches, and the leapfrog has to do it. False in ok: no
 /// motion was found.
 struct SmoothTrial {

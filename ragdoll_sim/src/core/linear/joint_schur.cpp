@@ -7,7 +7,7 @@ namespace ragdoll {
 /// As findBlocks and projectedGaussSeidel want them.
 struct JointSchur::View {
   JointSchur& joint;
-  const Eigen::VectorXd& b;
+  const RowValues& b;
 
   int size() const { return joint.size(); }
   const Schur::Row& row(int i) const { return joint.row(i); }
@@ -67,7 +67,7 @@ const Schur::Row& JointSchur::row(int i) const {
   return bodies_[rows_[i].body[side]]->row(rows_[i].row[side]);
 }
 
-bool JointSchur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
+bool JointSchur::solve(const RowValues& b, RowValues& p) {
   if (isOneBody()) return bodies_[0]->solve(b, p);
   for (Schur* s : bodies_) s->w_.setZero(s->columns_);
   View rows{*this, b};
@@ -75,22 +75,25 @@ bool JointSchur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
   return projectedGaussSeidel(rows, blocks_, p.data());
 }
 
-bool JointSchur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
+bool JointSchur::solveOn(const RowValues& b, RowValues& p) {
   return isOneBody() && bodies_[0]->solveOn(b, p);
 }
 
-void JointSchur::split(const Eigen::VectorXd& p, std::vector<Eigen::VectorXd>& parts) const {
-  parts.resize(bodies_.size());
+void JointSchur::split(const RowValues& p, std::vector<RowValues>& parts) const {
+  if (parts.size() < bodies_.size()) parts.resize(bodies_.size());
   for (std::size_t k = 0; k < bodies_.size(); ++k) parts[k].setZero(bodies_[k]->size());
   for (int i = 0; i < size(); ++i)
     for (int side = 0; side < 2; ++side)
       if (rows_[i].body[side] >= 0) parts[rows_[i].body[side]][rows_[i].row[side]] = p[i];
 }
 
-void JointSchur::addAnswer(double share, const std::vector<Eigen::VectorXd>& parts,
-                           Eigen::VectorXd& sum) const {
-  for (std::size_t k = 0; k < bodies_.size(); ++k)
-    if (!bodies_[k]->empty()) bodies_[k]->w_ = bodies_[k]->matrix() * parts[k];
+void JointSchur::addAnswer(double share, const std::vector<RowValues>& parts,
+                           RowValues& sum) const {
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    if (bodies_[k]->empty()) continue;
+    bodies_[k]->w_.resize(bodies_[k]->size());
+    bodies_[k]->w_.noalias() = bodies_[k]->matrix() * parts[k];
+  }
   for (int i = 0; i < size(); ++i)
     for (int side = 0; side < 2; ++side)
       if (rows_[i].body[side] >= 0)

@@ -26,16 +26,15 @@ class JointSchur {
   const Schur::Row& row(int i) const;
 
   /// p from b, starting at p. Returns whether it settled.
-  bool solve(const Eigen::VectorXd& b, Eigen::VectorXd& p);
+  bool solve(const RowValues& b, RowValues& p);
   /// Goes on where solve gave up (Schur::solveOn), where all rows are one body's; else false.
-  bool solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p);
+  bool solveOn(const RowValues& b, RowValues& p);
 
-  /// What of p belongs to each body's rows, in their order.
-  void split(const Eigen::VectorXd& p, std::vector<Eigen::VectorXd>& parts) const;
+  /// What of p belongs to each body's rows, in their order; parts may be more than bodies.
+  void split(const RowValues& p, std::vector<RowValues>& parts) const;
 
   /// sum += share A p, with p's parts.
-  void addAnswer(double share, const std::vector<Eigen::VectorXd>& parts,
-                 Eigen::VectorXd& sum) const;
+  void addAnswer(double share, const std::vector<RowValues>& parts, RowValues& sum) const;
 
  private:
   struct Row {

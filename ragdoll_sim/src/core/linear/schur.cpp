@@ -136,7 +136,7 @@ struct OneBody {
   const std::vector<Schur::Row>& rows;
   const double* A;
   int columns;
-  const Eigen::VectorXd& unheld;
+  const double* unheld;
   double* w;
 
   int size() const { return static_cast<int>(rows.size()); }
@@ -171,20 +171,21 @@ RAGDOLL_KERNEL(bool, sweep,
 
 }  // namespace
 
-bool Schur::solve(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
-  OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free, w_.data()};
+bool Schur::solve(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p) {
+  OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free.data(), w_.data()};
   findBlocks(rows, blocks_);
   return sweepFrom(b, p, false);
 }
 
-bool Schur::sweepFrom(const Eigen::VectorXd& b, Eigen::VectorXd& p, bool batch) {
+bool Schur::sweepFrom(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
+                      bool batch) {
   w_.setZero(columns_);
   w_.head(size()) = b;
-  OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free, w_.data()};
+  OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free.data(), w_.data()};
   return sweep(rows, blocks_, p.data(), batch);
 }
 
-bool Schur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
+bool Schur::solveOn(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p) {
   constexpr double kNoChange = 1e-6;  // share by which changes of no end differ
   const int m = size();
   const Eigen::VectorXd start = p;
@@ -219,7 +220,7 @@ bool Schur::solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p) {
 }
 
 void Schur::putAllowed(const Eigen::VectorXd& scaled, const Eigen::VectorXd& scale,
-                       Eigen::VectorXd& p) {
+                       Eigen::Ref<Eigen::VectorXd> p) {
   const auto put = [&](int i) { p[i] = scale[i] > 0 ? scaled[i] / scale[i] : p[i]; };
   for (const SchurBlock& block : blocks_) {
     double* now = p.data() + block.row;
@@ -235,7 +236,7 @@ void Schur::putAllowed(const Eigen::VectorXd& scaled, const Eigen::VectorXd& sca
   }
 }
 
-void Schur::move(const Eigen::VectorXd& p, double* out) {
+void Schur::move(const Eigen::Ref<const Eigen::VectorXd>& p, double* out) {
   const int coordinates = static_cast<int>(now_.answers.cols());
   moved_.setZero(coordinates);
   kernels::addWeighted(moved_.data(), now_.answers.data(), p.data(), size(), coordinates,

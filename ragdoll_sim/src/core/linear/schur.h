@@ -12,6 +12,7 @@
 #include <array>
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/contact/contact.h"
 #include "core/linear/stick_solver.h"
 #include "ragdoll_sim/core/limits.h"
@@ -77,16 +78,16 @@ class Schur {
   void assemble(const StickRows& constants, StickSolver& sticks);
 
   /// p from b, starting at p. Returns whether it settled.
-  bool solve(const Eigen::VectorXd& b, Eigen::VectorXd& p);
+  bool solve(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p);
 
   /// Goes on, with the same b, where solve gave up at p. Where rows all but contradict each other,
   /// as those of a limb between two obstacles, sweeps alone would take thousands: Anderson
   /// acceleration [Walker2011] of batches of them. Returns whether it settled; if not, p is as it
   /// was where it would have grown without bound. Allocates.
-  bool solveOn(const Eigen::VectorXd& b, Eigen::VectorXd& p);
+  bool solveOn(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p);
 
   /// out (3 x n, columns) += what the impulses p do, the sticks answering as at assemble.
-  void move(const Eigen::VectorXd& p, double* out);
+  void move(const Eigen::Ref<const Eigen::VectorXd>& p, double* out);
 
   double along(int i, const double* x) const { return now_.rows[i].along(x); }
 
@@ -96,9 +97,9 @@ class Schur {
   struct Assembly {
     std::vector<Row> rows;
     Eigen::VectorXd pose;
-    PaddedRows A;          ///< rows x padded rows
-    PaddedRows answers;    ///< motions by unit impulses of the rows, padded coordinates
-    Eigen::VectorXd free;  ///< A's diagonal without the sticks' answer
+    Growing<PaddedRows> A;        ///< rows x padded rows
+    Growing<PaddedRows> answers;  ///< motions by unit impulses of the rows, padded coordinates
+    RowValues free;               ///< A's diagonal without the sticks' answer
   };
 
   /// known_ <- the row of the assembly before that each one is, -1: none. In the same order, as the
@@ -107,9 +108,11 @@ class Schur {
   /// Of row i: its answer, and its part of the diagonal without the sticks.
   void findAnswer(const StickRows& constants, StickSolver& sticks, int i);
   /// Sweeps from p on until they settle, or a batch of them. Whether they settled.
-  bool sweepFrom(const Eigen::VectorXd& b, Eigen::VectorXd& p, bool batch);
+  bool sweepFrom(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
+                 bool batch);
   /// p, as allowed, from impulses times the scale; what cannot move stays.
-  void putAllowed(const Eigen::VectorXd& scaled, const Eigen::VectorXd& scale, Eigen::VectorXd& p);
+  void putAllowed(const Eigen::VectorXd& scaled, const Eigen::VectorXd& scale,
+                  Eigen::Ref<Eigen::VectorXd> p);
 
   int first_ = 0, columns_ = 0;
   int count_ = 0;  ///< of the body's coordinates
@@ -117,7 +120,8 @@ class Schur {
   bool assembled_ = false;  ///< now_
   std::vector<int> known_;
   std::vector<SchurBlock> blocks_;
-  Eigen::VectorXd w_, moved_;
+  RowValues w_;
+  Eigen::VectorXd moved_;
 };
 
 }  // namespace ragdoll

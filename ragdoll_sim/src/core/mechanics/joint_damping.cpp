@@ -4,27 +4,25 @@
 
 namespace ragdoll {
 
-RigidMotion rigidMotion(const Eigen::MatrixXd& M, const std::vector<int>& pins,
+RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
                         const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v) {
   const Eigen::Index n = x.cols();
   RigidMotion motion;
   if (pins.empty()) {
-    const Eigen::VectorXd mass = M.rowwise().sum();
-    motion.centre = x.lazyProduct(mass) / mass.sum();
-    motion.drift = v.lazyProduct(mass) / mass.sum();
+    motion.centre = x.lazyProduct(mass.sums) / mass.sums.sum();
+    motion.drift = v.lazyProduct(mass.sums) / mass.sums.sum();
   } else {
     motion.centre = x.col(pins[0]);
     motion.drift = v.col(pins[0]);
   }
   if (pins.size() >= 2) return motion;
-  const Points arm = x.colwise() - motion.centre;
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   Vec3 angular = Vec3::Zero();
   for (Eigen::Index i = 0; i < n; ++i) {
-    const Vec3 r = arm.col(i);
+    const Vec3 r = x.col(i) - motion.centre;
     Vec3 w = Vec3::Zero();
     for (Eigen::Index j = 0; j < n; ++j)  // M is sparse
-      if (M(j, i) != 0) w += M(j, i) * arm.col(j);
+      if (mass.M(j, i) != 0) w += mass.M(j, i) * (x.col(j) - motion.centre);
     angular += w.cross(Vec3(v.col(i) - motion.drift));
     inertia += r.dot(w) * Eigen::Matrix3d::Identity() - w * r.transpose();
   }
@@ -34,9 +32,9 @@ RigidMotion rigidMotion(const Eigen::MatrixXd& M, const std::vector<int>& pins,
   return motion;
 }
 
-void dampInnerMotion(const Eigen::MatrixXd& M, const std::vector<int>& pins, double keep,
+void dampInnerMotion(const MassMatrix& mass, const std::vector<int>& pins, double keep,
                      const Eigen::Ref<const Points>& x, Eigen::Ref<Points> v) {
-  const RigidMotion motion = rigidMotion(M, pins, x, v);
+  const RigidMotion motion = rigidMotion(mass, pins, x, v);
   for (Eigen::Index i = 0; i < x.cols(); ++i) {
     const Vec3 rigid = motion.velocityAt(x.col(i));
     v.col(i) = rigid + keep * (v.col(i) - rigid);

@@ -21,13 +21,19 @@ struct RigidMotion {
   Vec3 velocityAt(const Vec3& x) const { return drift + spin.cross(Vec3(x - centre)); }
 };
 
+/// [kg] Of one body.
+struct MassMatrix {
+  const Eigen::MatrixXd& M;     ///< n x n
+  const Eigen::VectorXd& sums;  ///< n, of its rows
+};
+
 /// The rigid motion with the momentum and angular momentum of velocities v: what the body would do
 /// if its joints froze. Pinned: about the pin; by two pins: none.
-RigidMotion rigidMotion(const Eigen::MatrixXd& M, const std::vector<int>& pins,
+RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
                         const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v);
 
-/// x, v: 3 x n of one body; M: [kg] n x n; pins: its pinned particles; keep: exp(-c h) in (0, 1].
-void dampInnerMotion(const Eigen::MatrixXd& M, const std::vector<int>& pins, double keep,
+/// x, v: 3 x n of one body; pins: its pinned particles; keep: exp(-c h) in (0, 1].
+void dampInnerMotion(const MassMatrix& mass, const std::vector<int>& pins, double keep,
                      const Eigen::Ref<const Points>& x, Eigen::Ref<Points> v);
 
 }  // namespace ragdoll

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/linear/stick_solver.h"
 #include "core/mechanics/joint_damping.h"
 
 namespace ragdoll {
@@ -10,23 +11,25 @@ namespace {
 
 class Group {
  public:
-  Group(const Model& model, const std::vector<int>& bodies, State& state)
-      : model_(model), bodies_(bodies), state_(state) {}
+  Group(const Model& model, const std::vector<int>& bodies, State& state, GroupScratch& scratch)
+      : model_(model), bodies_(bodies), state_(state), scratch_(scratch) {}
 
-  double kineticEnergy(const Points& v) const {
+  double kineticEnergy(const Points& v) {
     double energy = 0;
     for (const int i : bodies_) {
       const auto own = v.middleCols(first(i), size(i));
-      energy += 0.5 * (own * mass(i)).cwiseProduct(own).sum();
+      scratch_.pushed.noalias() = own * mass(i);
+      energy += 0.5 * scratch_.pushed.cwiseProduct(own).sum();
     }
     return energy;
   }
 
   void takeOut(double rise, bool held) {
-    const Points all = state_.v;
+    Points& all = scratch_.all;
+    all = state_.v;
     const double before = kineticEnergy(all);
     for (const int i : bodies_)
-      dampInnerMotion(mass(i), model_.systemOf(model_.ragdolls[i]).pins, 0,
+      dampInnerMotion({mass(i), rows(i).mass}, model_.systemOf(model_.ragdolls[i]).pins, 0,
                       state_.x.middleCols(first(i), size(i)),
                       state_.v.middleCols(first(i), size(i)));
     const double inner = before - kineticEnergy(state_.v);
@@ -50,12 +53,15 @@ class Group {
   int size(int i) const { return model_.skeletonOf(model_.ragdolls[i]).size(); }
   const Eigen::MatrixXd& mass(int i) const { return model_.skeletonOf(model_.ragdolls[i]).M; }
 
+  const StickRows& rows(int i) const { return *model_.systemOf(model_.ragdolls[i]).direct.rows; }
+
   void takeOutOfRelative(double rise) {
     double total = 0;
     Vec3 momentum = Vec3::Zero();
     for (const int i : bodies_) {
       total += mass(i).sum();
-      momentum += (state_.v.middleCols(first(i), size(i)) * mass(i)).rowwise().sum();
+      scratch_.pushed.noalias() = state_.v.middleCols(first(i), size(i)) * mass(i);
+      momentum += scratch_.pushed.rowwise().sum();
     }
     const Vec3 common = momentum / total;
     const double relative = kineticEnergy(state_.v) - 0.5 * total * common.squaredNorm();
@@ -73,13 +79,14 @@ class Group {
   const Model& model_;
   const std::vector<int>& bodies_;
   State& state_;
+  GroupScratch& scratch_;
 };
 
 }  // namespace
 
 void takeOutOfGroup(const Model& model, const std::vector<int>& bodies, bool held, double rise,
-                    State& state) {
-  Group(model, bodies, state).takeOut(rise, held);
+                    State& state, GroupScratch& scratch) {
+  Group(model, bodies, state, scratch).takeOut(rise, held);
 }
 
 }  // namespace ragdoll

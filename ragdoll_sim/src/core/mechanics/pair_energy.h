@@ -13,9 +13,13 @@
 
 namespace ragdoll {
 
+struct GroupScratch {
+  Points all, pushed;
+};
+
 /// Takes `rise` [J] out of the motion of these bodies; held: something else, that takes momentum,
 /// pressed on one of them. If not, no more than their common momentum allows.
 void takeOutOfGroup(const Model& model, const std::vector<int>& bodies, bool held, double rise,
-                    State& state);
+                    State& state, GroupScratch& scratch);
 
 }  // namespace ragdoll

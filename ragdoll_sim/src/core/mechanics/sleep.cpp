@@ -62,12 +62,12 @@ void wakeDisturbed(const Model& model, const Inputs& inputs, double h, State& st
   for (std::size_t p = 0; p < inputs.pins.size(); ++p)
     if (inputs.pins[p] != state.x.col(model.pins[p].particle)) wake(state, model.pins[p].ragdoll);
   if (inputs.obstacles.empty()) return;
-  std::vector<SweptObstacle> obstacles;
-  sweepObstacles(model, state, inputs.obstacles, obstacles);
-  for (std::size_t k = 0; k < obstacles.size(); ++k) {
+  for (std::size_t k = 0; k < model.obstacles.size(); ++k) {
     if (!moved(state.obstacles[k], inputs.obstacles[k])) continue;
+    const SweptObstacle obstacle =
+        sweepObstacle(model.obstacles[k], state.obstacles[k], inputs.obstacles[k]);
     for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
-      if (state.asleep[i] && comesNear(model, state, obstacles[k], static_cast<int>(i)))
+      if (state.asleep[i] && comesNear(model, state, obstacle, static_cast<int>(i)))
         wake(state, static_cast<int>(i));
   }
 }
@@ -95,12 +95,13 @@ void putToSleep(const Model& model, const std::vector<BodyPair>& pressing, doubl
     pressed[supports(i) ? j : i] = 1;
     return true;
   });
-  std::vector<std::uint8_t> still(model.ragdolls.size());
+  std::vector<std::uint8_t>& still = pressed;  // takes its place, body by body
   for (std::size_t i = 0; i < still.size(); ++i) {
+    const bool was_pressed = pressed[i] != 0;
     still[i] = state.asleep[i];
     if (state.asleep[i]) continue;
     const Ragdoll& r = model.ragdolls[i];
-    const Rest rest = restOf(pressed[i], isHung(model, static_cast<int>(i)));
+    const Rest rest = restOf(was_pressed, isHung(model, static_cast<int>(i)));
     const double v2 =
         state.v.middleCols(r.first, model.skeletonOf(r).size()).colwise().squaredNorm().maxCoeff();
     state.quiet[i] = v2 < rest.speed * rest.speed ? state.quiet[i] + h : 0;

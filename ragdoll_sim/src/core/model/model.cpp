@@ -5,17 +5,17 @@
 
 namespace ragdoll {
 
-int Skeleton::particle(const std::string& name) const { return indexOf(particles, name); }
+int Skeleton::particle(const std::string& wanted) const { return indexOf(particles, wanted); }
 
-int Skeleton::segment(const std::string& name) const {
+int Skeleton::segment(const std::string& wanted) const {
   for (std::size_t i = 0; i < segments.size(); ++i)
-    if (segments[i].name == name) return static_cast<int>(i);
+    if (segments[i].name == wanted) return static_cast<int>(i);
   return -1;
 }
 
-int Skeleton::joint(const std::string& name) const {
+int Skeleton::joint(const std::string& wanted) const {
   for (std::size_t i = 0; i < joints.size(); ++i)
-    if (joints[i].name == name) return static_cast<int>(i);
+    if (joints[i].name == wanted) return static_cast<int>(i);
   return -1;
 }
 

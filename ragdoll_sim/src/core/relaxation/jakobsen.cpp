@@ -5,6 +5,7 @@
 #include "core/contact/constants.h"
 #include "core/contact/detect.h"
 #include "core/linear/relax.h"
+#include "core/linear/stick_solver.h"
 #include "core/mechanics/joint_damping.h"
 #include "core/relaxation/integrate.h"
 #include "core/relaxation/relaxation_guard.h"
@@ -31,8 +32,8 @@ void integrate(const StepContext& context, RelaxationWorkspace& ws) {
     auto v = ws.v1.middleCols(r.first, n);
     if (decay != 1) v *= decay;
     if (model.solver.joint_damping > 0)
-      dampInnerMotion(model.skeletonOf(r).M, s.pins, std::exp(-model.solver.joint_damping * h),
-                      state.x.middleCols(r.first, n), v);
+      dampInnerMotion({model.skeletonOf(r).M, s.direct.rows->mass}, s.pins,
+                      std::exp(-model.solver.joint_damping * h), state.x.middleCols(r.first, n), v);
     integrateFree(model.solver.integrator, h, ws.acceleration, ws.x1.middleCols(r.first, n), v);
   }
   for (std::size_t p = 0; p < inputs.pins.size(); ++p) {
@@ -42,8 +43,9 @@ void integrate(const StepContext& context, RelaxationWorkspace& ws) {
     const Vec3 move = inputs.pins[p] - state.x.col(pin.particle);
     int row = 0;
     while (s.pins[row] != pin.particle - r.first) ++row;
-    ws.x1.middleCols(r.first, s.pin_motion.cols()) += move * s.pin_motion.row(row);
-    ws.v1.middleCols(r.first, s.pin_motion.cols()) += move / h * s.pin_motion.row(row);
+    const Vec3 speed = move / h;
+    ws.x1.middleCols(r.first, s.pin_motion.cols()).noalias() += move * s.pin_motion.row(row);
+    ws.v1.middleCols(r.first, s.pin_motion.cols()).noalias() += speed * s.pin_motion.row(row);
   }
 }
 
@@ -66,7 +68,7 @@ void constrain(const Model& model, const State& start, RelaxationWorkspace& ws, 
 
 void findAllContacts(const Model& model, const Inputs& inputs, RelaxationWorkspace& ws,
                      const State& state) {
-  findContacts(model, state, ws.x1, inputs.obstacles, kNearBody, ws.contacts);
+  findContacts(model, state, ws.x1, inputs.obstacles, kNearBody, ws.obstacles, ws.contacts);
   if (model.self_collision)
     for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
       if (!state.asleep[i])

@@ -238,7 +238,7 @@ void limitPairEnergy(const StepContext& context, RelaxationWorkspace& ws, StepRe
   double rise = 0;
   for (const int i : bodies) rise += guard.rise(i);
   if (!(rise > 0)) return;
-  takeOutOfGroup(context.model, bodies, held, rise, context.state);
+  takeOutOfGroup(context.model, bodies, held, rise, context.state, ws.group);
   if (rise > kReportedGain) report.limited += static_cast<int>(bodies.size());
 }
 
