@@ -34,6 +34,7 @@ constexpr int kMaxSearches = 3;    ///< for contacts that others push the body i
 
 // --- Impacts.
 constexpr double kRestSteps = 4;  ///< what comes slower than gravity in four steps is at rest
+constexpr double kLimb = 0.6;     ///< [m] on which gravity turns a limb. 0.1: shake loses its order
 constexpr double kLeastPull = 1;  ///< [m/s^2] where gravity is less: other limbs pull, too
 constexpr int kMaxLocated = 8;    ///< in one step; later ones press over their whole substep
 constexpr int kMaxDeepImpacts = 4 * kMaxLocated;  ///< likewise of contacts that would reach deep
@@ -43,8 +44,10 @@ constexpr double kDeepImpact = 0.2;               ///< [m] for a body of human s
 /// h Omega of a substep; 2: the edge of stability. Half: x1.2 cost; double: energy rises x1.2, of
 /// piles x2.
 constexpr double kStable = 1.0;
-/// Of kStable: below, energy hardly swings, no jump counts. Double: energy of piles rises x2.
+/// Of kStable: below, energy hardly swings. Double: energy of piles rises x2.
 constexpr double kSwing = 0.2;
+/// Of kStable: below, no jump of tension counts. 0.2: shake converges at order 1.91 onto a stop.
+constexpr double kJump = 0.5;
 constexpr int kMaxSubsteps = 16;                        ///< above, one implicit step is cheaper
 constexpr int kMaxDriven = kMaxSubsteps / 4;            ///< the same while obstacles or pins move
 constexpr int kMaxImplicitSubsteps = 4 * kMaxSubsteps;  ///< beyond: one rigid motion

@@ -53,6 +53,15 @@ bool isHeld(const Island& island) {
                      });
 }
 
+/// Pins go on as they did (`kept`), and carry what is rigid with them.
+void restorePins(Body& body) {
+  const std::vector<int>& pins = body.pinned->pins;
+  for (std::size_t p = 0; p < pins.size(); ++p) {
+    const Vec3 change = body.kept.col(pins[p]) - body.v().col(pins[p]);
+    body.v().noalias() += change * body.system->pin_motion.row(static_cast<Eigen::Index>(p));
+  }
+}
+
 }  // namespace
 
 double kineticEnergy(Body& body) { return kineticEnergy(*body.rows, body.v(), body.energy); }
@@ -129,9 +138,12 @@ bool removeEnergy(Island& island, double gain) {
   for (Body* body : island.bodies) {
     body->limited = body->limited || gain > kReportedGain;
     before += kineticEnergy(*body);
+    if (body->pin_speed > 0) body->kept = body->v();
   }
   const double left = takeEnergyOut(island.context.model, island.s.ragdolls, isHeld(island), gain,
                                     island.context.state, island.s.removal);
+  for (Body* body : island.bodies)
+    if (body->pin_speed > 0) restorePins(*body);
   return left <= kRedoGain * before;
 }
 

@@ -40,7 +40,7 @@ bool isComing(const Body& body, const LimitRow& limit, double h) {
                           ? rateOf(body, limit)
                           : (limit.value - limit.before) / h;
   const double pull = std::max(kLeastPull, body.context->model.gravity.norm());
-  return -rate > kRestSteps * body.context->h * pull / kLever;
+  return -rate > kRestSteps * body.context->h * pull / kLimb;
 }
 
 bool reachesComing(const Body& body) {

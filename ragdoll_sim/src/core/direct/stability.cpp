@@ -34,7 +34,7 @@ bool exceedsStable(Body& body, double h, double share) {
 bool swings(Body& body, double h) { return exceedsStable(body, h, kSwing); }
 
 bool tensionJumped(Body& body, double h) {
-  return exceedsStable(body, h, kSwing) &&
+  return exceedsStable(body, h, kJump) &&
          stiffness(body) > 4 * stiffnessOf(body, body.saved.multipliers.data());
 }
 

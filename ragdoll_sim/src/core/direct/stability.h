@@ -23,7 +23,7 @@ bool exceedsStable(Body& body, double h, double share);
 bool swings(Body& body, double h);
 
 /// Whether the tension in a substep of h has more than doubled its frequency, as at the start, in
-/// an impact or under a new force, and holds it above kSwing: nothing had said so before, and
+/// an impact or under a new force, and holds it above kJump: nothing had said so before, and
 /// leapfrog's energy rises by what its frequency's square does.
 bool tensionJumped(Body& body, double h);
 
