@@ -95,7 +95,9 @@ double gainedEnergy(Body& body, double drive) {
   Points& moved = body.moved;
   moved = body.x() - body.saved.x;
   double gain = energyGain(rows, body.saved.v, body.v(), moved, step.model.gravity, body.energy);
-  if (step.force) gain -= step.force->middleCols(body.first, body.n).cwiseProduct(moved).sum();
+  gain -= body.given;
+  if (step.force && !body.pushed)
+    gain -= step.force->middleCols(body.first, body.n).cwiseProduct(moved).sum();
   gain -= releasedEnergy(body);
   if (drive > 0) {
     // Seen from what drives it the body gains nothing; here it may be faster by twice its speed.

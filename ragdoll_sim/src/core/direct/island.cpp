@@ -4,6 +4,7 @@
 
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/driving.h"
 #include "core/direct/penetration.h"
 #include "core/direct/workspace.h"
 
@@ -156,6 +157,7 @@ void save(Island& island) {
   for (Body* body : island.bodies) {
     SavedBody& saved = body->saved;
     saved.located = body->located;
+    body->given = 0;
     saved.x = body->x();
     saved.v = body->v();
     saved.multipliers.assign(body->multipliers(), body->multipliers() + 2 * body->rows->s);
@@ -169,6 +171,7 @@ void restore(Island& island) {
     const SavedBody& saved = body->saved;
     body->x() = saved.x;
     body->v() = saved.v;
+    driveAt(*body, body->xData());
     std::copy(saved.multipliers.begin(), saved.multipliers.end(), body->multipliers());
     body->cache = saved.cache;
   }

@@ -100,6 +100,7 @@ void stepIsland(Island& island, StepReport& report) {
     stepWithinTolerance(island, island.context.h, report);
   else
     takeSubsteps(island, island.context.h, report);
+  endStep(island);
 }
 
 }  // namespace ragdoll

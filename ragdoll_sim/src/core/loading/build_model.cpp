@@ -189,7 +189,7 @@ std::vector<Pin> resolvePins(const Scene& scene, const Model& model) {
   return pins;
 }
 
-Poke resolve(const PokeSpec& p, const Model& model) {
+Poke resolve(const PokeSpec& p, Model& model) {
   Poke poke;
   try {
     poke.body = findBody(model, p.body);
@@ -211,6 +211,8 @@ Poke resolve(const PokeSpec& p, const Model& model) {
   } catch (const Error& e) {
     throw Error(p.where, e.what());
   }
+  const std::string lost = lostMomentText(poke, model.start_position);
+  if (!lost.empty()) model.warnings.push_back(p.where + " on '" + p.body + "': " + lost);
   return poke;
 }
 

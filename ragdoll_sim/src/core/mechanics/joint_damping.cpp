@@ -3,6 +3,28 @@
 #include <Eigen/Cholesky>
 
 namespace ragdoll {
+namespace {
+
+constexpr double kInLine = 1e-6;  ///< [-] sine below which pins are on one line
+
+/// The spin that two or more pins have, but for that about `axis`, the line through them, which is
+/// free. False: none is.
+bool spinByPins(const std::vector<int>& pins, const Eigen::Ref<const Points>& x,
+                const Eigen::Ref<const Points>& v, Vec3& axis, Vec3& spin) {
+  int farthest = pins[0];
+  const auto arm = [&](int p) { return Vec3(x.col(p) - x.col(pins[0])); };
+  for (const int p : pins)
+    if (arm(p).squaredNorm() > arm(farthest).squaredNorm()) farthest = p;
+  const Vec3 line = arm(farthest);
+  if (!(line.norm() > 0)) return true;  // as by one pin
+  for (const int p : pins)
+    if (arm(p).cross(line).norm() > kInLine * line.squaredNorm()) return false;
+  axis = line.normalized();
+  spin = line.cross(Vec3(v.col(farthest) - v.col(pins[0]))) / line.squaredNorm();
+  return true;
+}
+
+}  // namespace
 
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
                         const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v) {
@@ -15,7 +37,8 @@ RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
     motion.centre = x.col(pins[0]);
     motion.drift = v.col(pins[0]);
   }
-  if (pins.size() >= 2) return motion;
+  Vec3 axis = Vec3::Zero();
+  if (pins.size() >= 2 && !spinByPins(pins, x, v, axis, motion.spin)) return motion;
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
   Vec3 angular = Vec3::Zero();
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -28,7 +51,12 @@ RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
   }
   // Regular but for bodies on a line, whose own axis takes no spin.
   const double small = 1e-9 * inertia.trace() + 1e-300;
-  motion.spin = (inertia + small * Eigen::Matrix3d::Identity()).ldlt().solve(angular);
+  if (!axis.isZero(0)) {
+    const double about = axis.dot(inertia * axis);
+    motion.spin += axis.dot(angular - inertia * motion.spin) / (about + small) * axis;
+  } else {
+    motion.spin = (inertia + small * Eigen::Matrix3d::Identity()).ldlt().solve(angular);
+  }
   return motion;
 }
 
