@@ -54,13 +54,15 @@ double drive(Body& body, const double* x, const double* v, Points& free) {
   const std::vector<int>& pins = body.pinned->pins;
   Points& decay = body.kept;
   decay = solver.damping * velocity;
-  for (std::size_t p = 0; p < pins.size(); ++p)
-    decay -= solver.damping * velocity.col(pins[p]) * body.system->pin_motion.row(p);
   if (solver.joint_damping > 0) {
     const RigidMotion rigid = rigidMotion(massOf(body), pins, pose, velocity);
     for (int i = 0; i < body.n; ++i)
       decay.col(i) += solver.joint_damping * (velocity.col(i) - rigid.velocityAt(pose.col(i)));
   }
+  Points& held = body.moved;
+  held = decay;
+  for (std::size_t p = 0; p < pins.size(); ++p)
+    decay.noalias() -= held.col(pins[p]) * body.system->pin_motion.row(p);
   free -= decay;
   power -= (velocity * body.skeleton->M).cwiseProduct(decay).sum();
   return power;
@@ -68,6 +70,14 @@ double drive(Body& body, const double* x, const double* v, Points& free) {
 
 void addWork(Body& body, double part) {
   if (body.pushed) body.given += part * body.force.cwiseProduct(body.motion.dx).sum();
+}
+
+void restorePins(Body& body, const Points& before) {
+  const std::vector<int>& pins = body.pinned->pins;
+  for (std::size_t p = 0; p < pins.size(); ++p) {
+    const Vec3 lost = before.col(pins[p]) - body.v().col(pins[p]);
+    if (!lost.isZero(0)) body.v() += lost * body.system->pin_motion.row(p);
+  }
 }
 
 void damp(Body& body, double time) {
@@ -80,10 +90,7 @@ void damp(Body& body, double time) {
   if (solver.joint_damping > 0)
     dampInnerMotion(massOf(body), pins, std::exp(-solver.joint_damping * time), body.x(),
                     body.v());
-  for (std::size_t p = 0; p < pins.size(); ++p) {
-    const Vec3 lost = body.kept.col(pins[p]) - body.v().col(pins[p]);
-    if (!lost.isZero(0)) body.v() += lost * body.system->pin_motion.row(p);
-  }
+  restorePins(body, body.kept);
   if (body.damps_within) body.given += kineticEnergy(body) - before;
 }
 

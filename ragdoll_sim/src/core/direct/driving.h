@@ -28,6 +28,9 @@ double drive(Body& body, const double* x, const double* v, Points& free);
 /// 1, by the forces as they are now.
 void addWork(Body& body, double part);
 
+/// Gives pins the velocities that they had `before` (3 x n), and what they carry along.
+void restorePins(Body& body, const Points& before);
+
 /// Damps the velocities as in `time` [s]; not those of pins, and what they carry along.
 void damp(Body& body, double time);
 

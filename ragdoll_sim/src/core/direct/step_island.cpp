@@ -4,6 +4,7 @@
 
 #include "core/direct/begin_step.h"
 #include "core/direct/constants.h"
+#include "core/direct/driving.h"
 #include "core/direct/energy.h"
 #include "core/direct/smooth_motion.h"
 #include "core/direct/stability.h"
@@ -83,6 +84,8 @@ void takeSubsteps(Island& island, double h, StepReport& report) {
       control.retry();
       continue;
     }
+    if (verdict.gain > 0)
+      for (Body* body : island.bodies) restorePins(*body, body->saved.v);
     control.accept(trial.took);
     report.contacts += trial.contacts;
   }

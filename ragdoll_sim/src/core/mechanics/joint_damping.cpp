@@ -6,21 +6,29 @@ namespace ragdoll {
 namespace {
 
 constexpr double kInLine = 1e-6;  ///< [-] sine below which pins are on one line
+constexpr double kAtOne = 1e-6;   ///< of the body's reach: pins nearer than that are at one place
+constexpr double kRigid = 1e-6;   ///< of their speeds: how far pins move as one rigid body
 
 /// The spin that two or more pins have, but for that about `axis`, the line through them, which is
-/// free. False: none is.
+/// free. False: no rigid motion has theirs, none is free, or they are at one place, to which only
+/// what pulls a body together brings them.
 bool spinByPins(const std::vector<int>& pins, const Eigen::Ref<const Points>& x,
                 const Eigen::Ref<const Points>& v, Vec3& axis, Vec3& spin) {
   int farthest = pins[0];
   const auto arm = [&](int p) { return Vec3(x.col(p) - x.col(pins[0])); };
+  const auto rate = [&](int p) { return Vec3(v.col(p) - v.col(pins[0])); };
   for (const int p : pins)
     if (arm(p).squaredNorm() > arm(farthest).squaredNorm()) farthest = p;
   const Vec3 line = arm(farthest);
-  if (!(line.norm() > 0)) return true;  // as by one pin
-  for (const int p : pins)
+  const double reach = (x.colwise() - x.col(pins[0])).colwise().norm().maxCoeff();
+  if (line.norm() <= kAtOne * reach) return false;
+  const Vec3 turn = line.cross(rate(farthest)) / line.squaredNorm();
+  for (const int p : pins) {
     if (arm(p).cross(line).norm() > kInLine * line.squaredNorm()) return false;
+    if ((rate(p) - turn.cross(arm(p))).norm() > kRigid * rate(farthest).norm()) return false;
+  }
   axis = line.normalized();
-  spin = line.cross(Vec3(v.col(farthest) - v.col(pins[0]))) / line.squaredNorm();
+  spin = turn;
   return true;
 }
 
@@ -51,7 +59,7 @@ RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
   }
   // Regular but for bodies on a line, whose own axis takes no spin.
   const double small = 1e-9 * inertia.trace() + 1e-300;
-  if (!axis.isZero(0)) {
+  if (pins.size() >= 2) {
     const double about = axis.dot(inertia * axis);
     motion.spin += axis.dot(angular - inertia * motion.spin) / (about + small) * axis;
   } else {
