@@ -70,6 +70,10 @@ int run(const Options& options) {
   checked("--rate", options.rate, false);
   const Model model = buildModel(loadScene(options.scene, options.settings));
   for (const std::string& warning : model.warnings) std::cerr << "ragdoll_lab: " << warning << "\n";
+  double taken = 0;
+  startState(model, &taken);
+  if (const std::string text = takenText(taken); !text.empty())
+    std::cerr << "ragdoll_lab: " << text << "\n";
   for (const std::string& note : model.notes)
     std::cerr << "ragdoll_lab: " << (options.pairs ? note : inShort(note) + " (--pairs lists them)")
               << "\n";

@@ -22,7 +22,8 @@ std::string toJson(const Summary& s) {
                                 {"rigid", s.guard.rigid},
                                 {"unresolved", s.guard.unresolved},
                                 {"max_substeps", s.guard.max_substeps},
-                                {"fast_fallbacks", s.guard.fast_fallbacks}};
+                                {"fast_fallbacks", s.guard.fast_fallbacks},
+                                {"tolerance_missed", s.guard.tolerance_missed}};
   const std::vector<std::pair<std::string, nlohmann::json>> entries = {
       {"steps", s.steps},
       {"seconds", s.seconds},
@@ -31,10 +32,12 @@ std::string toJson(const Summary& s) {
       {"max_stick_error", s.max_stick_error},
       {"max_penetration", s.max_penetration},
       {"max_limit_violation", s.max_limit_violation},
+      {"start_energy_taken", s.start_energy_taken},
       {"energy_start", s.energy_start},
       {"energy_end", s.energy_end},
       {"work", s.work},
       {"max_energy_rise", s.max_energy_rise},
+      {"error_estimate", s.error_estimate},
       {"guard", guard},
       {"asleep", s.asleep},
       {"hash", hash}};
@@ -45,7 +48,8 @@ std::string toJson(const Summary& s) {
   return text + "\n}\n";
 }
 
-WatchedRun::WatchedRun(const Model& model) : model_(model), state_(startState(model)) {
+WatchedRun::WatchedRun(const Model& model) : model_(model) {
+  state_ = startState(model, &summary_.start_energy_taken);
   inputs_.pokes = model.pokes;
   summary_.energy_start = energy();
   measure();
@@ -80,6 +84,8 @@ void WatchedRun::step() {
   summary_.guard.limited += report.limited > 0;
   summary_.guard.unresolved += report.unresolved > 0;
   summary_.guard.fast_fallbacks += static_cast<std::uint64_t>(report.fast_fallbacks);
+  summary_.guard.tolerance_missed += report.tolerance_missed > 0;
+  summary_.error_estimate = std::max(summary_.error_estimate, report.error_estimate);
   summary_.guard.max_substeps = std::max(summary_.guard.max_substeps, report.substeps);
   measure();
 }

@@ -14,6 +14,13 @@ using std::chrono::milliseconds;
 constexpr milliseconds kPeriod{10};     ///< between two looks
 constexpr milliseconds kSilence{1000};  ///< a frame without news for so long is reported
 
+/// What holding or letting go took, if it is worth telling; it goes to the log, too.
+std::string energyText(const World& world) {
+  const std::string text = takenText(world.energyTaken());
+  if (!text.empty()) ROS_INFO("%s", text.c_str());
+  return text.empty() ? text : "; " + text;
+}
+
 }  // namespace
 
 Attachments::Attachments(ros::NodeHandle& nh, Simulation& simulation, const FrameLookup& frames)
@@ -36,12 +43,13 @@ bool Attachments::attach(ragdoll_msgs::Attach::Request& request,
                          ragdoll_msgs::Attach::Response& response) {
   const auto act = [&] {
     const std::string frame = FrameLookup::normal(request.frame);
-    simulation_.call([&](World& world) {
+    const std::string taken = simulation_.call([&](World& world) {
       findBody(*world.model(), request.body_name);
       if (!frame.empty() && !world.hasFrame(frame)) frames_.inWorld(frame);
       world.attach(request.body_name, frame);
+      return energyText(world);
     });
-    return request.body_name + " is held at " + frame;
+    return request.body_name + " is held at " + frame + taken;
   };
   return answer(act, response.success, response.status_message);
 }
@@ -49,8 +57,11 @@ bool Attachments::attach(ragdoll_msgs::Attach::Request& request,
 bool Attachments::detach(ragdoll_msgs::Detach::Request& request,
                          ragdoll_msgs::Detach::Response& response) {
   const auto act = [&] {
-    simulation_.call([&](World& world) { world.detach(request.body_name); });
-    return request.body_name + " is free";
+    const std::string taken = simulation_.call([&](World& world) {
+      world.detach(request.body_name);
+      return energyText(world);
+    });
+    return request.body_name + " is free" + taken;
   };
   return answer(act, response.success, response.status_message);
 }

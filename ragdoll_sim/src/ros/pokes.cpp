@@ -9,6 +9,7 @@
 
 #include "answer.h"
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/inputs.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/ros/convert.h"
 #include "ragdoll_sim/world/text.h"
@@ -69,7 +70,9 @@ std::string Pokes::accept(const ragdoll_msgs::Poke::Request& request) {
     poke.duration = request.duration.toSec();
     const std::string what =
         poke.body_name + ": " + shown(poke.force) + " N in " + frames_.worldFrame() + " from step ";
-    const std::string end = length(poke.duration, world.stepLength());
+    const std::string lost = lostMomentText(poke, world.state().x);
+    const std::string end =
+        length(poke.duration, world.stepLength()) + (lost.empty() ? "" : "; " + lost);
     return what + std::to_string(world.addPoke(std::move(poke))) + end;
   });
 }

@@ -50,6 +50,8 @@ std::vector<std::string> startWarnings(const World& world) {
   std::vector<std::string> warnings = world.model()->warnings;
   for (const std::string& overlap : deepOverlaps(*world.model(), world.state()))
     warnings.push_back(overlap + " at the start");
+  const std::string taken = takenText(world.energyTaken());
+  if (!taken.empty()) warnings.push_back(taken);
   return warnings;
 }
 

@@ -54,7 +54,7 @@ World::World(Scene scene, std::string source, const std::string& frame_prefix)
     : source_(std::move(source)),
       scene_(std::make_shared<Scene>(std::move(scene))),
       model_(std::make_shared<Model>(buildModel(*scene_))),
-      state_(startState(*model_)),
+      state_(startState(*model_, &energy_taken_)),
       tracker_(*model_, frame_prefix),
       start_pins_(model_->pins) {
   for (const ObstacleSpec& o : scene_->obstacles) checkForeign(o.where + ": frame", o.frame);
@@ -106,7 +106,7 @@ void World::followFrames() {
 void World::reset() {
   endRun();
   if (!samePins(model_->pins, start_pins_)) changePins(start_pins_);
-  state_ = startState(*model_);
+  state_ = startState(*model_, &energy_taken_);
   setPokes(model_->pokes);
   follow_.restart(*model_, state_);
   restart();
@@ -436,9 +436,8 @@ void World::changePins(const std::vector<Pin>& pins) {
   auto model = std::make_shared<Model>(*model_);
   setPins(*model, pins);
   model_ = std::move(model);
-  for (const Pin& pin : pins) state_.v.col(pin.particle).setZero();
-  // Multipliers belong to the sticks that can move, and those are others now.
-  state_.multipliers = startState(*model_).multipliers;
+  energy_taken_ = settlePins(*model_, state_);
+  state_.multipliers.clear();  // those were of the sticks that could move
   wakeAll(state_);
   workspace_ = Workspace();
   inputs_.pins.clear();

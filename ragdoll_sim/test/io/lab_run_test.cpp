@@ -105,6 +105,8 @@ TEST_F(LabRun, SummaryHasItsKeysAndTellsTheTruth) {
                                           "max_stick_error",
                                           "max_penetration",
                                           "max_limit_violation",
+                                          "start_energy_taken",
+                                          "error_estimate",
                                           "energy_start",
                                           "energy_end",
                                           "work",

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/step/workspace.h"
 #include "ragdoll_sim/core/measures.h"
 #include "support/worlds.h"
@@ -111,6 +113,23 @@ TEST_P(Sleep, CanBeSwitchedOff) {
   World world(scene);
   world.steps(200);
   EXPECT_FALSE(world.state.asleep[0]);
+}
+
+TEST_P(Sleep, WhatSlidesAsAWholeGoesOnHoweverSlowly) {
+  for (const double beyond : {-0.02, 0.02}) {  // [degrees] of the angle of friction
+    Scene scene = sceneOf(oneStick(1, 1, 0.1));
+    const double slope = std::atan(0.5) + beyond * M_PI / 180;
+    scene.gravity = 9.81 * Vec3(std::sin(slope), 0, -std::cos(slope));
+    scene.obstacles = {floorPlane(0.5)};
+    scene.ragdolls[0].pose.position.z() = 0.1;
+    scene.solver.method = GetParam();
+    scene.solver.step = 0.01;
+    World world(scene);
+    world.steps(400);
+    EXPECT_EQ(world.state.asleep[0], beyond < 0);
+    const double a = std::max(0.0, 9.81 * (std::sin(slope) - 0.5 * std::cos(slope)));
+    EXPECT_NEAR(world.v(0).x(), 4 * a, 1e-6);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, Sleep,

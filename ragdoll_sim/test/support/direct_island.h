@@ -28,6 +28,7 @@ struct DirectIsland {
         island(context, ws.island),
         h(context.h) {
     supports.pressed.assign(world.model.ragdolls.size(), 0);
+    supports.gripped = supports.pressed;
     prepareDirect(context);
     std::vector<int> all(world.model.ragdolls.size());
     std::iota(all.begin(), all.end(), 0);

@@ -29,7 +29,11 @@ bool actsBefore(const Poke& a, const Poke& b, double h);
 
 /// Spreads force and moment of one poke over the particles of its body: the smallest forces (least
 /// squares) with the right sum and moment about the body's own point. A single particle takes no
-/// moment, a bone none about itself. Adds to forces (3 x N) [N].
+/// moment, a bone or points in line none about themselves. Adds to forces (3 x N) [N].
 void addForce(const Poke& poke, const State& state, Points& forces);
+/// The same at positions x; x and forces begin at the particle `first`.
+void addForce(const Poke& poke, const Eigen::Ref<const Points>& x, int first, Points& forces);
+/// What of a poke's moment has no effect on its body at x (3 x N), in words; empty: nothing.
+std::string lostMomentText(const Poke& poke, const Points& x);
 
 }  // namespace ragdoll

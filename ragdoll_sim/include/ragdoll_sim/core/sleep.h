@@ -1,8 +1,9 @@
 // Sleeping: a body at rest costs nothing until something disturbs it.
 //
 // A body falls asleep when none of its particles has moved faster than a speed for a time:
-//   what lies on something   kStillSpeed for kQuietTime. Whether friction holds it is not asked:
-//                            what slides or tips as slowly as that stops, too
+//   what lies on something   kStillSpeed for kQuietTime, and it is held: some contact sticks, its
+//                            friction inside the cone, or it is slower than kHeldSpeed. So what
+//                            slides as a whole goes on, however slowly
 //   what hangs from pins     kHungSpeed for kHungTime, also where it touches something: nothing but
 //                            its own balance need hold it, and at its turning points a swing is
 //                            slow, too. Of one of period T that time shows the fastest if
@@ -28,10 +29,11 @@
 
 namespace ragdoll {
 
-struct BodyPair;
 struct Contact;
+struct Supports;
 
 constexpr double kStillSpeed = 0.01;  ///< [m/s]
+constexpr double kHeldSpeed = 1e-5;   ///< [m/s] slower than that nothing need hold it
 constexpr double kQuietTime = 0.5;    ///< [s]
 constexpr double kHungSpeed = 1e-4;   ///< [m/s]
 constexpr double kHungTime = 2;       ///< [s]
@@ -44,11 +46,10 @@ void wakeDisturbed(const Model& model, const Inputs& inputs, double h, State& st
 /// itself. x1: where the bodies would go. Returns whether any woke.
 bool wakeTouched(const std::vector<Contact>& contacts, const Points& x1, State& state);
 
-/// After a step of h [s]: puts to sleep what has been still long enough. pressed: per ragdoll,
-/// whether an obstacle pressed in this step; scratch afterwards. pressing: who lies on a body that lies on something
-/// lies on something, and bodies that press on each other fall asleep together or not at all.
-void putToSleep(const Model& model, const std::vector<BodyPair>& pressing, double h,
-                std::vector<std::uint8_t>& pressed, State& state);
+/// After a step of h [s]: puts to sleep what has been still long enough. Who lies on a body that
+/// lies on something lies on something, and bodies that press on each other fall asleep together or
+/// not at all. supports: of this step; who lies on something is marked as pressed.
+void putToSleep(const Model& model, double h, Supports& supports, State& state);
 
 /// After a change of settings, pins or obstacles.
 void wakeAll(State& state);

@@ -1,4 +1,4 @@
-// One step of the world. The single entry for every method; what it starts from: build_model.h.
+// One step of the world. The single entry for every method; what it starts from: start_state.h.
 #pragma once
 
 #include <memory>
@@ -6,6 +6,7 @@
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/inputs.h"
 #include "ragdoll_sim/core/model.h"
+#include "ragdoll_sim/core/start_state.h"
 #include "ragdoll_sim/core/state.h"
 #include "ragdoll_sim/core/step_report.h"
 

@@ -22,6 +22,7 @@ struct GuardCounts {
   std::uint64_t unresolved = 0;  ///< steps whose constraints did not converge
   int max_substeps = 1;
   std::uint64_t fast_fallbacks = 0;  ///< method fast: bodies' steps that shake took
+  std::uint64_t tolerance_missed = 0;  ///< steps whose error was larger than the tolerance
 };
 
 struct Summary {
@@ -32,8 +33,10 @@ struct Summary {
   double max_penetration = 0;               ///< [m] largest of all steps
   double max_limit_violation = 0;           ///< [rad] largest of all steps
   double energy_start = 0, energy_end = 0;  ///< [J] kinetic and potential
+  double start_energy_taken = 0;            ///< [J] by what made the start consistent (startState)
   double work = 0;                          ///< [J] done by pokes (force times way, step by step)
   double max_energy_rise = 0;               ///< [J] largest of energy - (energy_start + work), >= 0
+  double error_estimate = 0;                ///< [m/s] largest of all steps (StepReport)
   GuardCounts guard;
   int asleep = 0;          ///< ragdolls asleep at the end
   std::uint64_t hash = 0;  ///< of the last state

@@ -79,6 +79,8 @@ class World {
   /// Holds one particle at a frame of someone else's. Throws Error.
   void attach(const std::string& body, const std::string& frame);
   void detach(const std::string& body);  ///< lets go of a particle that is held; throws Error
+  /// [J] that the velocities lost at the last start or change of what is held, to be consistent.
+  double energyTaken() const { return energy_taken_; }
   std::vector<std::string> followedFrames() const { return follow_.frames(); }
   /// As Follow::hear.
   void hear(const std::string& frame, const Pose& pose, bool back = false) {
@@ -137,6 +139,7 @@ class World {
   std::string source_;
   std::shared_ptr<const Scene> scene_;
   std::shared_ptr<const Model> model_;
+  double energy_taken_ = 0;
   State state_;
   Inputs inputs_;
   Workspace workspace_;

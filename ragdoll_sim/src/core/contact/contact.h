@@ -32,6 +32,7 @@ struct Contact {
 /// Two bodies that press on each other.
 struct BodyPair {
   int first = 0, second = 0;  ///< ragdolls
+  bool grips = false;         ///< friction holds them: it is less than it could be
 };
 
 }  // namespace ragdoll

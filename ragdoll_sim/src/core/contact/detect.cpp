@@ -13,6 +13,7 @@
 namespace ragdoll {
 namespace {
 
+constexpr double kFlatEdge = 1e-6;  ///< [m] flat along an edge, beside which a capsule is round
 constexpr int kMaxAdvances = 64;    ///< of one sweep; grazing paths converge slowly
 constexpr double kRounding = 1e-9;  ///< of a place along a stick
 constexpr double kAlong = 0.9;      ///< cosine: a normal along the stick cannot push it out
@@ -118,30 +119,49 @@ double leastOf(const Vec3& u, const Vec3& v, double taper, double lo, double hi)
   return std::clamp(foot + taper * beside / std::sqrt(left * v2), lo, hi);
 }
 
-/// Nearest place to the obstacle. Planes apart, an obstacle is what is within a radius of a core: a
-/// box, a line (capsule) or a point (sphere). Where the axis passes from one side of it to the next
-/// cuts it into pieces that look at one face, edge or corner each.
+/// Planes apart, an obstacle is what is within a radius of a core: a box, a line (capsule) or a
+/// point (sphere). Where the axis passes from one side of it to the next cuts it into pieces that
+/// look at one face, edge or corner each.
+struct Pieces {
+  std::array<double, 8> cut;  ///< 0, where the axis is cut, 1
+  int count = 1;
+};
+
+Pieces piecesOf(const Axis& axis) {
+  const Obstacle& o = axis.obstacle;
+  const Vec3 v = axis.b - axis.a;
+  Pieces pieces;
+  std::array<double, 8>& cut = pieces.cut;
+  cut[0] = 0;
+  for (int k = 0; k < 3; ++k)
+    for (const double face : {-o.half[k], o.half[k]}) {
+      const double t = (face - axis.a[k]) / v[k];
+      if (o.half[k] == 0 || !(t > 0 && t < 1)) continue;  // v_k = 0 among them
+      int i = pieces.count++;
+      for (; cut[i - 1] > t; --i) cut[i] = cut[i - 1];
+      cut[i] = t;
+    }
+  cut[pieces.count] = 1;
+  return pieces;
+}
+
+/// 1 for each axis of the obstacle along which the middle between lo and hi is beside its core.
+Vec3 outsideOf(const Axis& axis, double lo, double hi) {
+  const Vec3 middle = axis.at(0.5 * (lo + hi));
+  return (middle.cwiseAbs().array() >= axis.obstacle.half.array()).cast<double>();
+}
+
+/// Nearest place to the obstacle.
 double nearest(const Axis& axis) {
   const Obstacle& o = axis.obstacle;
   const Vec3 v = axis.b - axis.a;
   const double taper = axis.rb - axis.ra;
   if (o.type == ObstacleSpec::Type::kPlane) return v.z() < taper ? 1 : 0;
-  std::array<double, 8> cut;
-  int cuts = 0;
-  cut[cuts++] = 0;
-  for (int k = 0; k < 3; ++k)
-    for (const double face : {-o.half[k], o.half[k]}) {
-      const double t = (face - axis.a[k]) / v[k];
-      if (o.half[k] == 0 || !(t > 0 && t < 1)) continue;  // v_k = 0 among them
-      int i = cuts++;
-      for (; cut[i - 1] > t; --i) cut[i] = cut[i - 1];
-      cut[i] = t;
-    }
-  cut[cuts] = 1;
-  for (int i = 0; i < cuts; ++i) {
-    const double lo = cut[i], hi = cut[i + 1];
+  const Pieces pieces = piecesOf(axis);
+  for (int i = 0; i < pieces.count; ++i) {
+    const double lo = pieces.cut[i], hi = pieces.cut[i + 1];
     const Vec3 middle = axis.at(0.5 * (lo + hi));
-    const Vec3 outside = (middle.cwiseAbs().array() >= o.half.array()).cast<double>();
+    const Vec3 outside = outsideOf(axis, lo, hi);
     double t;
     if (outside.isZero(0)) {
       t = nearestBetween(axis, lo, hi);
@@ -165,6 +185,22 @@ double extent(const Axis& axis, double t, double end, double band) {
     (axis.gap(middle) <= limit ? in : out) = middle;
   }
   return in;
+}
+
+/// How far the axis lies flat on a box from its nearest place `t` towards `end`: over a face, whose
+/// plane is right for all of it, or along an edge. Across an edge it does not: there the gap is
+/// small nearby only since the capsule is round.
+double flatEnd(const Axis& axis, double t, double end) {
+  const double far = extent(axis, t, end, kFlatStick);
+  const Pieces pieces = piecesOf(axis);
+  for (int i = 0; i < pieces.count; ++i) {
+    const int k = end > t ? pieces.count - 1 - i : i;  // from that end on
+    const double lo = std::max(pieces.cut[k], std::min(t, far));
+    const double hi = std::min(pieces.cut[k + 1], std::max(t, far));
+    if (hi - lo > kRounding && outsideOf(axis, lo, hi).sum() <= 1) return end > t ? hi : lo;
+  }
+  const double along = extent(axis, t, end, kFlatEdge);
+  return std::abs(along - t) > kStickEnd ? along : t;
 }
 
 /// The capsule at the instant of its first touch, or at the step's end; nothing if it stays clear.
@@ -197,7 +233,7 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double ma
   return axisAt(closes ? firstTouch(gapAt, 0, start, 1, end) : 1);
 }
 
-/// The same of a capsule at its nearest place t. Where its axis runs through the middle of the
+/// The same of a capsule at a place t of its axis. Where its axis runs through the middle of the
 /// obstacle, the nearest face may lie along it; then it goes out across itself.
 Contact tangentAt(const SweptObstacle& m, const Axis& axis, double t) {
   const Vec3 p = axis.at(t), along = (axis.b - axis.a).normalized();
@@ -209,23 +245,21 @@ Contact tangentAt(const SweptObstacle& m, const Axis& axis, double t) {
 }
 
 /// Contacts of a capsule between its ends, at the instant of `axis`: where it is nearest, or both
-/// ends of where it lies flat.
+/// ends of where it lies flat, each with the plane that is tangent there.
 void stickContacts(const SweptObstacle& m, const Axis& axis, double start, int a, int b,
                    int ragdoll, std::vector<Contact>& contacts) {
   const double t = nearest(axis);
   const bool box = m.obstacle->type == ObstacleSpec::Type::kBox;  // the only one to lie flat on
-  const double lo = box ? extent(axis, t, 0, kFlatStick) : t;
-  const double hi = box ? extent(axis, t, 1, kFlatStick) : t;
+  const double lo = box ? flatEnd(axis, t, 0) : t;
+  const double hi = box ? flatEnd(axis, t, 1) : t;
   const bool flat = hi - lo > kStickEnd;
-  Contact c = tangentAt(m, axis, t);
-  c.gap_start = start;
-  c.particle = {a, b, 0, 0};
-  c.count = 2;
-  c.ragdoll = ragdoll;
-  const double tangent = c.offset - axis.radius(t);
   for (const double share : {flat ? lo : t, hi}) {
     if (share > kStickEnd && share < 1 - kStickEnd) {
-      c.offset = tangent + axis.radius(share);
+      Contact c = tangentAt(m, axis, share);
+      c.gap_start = start;
+      c.particle = {a, b, 0, 0};
+      c.count = 2;
+      c.ragdoll = ragdoll;
       c.weight = {1 - share, share, 0, 0};
       contacts.push_back(c);
     }

@@ -1,10 +1,9 @@
 #include "core/direct/begin_step.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "core/direct/driving.h"
 #include "core/direct/length_recovery.h"
-#include "core/mechanics/joint_damping.h"
 
 namespace ragdoll {
 namespace {
@@ -35,15 +34,6 @@ void movePins(Body& body) {
   }
 }
 
-void damp(Body& body) {
-  const SolverSpec& solver = body.context->model.solver;
-  const double h = body.context->h;
-  if (solver.damping > 0) body.v() *= std::exp(-solver.damping * h);
-  if (solver.joint_damping > 0)
-    dampInnerMotion(massOf(body), body.pinned->pins, std::exp(-solver.joint_damping * h), body.x(),
-                    body.v());
-}
-
 /// Impulses of the last step: the body's own, and between the island's bodies.
 void fillCaches(Island& island) {
   for (const CachedImpulse& impulse : island.context.state.impulses) {
@@ -71,18 +61,28 @@ void makeAffine(Body& body) {
 void beginStep(Body& body, StepReport& report) {
   const StepContext& step = *body.context;
   if (step.state.step % kAffineEvery == 0 || step.relaxed) makeAffine(body);
-  damp(body);
+  // The relaxation's guard takes implicit steps, of first order as its own.
+  if (!body.damps_within) damp(body, step.relaxed ? step.h : 0.5 * step.h);
   movePins(body);  // what moves them is not damped
   body.driven = body.pin_speed > 0 || obstaclesMove(step);
   report.joining += restoreLengths(body, step.h);
-  body.acceleration.noalias() = step.model.gravity * body.system->gravity;
-  if (step.force)
-    body.acceleration.noalias() += step.force->middleCols(body.first, body.n) * body.system->W;
+  startDriving(body);
 }
 
 void beginStep(Island& island, StepReport& report) {
-  for (Body* body : island.bodies) beginStep(*body, report);
+  const SolverSpec& solver = island.context.model.solver;
+  const bool damps = solver.damping > 0 || solver.joint_damping > 0;
+  for (Body* body : island.bodies) {
+    body->damps_within = damps && solver.method == Method::kRk && island.isLone();
+    beginStep(*body, report);
+  }
   fillCaches(island);
+}
+
+void endStep(Island& island) {
+  if (island.context.relaxed) return;
+  for (Body* body : island.bodies)
+    if (!body->damps_within) damp(*body, 0.5 * island.context.h);
 }
 
 }  // namespace ragdoll

@@ -13,4 +13,7 @@ void beginStep(Body& body, StepReport& report);
 /// Puts rigid groups back into the shape that their frames can have.
 void makeAffine(Body& body);
 
+/// After the step's motions: the other half of what is damped.
+void endStep(Island& island);
+
 }  // namespace ragdoll

@@ -20,7 +20,8 @@ void Body::bind(const StepContext& c, int r) {
   tolerances = tolerancesFor(c.h);
   lengths = {rows->length2.data(), rows->inverse_length2.data(), kLengthTolerance};
   pin_speed = 0;
-  driven = limited = false;
+  driven = limited = gripped = pushed = damps_within = false;
+  given = 0;
   located = 0;
   overlaps = OverlapPolicy::kResolve;
   constraints.overlap = 0;

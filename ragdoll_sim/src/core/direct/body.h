@@ -80,6 +80,12 @@ struct Body {
   bool limited = false;  ///< energy was taken out in this step
   int located = 0;       ///< impacts found in time in this step
   OverlapPolicy overlaps = OverlapPolicy::kResolve;
+  bool gripped = false;  ///< a contact with an obstacle stuck in the last motion
+  // Forces that follow the motion (driving.h).
+  bool pushed = false;        ///< a poke acts off its body's own point
+  bool damps_within = false;  ///< damping is part of the motion, else of the step's two ends
+  double given = 0;           ///< [J] by them since the body was saved
+  Points force;               ///< [N] of pokes, 3 x n, as in `acceleration`
 
   auto x() const { return context->state.x.middleCols(first, n); }
   auto v() const { return context->state.v.middleCols(first, n); }

@@ -49,6 +49,7 @@ void stepBodies(const StepContext& context, const std::vector<int>& bodies,
     const std::vector<CachedImpulse>& own = body->cache.impulses();
     for (const CachedImpulse& impulse : own)
       if (impulse.obstacle >= 0) context.supports.pressed[body->index] = 1;
+    context.supports.gripped[body->index] = body->gripped;
     impulses.insert(impulses.end(), own.begin(), own.end());
   }
   const std::vector<CachedImpulse>& shared = island.pairs.cache.impulses();

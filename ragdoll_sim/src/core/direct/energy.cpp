@@ -53,15 +53,6 @@ bool isHeld(const Island& island) {
                      });
 }
 
-/// Pins go on as they did (`kept`), and carry what is rigid with them.
-void restorePins(Body& body) {
-  const std::vector<int>& pins = body.pinned->pins;
-  for (std::size_t p = 0; p < pins.size(); ++p) {
-    const Vec3 change = body.kept.col(pins[p]) - body.v().col(pins[p]);
-    body.v().noalias() += change * body.system->pin_motion.row(static_cast<Eigen::Index>(p));
-  }
-}
-
 }  // namespace
 
 double kineticEnergy(Body& body) { return kineticEnergy(*body.rows, body.v(), body.energy); }
@@ -85,7 +76,9 @@ double gainedEnergy(Body& body, double drive) {
   Points& moved = body.moved;
   moved = body.x() - body.saved.x;
   double gain = energyGain(rows, body.saved.v, body.v(), moved, step.model.gravity, body.energy);
-  if (step.force) gain -= step.force->middleCols(body.first, body.n).cwiseProduct(moved).sum();
+  gain -= body.given;
+  if (step.force && !body.pushed)
+    gain -= step.force->middleCols(body.first, body.n).cwiseProduct(moved).sum();
   gain -= releasedEnergy(body);
   if (drive > 0) {
     // Seen from what drives it the body gains nothing; here it may be faster by twice its speed.
@@ -138,12 +131,9 @@ bool removeEnergy(Island& island, double gain) {
   for (Body* body : island.bodies) {
     body->limited = body->limited || gain > kReportedGain;
     before += kineticEnergy(*body);
-    if (body->pin_speed > 0) body->kept = body->v();
   }
   const double left = takeEnergyOut(island.context.model, island.s.ragdolls, isHeld(island), gain,
                                     island.context.state, island.s.removal);
-  for (Body* body : island.bodies)
-    if (body->pin_speed > 0) restorePins(*body);
   return left <= kRedoGain * before;
 }
 

@@ -5,6 +5,7 @@
 #include "core/contact/constants.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/driving.h"
 #include "core/direct/penetration.h"
 #include "core/direct/workspace.h"
 
@@ -157,6 +158,7 @@ void save(Island& island) {
   for (Body* body : island.bodies) {
     SavedBody& saved = body->saved;
     saved.located = body->located;
+    body->given = 0;
     saved.x = body->x();
     saved.v = body->v();
     saved.multipliers.assign(body->multipliers(), body->multipliers() + 2 * body->rows->s);
@@ -170,6 +172,7 @@ void restore(Island& island) {
     const SavedBody& saved = body->saved;
     body->x() = saved.x;
     body->v() = saved.v;
+    driveAt(*body, body->xData());
     std::copy(saved.multipliers.begin(), saved.multipliers.end(), body->multipliers());
     body->cache = saved.cache;
   }

@@ -84,7 +84,7 @@ void IslandBuilder::restore(const StepContext& context, int i) {
   std::copy_n(multipliers0_.begin() + first,
               multiplierCount(*context.model.systemOf(r).direct.rows),
               state.multipliers.begin() + first);
-  context.supports.pressed[i] = 0;
+  context.supports.pressed[i] = context.supports.gripped[i] = 0;
 }
 
 /// Where each would go by itself: its whole step, which may stand, or its free motion, where that

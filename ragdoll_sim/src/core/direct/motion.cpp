@@ -1,5 +1,6 @@
 #include "core/direct/motion.h"
 
+#include "core/direct/driving.h"
 #include "core/direct/velocity_solver.h"
 
 namespace ragdoll {
@@ -30,7 +31,10 @@ bool satisfySticksAlongNew(Body& body) {
 }
 
 void makeMotion(Body& body, double h, bool leapfrog) {
-  poseAfter(body);
+  const Points& after = poseAfter(body);
+  addWork(body, leapfrog ? 0.5 : 1);
+  driveAt(body, after.data() + 3 * body.first);
+  if (leapfrog) addWork(body, 0.5);
   body.v() = body.motion.dx / h;
   if (leapfrog) body.v() += (0.5 * h) * body.acceleration;
   findTouching(body, h);

@@ -1,6 +1,7 @@
 #include "core/direct/pair_rows.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/direct/constants.h"
 #include "core/direct/rows.h"
@@ -109,7 +110,9 @@ void rememberPairs(Island& island, double h) {
     for (int d = 0; d < 3; ++d)
       pairs.cache.last().impulse +=
           island.s.total[row + d] / (h * h) * island.s.joint.row(row + d).direction;
-    pairs.pressing.push_back({c.ragdoll, c.other});
+    const double friction = std::hypot(island.s.total[row + 1], island.s.total[row + 2]);
+    pairs.pressing.push_back(
+        {c.ragdoll, c.other, isInsideCone(c.friction, island.s.total[row], friction)});
   }
 }
 

@@ -56,6 +56,13 @@ CachedImpulse keyOfRow(const Body& body, const Schur::Row& row) {
                                   : keyOf(body.constraints.contacts[row.source]);
 }
 
+/// Whether the contact whose rows begin at i, with an obstacle, sticks.
+bool grips(const Body& body, int i) {
+  const Contact& c = body.constraints.contacts[body.memory->schur.row(i).source];
+  return c.obstacle >= 0 && c.friction > 0 &&
+         isInsideCone(c.friction, body.total[i], std::hypot(body.total[i + 1], body.total[i + 2]));
+}
+
 }  // namespace
 
 void buildRows(Body& body, double h, bool leapfrog) {
@@ -126,6 +133,7 @@ void warmStart(const Body& body, double h, Eigen::Ref<Eigen::VectorXd> p) {
 
 void rememberImpulses(Body& body, double h) {
   body.cache.clear();
+  body.gripped = false;
   bool pressed = false;  // the contact whose friction follows
   for (int i = 0; i < body.constraints.own_rows; ++i) {
     const Schur::Row& row = body.memory->schur.row(i);
@@ -136,6 +144,7 @@ void rememberImpulses(Body& body, double h) {
     }
     pressed = row.kind == Kind::kNormal && force != 0;
     if (force == 0) continue;
+    if (row.kind == Kind::kNormal && !body.gripped) body.gripped = grips(body, i);
     body.cache.add(keyOfRow(body, row));
     body.cache.last().impulse =
         row.kind == Kind::kLimit ? Vec3(force, 0, 0) : Vec3(force * row.direction);

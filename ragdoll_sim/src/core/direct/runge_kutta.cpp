@@ -33,6 +33,14 @@ void accelerate(const StickRows& rows, StickSolver& sticks, const double* v, Run
   sticks.move(rows, s.lambda.data(), 1, out);
 }
 
+/// s.free and s.pulls at x, v; the power.
+double driveBy(const Drive& drive, const StickRows& rows, const double* x, const double* v,
+               RungeKuttaScratch& s) {
+  const double power = drive(x, v, s.free);
+  kernels::multiplyPoints(s.free.data(), rows.BT.data(), rows.n, rows.width, s.pulls.data());
+  return power;
+}
+
 /// Largest length of a column.
 double largest(const double* points, int n) {
   return std::sqrt(Eigen::Map<const Points>(points, 3, n).colwise().squaredNorm().maxCoeff());
@@ -41,8 +49,8 @@ double largest(const double* points, int n) {
 }  // namespace
 
 void rungeKutta(const StickRows& rows, StickSolver& start, StickSolver& sticks, const double* x,
-                const double* v, const Points& free, double h, RungeKuttaScratch& s, Points& dx,
-                Points& v1, double* first_lambda) {
+                const double* v, const Points& free, const Drive& drive, double h,
+                RungeKuttaScratch& s, Points& dx, Points& v1, double* first_lambda) {
   const int n = 3 * rows.n, half = paddedWidth(n);
   s.free = free;
   s.pulls.resize(3, rows.width);
@@ -54,6 +62,7 @@ void rungeKutta(const StickRows& rows, StickSolver& start, StickSolver& sticks, 
   s.stage.resize(2 * half);
   s.slopes.setZero(kStages, 2 * half);
   double factors[kStages];
+  s.work = 0;
   for (int i = 0; i < kStages; ++i) {
     for (int j = 0; j < i; ++j) factors[j] = h * kA[i][j];
     kernels::addWeighted(s.start.data(), s.slopes.data(), factors, i, 2 * half, s.stage.data());
@@ -61,6 +70,7 @@ void rungeKutta(const StickRows& rows, StickSolver& start, StickSolver& sticks, 
     pose.setPose(rows, s.stage.data());
     double* slope = s.slopes.row(i).data();
     std::copy(s.stage.data() + half, s.stage.data() + half + n, slope);
+    if (drive) s.work += h * kB[i] * driveBy(drive, rows, s.stage.data(), slope, s);
     accelerate(rows, pose, slope, s, slope + half);
     if (i == 0) std::copy(s.lambda.data(), s.lambda.data() + rows.s, first_lambda);
   }
@@ -71,11 +81,12 @@ void rungeKutta(const StickRows& rows, StickSolver& start, StickSolver& sticks, 
   v1 = Eigen::Map<const Points>(s.stage.data() + half, 3, rows.n);
 }
 
-double rungeKuttaError(const StickRows& rows, StickSolver& sticks, const double* v1, double h,
-                       RungeKuttaScratch& s) {
+double rungeKuttaError(const StickRows& rows, StickSolver& sticks, const double* x1,
+                       const double* v1, const Drive& drive, double h, RungeKuttaScratch& s) {
   const int n = 3 * rows.n, half = paddedWidth(n);
   double* error = s.start.data();
   std::copy(v1, v1 + n, error);
+  if (drive) driveBy(drive, rows, x1, v1, s);
   accelerate(rows, sticks, v1, s, error + half);
   s.start *= kE[kStages];
   kernels::addWeighted(error, s.slopes.data(), kE, kStages, 2 * half, error);

@@ -5,6 +5,7 @@
 
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/driving.h"
 #include "core/direct/impact.h"
 #include "core/direct/motion.h"
 #include "core/direct/step_island.h"
@@ -16,14 +17,21 @@ namespace {
 constexpr int kRefinements = 3;     ///< of the time at which rk arrives
 constexpr int kMaxAdaptive = 1024;  ///< substeps of one step; as small as they get
 
+Drive driveOf(Body& body) {
+  if (!isDriven(body)) return {};
+  return
+      [&body](const double* x, const double* v, Points& free) { return drive(body, x, v, free); };
+}
+
 /// Dormand-Prince 5 over h, no matter what it meets: the motion, and velocities body.v1.
 bool integrate(Body& body, double h) {
   double* m = body.multipliers();
   BodyResponse& response = body.memory->response;
   rungeKutta(*body.rows, response.start(), response.end(), body.xData(), body.vData(),
-             body.acceleration, h, body.stages, body.motion.dx, body.v1, m);
+             body.acceleration, driveOf(body), h, body.stages, body.motion.dx, body.v1, m);
   const int s = body.rows->s;
   for (int k = 0; k < s; ++k) m[k] = m[k + s] = 0.5 * m[k];  // per h^2 of x, not of v
+  driveAt(body, body.xData());
   body.motion.lambda.setZero(body.rows->width);
   return satisfySticks(body);
 }
@@ -40,7 +48,9 @@ bool isFree(const Body& body) {
 
 void take(Body& body) {
   body.cache.clear();
+  body.given += body.stages.work;
   body.x() += body.motion.dx;
+  driveAt(body, body.xData());
   body.v() = body.v1;
   BodyResponse& response = body.memory->response;
   response.setEnd(body.xData());
@@ -98,7 +108,8 @@ void judge(Island& island, AdaptiveStep& step, double sub, bool whole, StepRepor
   const bool least = sub < 1.01 * step.h / kMaxAdaptive;
   take(body);
   const double rate =
-      rungeKuttaError(*body.rows, body.memory->response.start(), body.vData(), sub, body.stages) /
+      rungeKuttaError(*body.rows, body.memory->response.start(), body.xData(), body.vData(),
+                      driveOf(body), sub, body.stages) /
       sub;
   const bool ok = whole && rate < 1e300;
   if (!ok && least) {  // not for an explicit method

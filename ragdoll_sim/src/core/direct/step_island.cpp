@@ -4,6 +4,7 @@
 
 #include "core/direct/begin_step.h"
 #include "core/direct/constants.h"
+#include "core/direct/driving.h"
 #include "core/direct/energy.h"
 #include "core/direct/smooth_motion.h"
 #include "core/direct/stability.h"
@@ -83,6 +84,8 @@ void takeSubsteps(Island& island, double h, StepReport& report) {
       control.retry();
       continue;
     }
+    if (verdict.gain > 0)
+      for (Body* body : island.bodies) restorePins(*body, body->saved.v);
     control.accept(trial.took);
     report.contacts += trial.contacts;
   }
@@ -100,6 +103,7 @@ void stepIsland(Island& island, StepReport& report) {
     stepWithinTolerance(island, island.context.h, report);
   else
     takeSubsteps(island, island.context.h, report);
+  endStep(island);
 }
 
 }  // namespace ragdoll

@@ -4,6 +4,7 @@
 
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/driving.h"
 #include "core/direct/energy.h"
 #include "core/direct/impact.h"
 #include "core/direct/implicit.h"
@@ -30,6 +31,12 @@ bool freeMotions(Island& island, double h) {
   bool whole = true;
   for (Body* body : island.bodies) whole = freeMotion(*body, h) && whole;
   return whole;
+}
+
+/// Damping that is part of the trial, where its motion does not have it.
+void dampWithin(Island& island, double time) {
+  for (Body* body : island.bodies)
+    if (body->damps_within) damp(*body, time);
 }
 
 /// Moves to what is reached first and takes its impact.
@@ -115,7 +122,11 @@ Trial takeExplicitTrial(Island& island, double h, int taken) {
     const SmoothTrial smooth = moveSmoothly(island, h);
     trial = {smooth.took, smooth.ok, 0};
   }
-  if (trial.ok && trial.took == 0) trial = leapfrog(island, h, taken);
+  if (trial.ok && trial.took == 0) {
+    dampWithin(island, 0.5 * h);
+    trial = leapfrog(island, h, taken);
+    dampWithin(island, trial.took - 0.5 * h);
+  }
   trial.ok = trial.ok && isFinite(island);
   return trial;
 }
@@ -125,8 +136,10 @@ Trial takeTrial(Island& island, const SubstepControl& control, StepReport& repor
     case Way::kExplicit:
       return takeExplicitTrial(island, control.substep(), control.taken());
     case Way::kImplicit:
+      dampWithin(island, control.substep());
       return implicitTrial(island, control.substep(), report);
     case Way::kRigid:
+      dampWithin(island, control.substep());
       moveRigidly(island, control.substep(), report);
       return {control.substep()};
     case Way::kAlone:

@@ -314,7 +314,8 @@ void stepPacks(const StepContext& context, FastScratch& s, StepReport& report,
     report.limited += batch.limited;
   }
   for (const CachedImpulse& impulse : impulses)
-    if (impulse.obstacle >= 0) context.supports.pressed[impulse.ragdoll] = 1;
+    if (impulse.obstacle >= 0)
+      context.supports.pressed[impulse.ragdoll] = context.supports.gripped[impulse.ragdoll] = 1;
 }
 
 }  // namespace

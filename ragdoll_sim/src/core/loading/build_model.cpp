@@ -106,14 +106,10 @@ std::vector<RagdollSpec> unrolled(const Scene& scene) {
   return out;
 }
 
-/// start: the model's start pose.
-void placeRagdoll(const RagdollSpec& spec, const Skeleton& s, const Points& start, int first,
-                  Model& model) {
+/// v (3 x n) <- the velocities of the body as a whole, about its centre of mass at x.
+void startMoving(const RagdollSpec& spec, const Skeleton& s, const Eigen::Ref<const Points>& x,
+                 Eigen::Ref<Points> v) {
   const int n = s.size();
-  auto x = model.start_position.middleCols(first, n);
-  auto v = model.start_velocity.middleCols(first, n);
-  const Quat q = spec.pose.orientation.normalized();
-  x = (q.toRotationMatrix() * start).colwise() + spec.pose.position;
   const Eigen::RowVectorXd share =
       Eigen::RowVectorXd::Ones(n) * s.M;  // mass that each point stands for
   const Vec3 com = x * share.transpose() / share.sum();
@@ -123,6 +119,17 @@ void placeRagdoll(const RagdollSpec& spec, const Skeleton& s, const Points& star
   Eigen::Index fastest = 0;
   v.colwise().squaredNorm().maxCoeff(&fastest);
   checkSpeed(spec.where + ".angular_velocity", v.col(fastest));
+}
+
+/// start: the model's start pose.
+void placeRagdoll(const RagdollSpec& spec, const Skeleton& s, const Points& start, int first,
+                  Model& model) {
+  const int n = s.size();
+  auto x = model.start_position.middleCols(first, n);
+  auto v = model.start_velocity.middleCols(first, n);
+  const Quat q = spec.pose.orientation.normalized();
+  x = (q.toRotationMatrix() * start).colwise() + spec.pose.position;
+  startMoving(spec, s, x, v);
   for (const auto& [name, position] : spec.place) {
     const int i = s.particle(name);
     if (i < 0 || i >= s.named)
@@ -189,7 +196,7 @@ std::vector<Pin> resolvePins(const Scene& scene, const Model& model) {
   return pins;
 }
 
-Poke resolve(const PokeSpec& p, const Model& model) {
+Poke resolve(const PokeSpec& p, Model& model) {
   Poke poke;
   try {
     poke.body = findBody(model, p.body);
@@ -211,6 +218,8 @@ Poke resolve(const PokeSpec& p, const Model& model) {
   } catch (const Error& e) {
     throw Error(p.where, e.what());
   }
+  const std::string lost = lostMomentText(poke, model.start_position);
+  if (!lost.empty()) model.warnings.push_back(p.where + " on '" + p.body + "': " + lost);
   return poke;
 }
 
@@ -239,7 +248,14 @@ Model buildModel(const Scene& scene) {
     throw Error(scene.where, e.what());
   }
   for (std::size_t i = 0; i < specs.size(); ++i)
-    if (!specs[i].place.empty()) correctStart(specs[i], model, static_cast<int>(i));
+    if (!specs[i].place.empty()) {
+      correctStart(specs[i], model, static_cast<int>(i));
+      const Ragdoll& r = model.ragdolls[i];
+      const Skeleton& s = model.skeletonOf(r);
+      startMoving(specs[i], s, model.start_position.middleCols(r.first, s.size()),
+                  model.start_velocity.middleCols(r.first, s.size()));
+    }
+  for (Pin& p : model.pins) p.target = model.start_position.col(p.particle);
   for (const PokeSpec& p : scene.pokes) model.pokes.push_back(resolve(p, model));
   std::stable_sort(model.pokes.begin(), model.pokes.end(), [&](const Poke& a, const Poke& b) {
     return actsBefore(a, b, model.solver.step);
@@ -278,24 +294,6 @@ void setPins(Model& model, const std::vector<Pin>& pins) {
   model.pins = pins;
   model.systems = std::move(systems);
   for (std::size_t i = 0; i < chosen.size(); ++i) model.ragdolls[i].system = chosen[i];
-}
-
-State startState(const Model& model) {
-  State state;
-  state.x = model.start_position;
-  state.v = model.start_velocity;
-  for (const Ragdoll& r : model.ragdolls) {  // a particle placed apart from its rigid group
-    const Eigen::MatrixXd& affine = model.systemOf(r).direct.affine;
-    auto x = state.x.middleCols(r.first, affine.cols());
-    const Points together = x * affine.transpose();
-    if (!model.systemOf(r).lumped && (together - x).cwiseAbs().maxCoeff() > 1e-9) x = together;
-  }
-  for (const Pin& p : model.pins) state.v.col(p.particle).setZero();
-  for (const Obstacle& o : model.obstacles) state.obstacles.push_back(o.pose);
-  state.asleep.assign(model.ragdolls.size(), 0);
-  state.quiet.assign(model.ragdolls.size(), 0.0);
-  state.allowed = startAllowed(model);
-  return state;
 }
 
 }  // namespace ragdoll

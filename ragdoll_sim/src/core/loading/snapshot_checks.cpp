@@ -6,6 +6,7 @@
 #include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/limits.h"
 #include "ragdoll_sim/core/snapshot.h"
 #include "ragdoll_sim/core/solver_presets.h"
 
@@ -43,7 +44,7 @@ void checkState(const Model& model, const State& state) {
   require(state.x.cols() == model.size() && state.v.cols() == model.size() &&
               state.asleep.size() == bodies && state.quiet.size() == bodies &&
               state.obstacles.size() == model.obstacles.size() &&
-              state.allowed.cols() == startState(model).allowed.cols(),
+              state.allowed.cols() == startAllowed(model).cols(),
           "its sizes are not those of the scene");
   require(areReached(state.x) && areReached(state.v),
           "it holds a position or velocity that no run comes to");

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "core/limits/limit_projection.h"
 #include "core/linear/relax.h"
@@ -19,6 +20,8 @@ constexpr double kInside = 2e-4;   ///< [rad] so far inside its limits a joint i
 constexpr double kThere = 1e-4;    ///< [rad] give or take this
 constexpr double kLengths = 1e-6;  ///< [-] and with sticks of this accuracy
 constexpr double kApart = 0.1;     ///< [-] a stick this far from its length is drawn in later
+constexpr double kJoined = 1e-9;     ///< [m] so near a point is where its rigid group has it
+constexpr double kToldLength = 1e-3;  ///< [m] a stick this far from its length is told
 constexpr int kSweeps = 5000;
 constexpr double kLongStep = 1e6;  ///< [s] in which a spring that presses arrives
 
@@ -120,7 +123,10 @@ Points startPose(const SkeletonSpec& spec, Skeleton& s) {
   return corrector.positions();
 }
 
-void correctStart(const RagdollSpec& spec, Model& model, int ragdoll) {
+namespace {
+
+/// Brings joints that place left outside their limits back.
+void correctLimits(const RagdollSpec& spec, Model& model, int ragdoll) {
   const Ragdoll& r = model.ragdolls[ragdoll];
   const Skeleton& s = model.skeletonOf(r);
   auto start = model.start_position.middleCols(r.first, s.size());
@@ -151,6 +157,51 @@ void correctStart(const RagdollSpec& spec, Model& model, int ragdoll) {
               told + (pins.empty() ? ", and no pose near it keeps all limits; place it within them"
                                    : ", and the pins leave no way to correct it; place it within "
                                      "the limits, or pin fewer particles"));
+}
+
+/// A rigid group is whole from the start, though single points of it were placed.
+void joinGroups(Model& model, const Ragdoll& r) {
+  const Skeleton& s = model.skeletonOf(r);
+  const System& system = model.systemOf(r);
+  const bool relaxed = model.solver.method == Method::kJakobsen && system.lumped;
+  if (relaxed || s.groups.empty()) return;
+  auto start = model.start_position.middleCols(r.first, s.size());
+  const Points before = start, together = before * system.direct.affine.transpose();
+  if ((together - before).cwiseAbs().maxCoeff() <= kJoined) return;
+  start = together;
+  model.warnings.push_back("ragdoll '" + r.name +
+                           "': place takes points of a rigid group apart; joined again, moved: " +
+                           movesText(s, before, together));
+}
+
+/// Warns of the stick that is farthest from its length.
+void tellLengths(Model& model, const Ragdoll& r) {
+  const Skeleton& s = model.skeletonOf(r);
+  const auto x = model.start_position.middleCols(r.first, s.size());
+  const Stick* worst = nullptr;
+  double off = kToldLength;
+  for (const Stick& k : s.sticks) {
+    const double by = (x.col(k.a) - x.col(k.b)).norm() - k.length;
+    if (std::abs(by) <= std::abs(off)) continue;
+    off = by;
+    worst = &k;
+  }
+  if (!worst) return;
+  char by[32];
+  std::snprintf(by, sizeof by, "%.1f mm", 1e3 * std::abs(off));
+  model.warnings.push_back("ragdoll '" + r.name + "': place leaves stick " +
+                           s.particles[worst->a] + "-" + s.particles[worst->b] + " " + by +
+                           (off > 0 ? " too long" : " too short") +
+                           ", the most of all; the first steps draw sticks to their lengths");
+}
+
+}  // namespace
+
+void correctStart(const RagdollSpec& spec, Model& model, int ragdoll) {
+  const Ragdoll& r = model.ragdolls[ragdoll];
+  joinGroups(model, r);
+  correctLimits(spec, model, ragdoll);
+  tellLengths(model, r);
 }
 
 }  // namespace ragdoll

@@ -3,6 +3,36 @@
 #include <Eigen/Cholesky>
 
 namespace ragdoll {
+namespace {
+
+constexpr double kInLine = 1e-6;  ///< [-] sine below which pins are on one line
+constexpr double kAtOne = 1e-6;   ///< of the body's reach: pins nearer than that are at one place
+constexpr double kRigid = 1e-6;   ///< of their speeds: how far pins move as one rigid body
+
+/// The spin that two or more pins have, but for that about `axis`, the line through them, which is
+/// free. False: no rigid motion has theirs, none is free, or they are at one place, to which only
+/// what pulls a body together brings them.
+bool spinByPins(const std::vector<int>& pins, const Eigen::Ref<const Points>& x,
+                const Eigen::Ref<const Points>& v, Vec3& axis, Vec3& spin) {
+  int farthest = pins[0];
+  const auto arm = [&](int p) { return Vec3(x.col(p) - x.col(pins[0])); };
+  const auto rate = [&](int p) { return Vec3(v.col(p) - v.col(pins[0])); };
+  for (const int p : pins)
+    if (arm(p).squaredNorm() > arm(farthest).squaredNorm()) farthest = p;
+  const Vec3 line = arm(farthest);
+  const double reach = (x.colwise() - x.col(pins[0])).colwise().norm().maxCoeff();
+  if (line.norm() <= kAtOne * reach) return false;
+  const Vec3 turn = line.cross(rate(farthest)) / line.squaredNorm();
+  for (const int p : pins) {
+    if (arm(p).cross(line).norm() > kInLine * line.squaredNorm()) return false;
+    if ((rate(p) - turn.cross(arm(p))).norm() > kRigid * rate(farthest).norm()) return false;
+  }
+  axis = line.normalized();
+  spin = turn;
+  return true;
+}
+
+}  // namespace
 
 void Turning::add(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
                   const Eigen::Ref<const Points>& v, const RigidMotion& motion) {
@@ -32,10 +62,18 @@ RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
     motion.centre = x.col(pins[0]);
     motion.drift = v.col(pins[0]);
   }
-  if (pins.size() >= 2) return motion;
+  Vec3 axis = Vec3::Zero();
+  if (pins.size() >= 2 && !spinByPins(pins, x, v, axis, motion.spin)) return motion;
   Turning turning;
   turning.add(mass, x, v, motion);
-  motion.spin = turning.spin();
+  if (pins.size() >= 2) {
+    const double about = axis.dot(turning.inertia * axis);
+    const double small = 1e-9 * turning.inertia.trace() + 1e-300;  // all in one line
+    motion.spin +=
+        axis.dot(turning.angular - turning.inertia * motion.spin) / (about + small) * axis;
+  } else {
+    motion.spin = turning.spin();
+  }
   return motion;
 }
 

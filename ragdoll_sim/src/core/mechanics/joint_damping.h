@@ -1,9 +1,9 @@
 // Damping of a body's inner motion: limbs stop swinging, the body as a whole is not held back.
 //
 // Velocities are drawn towards those of the rigid motion with the same momentum and angular
-// momentum (about its pin, if it has one), v <- v_rigid + (v - v_rigid) exp(-c h), as in
-// [Mueller2007, sec. 3.5]. Linear and angular momentum of a free body do not change; sticks stay
-// satisfied.
+// momentum (about its pin, or the line through its pins), v <- v_rigid + (v - v_rigid) exp(-c h),
+// as in [Mueller2007, sec. 3.5]. Linear and angular momentum of a free body do not change; sticks
+// stay satisfied.
 #pragma once
 
 #include <vector>
@@ -40,7 +40,8 @@ struct Turning {
 };
 
 /// The rigid motion with the momentum and angular momentum of velocities v: what the body would do
-/// if its joints froze. Pinned: about the pin; by two pins: none.
+/// if its joints froze. Pinned: about the pin; by pins on a line: about that; by
+/// others: none.
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
                         const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v);
 

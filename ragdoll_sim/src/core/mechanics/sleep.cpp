@@ -6,6 +6,7 @@
 #include "core/contact/contact.h"
 #include "core/contact/detect.h"
 #include "core/mechanics/constants.h"
+#include "core/mechanics/supports.h"
 
 namespace ragdoll {
 namespace {
@@ -87,8 +88,31 @@ bool wakeTouched(const std::vector<Contact>& contacts, const Points& x1, State& 
   return woke;
 }
 
-void putToSleep(const Model& model, const std::vector<BodyPair>& pressing, double h,
-                std::vector<std::uint8_t>& pressed, State& state) {
+namespace {
+
+/// Who stands on what does not move by contacts that stick.
+std::vector<std::uint8_t> findHeld(const Model& model, const Supports& supports,
+                                   const State& state) {
+  std::vector<std::uint8_t> held = supports.gripped;
+  for (std::size_t i = 0; i < held.size(); ++i)
+    held[i] = held[i] || state.asleep[i] || isHung(model, static_cast<int>(i));
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (const BodyPair& pair : supports.pressing) {
+      if (!pair.grips || held[pair.first] == held[pair.second]) continue;
+      held[pair.first] = held[pair.second] = 1;
+      changed = true;
+    }
+  }
+  return held;
+}
+
+}  // namespace
+
+void putToSleep(const Model& model, double h, Supports& all, State& state) {
+  const std::vector<BodyPair>& pressing = all.pressing;
+  std::vector<std::uint8_t>& pressed = all.pressed;
+  const std::vector<std::uint8_t> held = findHeld(model, all, state);
   const auto supports = [&](int i) { return pressed[i] || state.asleep[i] || isHung(model, i); };
   spread(pressing, [&](int i, int j) {
     if (supports(i) == supports(j)) return false;
@@ -105,7 +129,8 @@ void putToSleep(const Model& model, const std::vector<BodyPair>& pressing, doubl
     const double v2 =
         state.v.middleCols(r.first, model.skeletonOf(r).size()).colwise().squaredNorm().maxCoeff();
     state.quiet[i] = v2 < rest.speed * rest.speed ? state.quiet[i] + h : 0;
-    still[i] = state.quiet[i] >= rest.time;
+    const bool slides = was_pressed && !held[i] && v2 > kHeldSpeed * kHeldSpeed;
+    still[i] = state.quiet[i] >= rest.time && !slides;
   }
   spread(pressing, [&](int i, int j) {
     if (still[i] == still[j]) return false;

@@ -96,9 +96,9 @@ void stepJakobsen(const StepContext& context, RelaxationWorkspace& ws, StepRepor
   state.x = ws.x1;
   constrain(model, state, ws, state.x);
   state.v = ws.v1 + (state.x - ws.x1) / h;
-  ws.projection.bounce(state.v);
+  ws.projection.bounce(h, state.v);
   report.contacts = ws.projection.pressing();
-  ws.projection.markPressed(context.supports.pressed, context.supports.pressing);
+  ws.projection.markPressed(context.supports);
   if (context.guarded) guardRelaxation(context, ws, report);
   limitPairEnergy(context, ws, report);
   keepAllowed(model, state);

@@ -57,15 +57,18 @@ void ContactProjection::prepare(const Model& model, const std::vector<Contact>& 
     const double gap = n.dot(pointOf(c, x1)) - c.offset;
     const double gravity = -n.dot(model.gravity);
     const double speed = -n.dot(pointOf(c, v1) - c.surface_motion / h);
+    double free_share = 0;  // of the step, before it touches
     if (c.restitution > 0 && gap < 0 && c.gap_start > gap &&
         speed > kRestSteps * std::max(gravity, 0.0) * h) {
       const double before = std::clamp(c.gap_start / (c.gap_start - gap), 0.0, 1.0);  // share of h
       const double out = c.restitution * speed - (1 + c.restitution) * gravity * (1 - before) * h;
+      free_share = before;
       p.contact.offset += c.restitution * -gap;
       p.bounce_speed = std::max(0.0, out) + n.dot(c.surface_motion) / h;
     }
     p.inverse_w = 1 / p.w;
     p.held = pointOf(c, x0) + c.surface_motion;
+    p.held += free_share * (pointOf(c, x1) - p.held);
     contacts_.push_back(p);
   }
 }
@@ -106,21 +109,32 @@ void ContactProjection::sweep(Points& x) {
   }
 }
 
-void ContactProjection::bounce(Points& v) const {
+void ContactProjection::bounce(double h, Points& v) const {
   for (const ProjectedContact& p : contacts_) {
     if (p.bounce_speed <= 0 || p.lambda_n <= 0) continue;
-    const double speed = p.contact.normal.dot(pointOf(p.contact, v));
-    apply(p, (p.bounce_speed - speed) / p.w * p.contact.normal, v);
+    const Vec3 &n = p.contact.normal, velocity = pointOf(p.contact, v);
+    const double blow = (p.bounce_speed - n.dot(velocity)) / p.w;  // [N s] beside the sweeps'
+    Vec3 impulse = blow * n;
+    if (p.contact.friction > 0) {
+      // Those of the sweeps grow with the part of the step beyond the contact, as the way does.
+      const Vec3 slip = velocity - p.contact.surface_motion / h, given = p.lambda_t / h;
+      Vec3 friction = given - p.inverse_w * (slip - n.dot(slip) * n);
+      const double most = p.contact.friction * std::max(0.0, p.lambda_n / h + blow);
+      if (friction.squaredNorm() > most * most) friction *= most / friction.norm();
+      impulse += friction - given;
+    }
+    apply(p, impulse, v);
   }
 }
 
-void ContactProjection::markPressed(std::vector<std::uint8_t>& pressed,
-                                    std::vector<BodyPair>& pressing) const {
+void ContactProjection::markPressed(Supports& supports) const {
   for (const ProjectedContact& p : contacts_) {
     if (p.lambda_n <= 0) continue;
     const Contact& c = p.contact;
-    if (c.obstacle >= 0) pressed[c.ragdoll] = 1;
-    if (c.other >= 0) pressing.push_back({c.ragdoll, c.other});
+    const bool grips = isInsideCone(c.friction, p.lambda_n, p.lambda_t.norm());
+    if (c.obstacle >= 0) supports.pressed[c.ragdoll] = 1;
+    if (c.obstacle >= 0 && grips) supports.gripped[c.ragdoll] = 1;
+    if (c.other >= 0) supports.pressing.push_back({c.ragdoll, c.other, grips});
   }
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/contact/contact.h"
+#include "core/mechanics/supports.h"
 #include "ragdoll_sim/core/model.h"
 
 namespace ragdoll {
@@ -33,10 +34,9 @@ class ContactProjection {
                const Points& x1, const Points& v1, double h);
   /// One sweep over all contacts; moves x.
   void sweep(Points& x);
-  /// Gives bouncing contacts their speed; changes v only.
-  void bounce(Points& v) const;
-  /// pressed: per ragdoll, by an obstacle; pressing: bodies on each other.
-  void markPressed(std::vector<std::uint8_t>& pressed, std::vector<BodyPair>& pressing) const;
+  /// Gives bouncing contacts their speed, and the friction of the whole blow; changes v only.
+  void bounce(double h, Points& v) const;
+  void markPressed(Supports& supports) const;
   /// Adds the mean forces [N] of other bodies on the one with n columns from `first` on, in a step
   /// of h [s], to those of all (3 x N).
   void addPairForces(int first, int n, double h, Points& force) const;

@@ -187,7 +187,7 @@ void stepAnew(const StepContext& context, int i, RelaxationWorkspace& ws, StepRe
   const int n = context.model.skeletonOf(r).size();
   state.x.middleCols(r.first, n) = ws.x0.middleCols(r.first, n);
   state.v.middleCols(r.first, n) = ws.v0.middleCols(r.first, n);
-  context.supports.pressed[i] = 0;
+  context.supports.pressed[i] = context.supports.gripped[i] = 0;
   const StepContext own{context.model,   context.inputs, context.h, forcesOn(context, i, ws),
                         context.guarded, true,           state,     context.ws,
                         context.supports};

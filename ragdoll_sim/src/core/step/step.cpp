@@ -38,6 +38,7 @@ StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, 
   wakeDisturbed(model, inputs, h, state);
   ws.supports.pressed.assign(model.ragdolls.size(), 0);
   ws.supports.pressing.clear();
+  ws.supports.gripped.assign(model.ragdolls.size(), 0);
   const bool relaxed = model.solver.method == Method::kJakobsen;
   const StepContext context{model,      inputs,  h,     gatherForces(inputs, h, state, ws.force),
                             ws.guarded, relaxed, state, ws.direct,
@@ -48,7 +49,7 @@ StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, 
     stepFast(context, ws.fast, report);
   else
     stepDirect(context, report);
-  if (model.solver.sleep) putToSleep(model, ws.supports.pressing, h, ws.supports.pressed, state);
+  if (model.solver.sleep) putToSleep(model, h, ws.supports, state);
   if (!inputs.obstacles.empty()) state.obstacles = inputs.obstacles;
   ++state.step;
   state.time += h;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/contact/contact.h"
+#include "core/mechanics/supports.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -25,8 +26,8 @@ struct Balls : World {
   void rest(double seconds, std::vector<std::uint8_t> pressed,
             const std::vector<BodyPair>& pressing) {
     for (double t = 0; t < seconds - 0.5 * kStep; t += kStep) {
-      std::vector<std::uint8_t> now = pressed;
-      putToSleep(model, pressing, kStep, now, state);
+      Supports now{pressed, pressing, pressed};
+      putToSleep(model, kStep, now, state);
     }
   }
 };
@@ -45,10 +46,10 @@ TEST(Sleep, WhatLiesStillFallsAsleepAndWhatFloatsLater) {
 TEST(Sleep, BodiesThatPressOnEachOtherFallAsleepTogether) {
   Balls balls;
   balls.state.v.col(1) = Vec3(2 * kStillSpeed, 0, 0);
-  balls.rest(2 * kQuietTime, {1, 0}, {{0, 1}});  // the second lies on the first
+  balls.rest(2 * kQuietTime, {1, 0}, {{0, 1, true}});  // the second lies on the first
   EXPECT_FALSE(balls.state.asleep[0]);
   balls.state.v.setZero();
-  balls.rest(kQuietTime + kStep, {1, 0}, {{0, 1}});
+  balls.rest(kQuietTime + kStep, {1, 0}, {{0, 1, true}});
   EXPECT_TRUE(balls.state.asleep[0]);
   EXPECT_TRUE(balls.state.asleep[1]);
 }

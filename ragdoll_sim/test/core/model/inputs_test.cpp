@@ -51,6 +51,44 @@ SkeletonSpec triangle() {
   return s;
 }
 
+TEST(Poke, OnPointsAllButInLineHasForcesOfItsSize) {
+  World world(sceneOf(triangle()));
+  Poke poke;
+  poke.body = findBody(world.model, "abc");
+  poke.force = Vec3(5, 20, -10);
+  poke.point = Vec3(0.3, 0.2, 0.4);
+  for (const double bent : {0.0, 1e-6, 1e-4, 1e-3}) {  // as the relaxation leaves them
+    world.state.x.setZero();
+    world.state.x.row(0) << 0, 1, 0.3;
+    world.state.x(2, 2) = bent;
+    Points forces = Points::Zero(3, 3);
+    addForce(poke, world.state, forces);
+    EXPECT_LT(forces.colwise().norm().maxCoeff(), 3 * poke.force.norm()) << bent;
+  }
+}
+
+TEST(Poke, SaysWhatOfItsMomentHasNoEffect) {
+  Scene scene = sceneOf(triangle());
+  World world(scene);
+  Poke poke;
+  poke.force = Vec3(0, 0, 3);
+  poke.point = Vec3(0.3, -0.2, 0);  // moment (-0.6, -0.9, 0)
+  poke.body = findBody(world.model, "abc");
+  EXPECT_EQ(lostMomentText(poke, world.state.x), "");
+  poke.body = findBody(world.model, "ab");  // along x
+  EXPECT_THAT(lostMomentText(poke, world.state.x), StartsWith("0.6 N m of its moment of 1.082"));
+  poke.body = findBody(world.model, "a");
+  EXPECT_THAT(lostMomentText(poke, world.state.x), HasSubstr("a particle takes none"));
+  PokeSpec spec;
+  spec.body = "ab";
+  spec.force = poke.force;
+  spec.point = poke.point;
+  spec.where = "scene.yaml: pokes[0]";
+  scene.pokes = {spec};
+  EXPECT_THAT(buildModel(scene).warnings,
+              ::testing::Contains(StartsWith("scene.yaml: pokes[0] on 'ab': 0.6 N m")));
+}
+
 TEST(Poke, OnAGroupHasTheForceAndTheMomentOfItsPoint) {
   World world(sceneOf(triangle()));
   Poke poke;

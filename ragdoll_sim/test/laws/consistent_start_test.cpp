@@ -1,0 +1,156 @@
+// Starts that contradict themselves are made consistent once, by the mass matrix, whatever the step.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/worlds.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+/// A human without joints that turns, held by a hand.
+Scene hung() {
+  Scene scene = parseScene(
+      "ragdolls: [{model: human_lumped, position: [0, 0, 2], angular_velocity: [3, 2, 1]}]\n"
+      "pins: [ragdoll/right_hand]\n");
+  SkeletonSpec skeleton = *scene.ragdolls[0].skeleton;
+  skeleton.joints.clear();
+  scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(std::move(skeleton));
+  return scene;
+}
+
+/// [1/s] The largest rate at which a stick stretches, of its length.
+double stickRate(const Model& model, const State& state) {
+  double worst = 0;
+  for (const Stick& k : model.skeletons[0].sticks) {
+    const Vec3 d = state.x.col(k.b) - state.x.col(k.a), rate = state.v.col(k.b) - state.v.col(k.a);
+    worst = std::max(worst, std::abs(d.dot(rate)) / d.squaredNorm());
+  }
+  return worst;
+}
+
+Points endOf(Scene scene, Method method, double rate, double seconds) {
+  scene.solver.method = method;
+  scene.solver.step = 1 / rate;
+  World world(scene);
+  world.steps(static_cast<int>(std::lround(seconds * rate)));
+  return world.state.x;
+}
+
+TEST(ConsistentStart, OfAPinnedBodyKeepsTheOrderOfTheMethod) {
+  const Scene scene = hung();
+  const Points best = endOf(scene, Method::kRk, 3840, 0.25);
+  const auto error = [&](Method method, double rate) {
+    return (endOf(scene, method, rate, 0.25) - best).colwise().norm().maxCoeff();
+  };
+  EXPECT_GT(std::log2(error(Method::kShake, 480) / error(Method::kShake, 960)), 1.8);
+  EXPECT_GT(std::log2(error(Method::kRk, 240) / error(Method::kRk, 480)), 4.5);
+  EXPECT_LT(error(Method::kRk, 960), 1e-9);
+}
+
+TEST(ConsistentStart, IsTheNearestInTheMassMetricWhateverTheStep) {
+  Scene scene = hung();
+  Points first;
+  for (const double step : {0.1, 1e-2, 1e-4}) {
+    scene.solver.step = step;
+    const Model model = buildModel(scene);
+    State wanted;
+    wanted.x = model.start_position;
+    wanted.v = model.start_velocity;
+    double taken = 0;
+    const State state = startState(model, &taken);
+    EXPECT_TRUE(state.v.col(model.pins[0].particle).isZero(0));
+    EXPECT_LT(stickRate(model, state), 1e-9);
+    State lost = state;
+    lost.v = wanted.v - state.v;
+    EXPECT_GT(taken, 1);
+    EXPECT_NEAR(taken, kineticEnergy(model, lost), 1e-9 * taken);  // Pythagoras: a projection
+    EXPECT_NEAR(taken, kineticEnergy(model, wanted) - kineticEnergy(model, state), 1e-9 * taken);
+    if (first.cols() == 0) first = state.v;
+    EXPECT_EQ(state.v, first);
+  }
+}
+
+TEST(ConsistentStart, OnTheFloorLosesWhatGoesIntoItAndNothingElse) {
+  Scene scene = sceneOf(oneStick(1, 1, 0.1), Vec3(0, 0, 0.1));
+  scene.obstacles = {floorPlane(0.8, 1)};
+  scene.ragdolls[0].velocity = Vec3(1, 2, -3);
+  double taken = 0;
+  const Model model = buildModel(scene);
+  const State state = startState(model, &taken);
+  EXPECT_LT((state.v.col(0) - Vec3(1, 2, 0)).norm(), 1e-12);
+  EXPECT_LT((state.v.col(1) - Vec3(1, 2, 0)).norm(), 1e-12);
+  EXPECT_NEAR(taken, 9, 1e-12);
+  scene.ragdolls[0].velocity = Vec3(1, 2, 3);  // away from it
+  const State away = startState(buildModel(scene), &taken);
+  EXPECT_EQ(Vec3(away.v.col(0)), Vec3(1, 2, 3));
+  EXPECT_EQ(taken, 0);
+}
+
+TEST(ConsistentStart, BodiesThatTouchShareTheirMomentum) {
+  Scene scene = sceneOf(oneStick(1, 1, 0.1), Vec3(0, 0, 0));
+  scene.gravity.setZero();
+  scene.ragdoll_collision = true;
+  scene.ragdolls.push_back(scene.ragdolls[0]);
+  scene.ragdolls[1].name = "other";
+  scene.ragdolls[1].pose.position = Vec3(0, 0, 0.2);
+  scene.ragdolls[1].velocity = Vec3(0, 0, -1);
+  double taken = 0;
+  const State state = startState(buildModel(scene), &taken);
+  for (int i = 0; i < 4; ++i)
+    EXPECT_LT((state.v.col(i) - Vec3(0, 0, -0.5)).norm(), 1e-9) << i;
+  EXPECT_NEAR(taken, 0.5, 1e-9);
+}
+
+TEST(ConsistentStart, OfAJointAgainstItsStopDoesNotOpenIt) {
+  Scene scene = parseScene("ragdolls: [{model: human, angular_velocity: [1, 2, 3]}]\n");
+  const Model model = buildModel(scene);
+  double taken = 1;
+  const State state = startState(model, &taken);
+  EXPECT_EQ(taken, 0);  // a rigid motion
+  EXPECT_EQ(state.v, model.start_velocity);
+}
+
+TEST(ConsistentStart, OfWhatIsPlacedTurnsWithTheBodyAndTellsWhatMoves) {
+  const Scene scene = parseScene(
+      "ragdolls:\n"
+      "  - {model: human_lumped, position: [0, 0, 2], angular_velocity: [3, 2, 1],\n"
+      "     place: {right_hand: [0.1, -0.7, 2.3]}}\n");
+  const Model model = buildModel(scene);
+  EXPECT_THAT(model.warnings, Contains(HasSubstr("place leaves stick")));
+  const State state = startState(model);
+  EXPECT_LT(stickRate(model, state), 1e-9);
+}
+
+TEST(ConsistentStart, APinnedParticleThatIsPlacedStaysWhereItStarts) {
+  for (const char* particle : {"right_hand", "right_shoulder"}) {  // alone, and of a rigid group
+    for (const Method method : {Method::kShake, Method::kRk}) {
+      Scene scene = parseScene(
+          "gravity: [0, 0, 0]\n"
+          "ragdolls: [{model: human_lumped}]\n");
+      const Model at_rest = buildModel(scene);
+      const int i = findBody(at_rest, particle).particles[0];
+      scene.ragdolls[0].place.push_back(
+          {particle, Vec3(at_rest.start_position.col(i)) + Vec3(0, 0.03, 0.04)});
+      scene.pins.push_back({std::string("ragdoll/") + particle, "", "pins"});
+      scene.solver.method = method;
+      World world(scene);
+      EXPECT_THAT(world.model.warnings, Contains(HasSubstr("place")));
+      const Vec3 start = world.x(i);
+      EXPECT_LT((start - world.model.pins[0].target).norm(), 1e-12);
+      world.steps(1);
+      EXPECT_LT((world.x(i) - start).norm(), 1e-9) << particle;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace ragdoll

@@ -1,0 +1,75 @@
+// A stick that meets a box: across an edge at one point, over a face along all of it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/worlds.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+constexpr double kRadius = 0.06;
+
+/// A frictionless box whose upper edge along y passes through the origin.
+ObstacleSpec box(double restitution) {
+  ObstacleSpec o;
+  o.type = ObstacleSpec::Type::kBox;
+  o.size = Vec3(2, 2, 2);
+  o.pose.position = Vec3(-1, 0, -1);
+  o.restitution = restitution;
+  return o;
+}
+
+/// A stick at 45 degrees across that edge, `off` [m] its middle along it, that comes at 2 m/s.
+Scene across(double off, double restitution, double rate) {
+  Scene scene = sceneOf(oneStick(1, 1, kRadius));
+  const Vec3 along = Vec3(1, 0, -1).normalized(), normal = Vec3(1, 0, 1).normalized();
+  RagdollSpec& r = scene.ragdolls[0];
+  r.pose.orientation = Quat::FromTwoVectors(Vec3::UnitX(), along);
+  r.pose.position = (off - 0.5) * along + (kRadius + 0.137) * normal;
+  r.velocity = -2 * normal;
+  scene.gravity.setZero();
+  scene.obstacles = {box(restitution)};
+  scene.solver.step = 1 / rate;
+  return scene;
+}
+
+TEST(StickAcrossAnEdge, IsPushedWhereItTouches) {
+  for (const double rate : {60.0, 240.0, 1000.0})
+    for (const double restitution : {0.0, 0.5})
+      for (const double off : {0.0, 0.1, 0.25}) {
+        World world(across(off, restitution, rate));
+        world.steps(static_cast<int>(0.1 * rate));  // 31 ms after the touch
+        // Two masses of 1 kg, each 0.5 m from the middle: of the impulse J at `off` each gets the
+        // half and what turns.
+        const double J = (1 + restitution) * 2 / (0.5 + off * off / 0.5);
+        const Vec3 normal = Vec3(1, 0, 1).normalized();
+        const double a = -2 + J * (0.5 + off), b = -2 + J * (0.5 - off);
+        // The stick has turned a little since: compare what it cannot change.
+        const double spin = (world.v(0) - world.v(1)).norm(), mean = 0.5 * (a + b);
+        EXPECT_NEAR(spin, a - b, 6e-3) << rate << " " << restitution << " " << off;
+        EXPECT_NEAR((0.5 * (world.v(0) + world.v(1))).dot(normal), mean, 6e-3)
+            << rate << " " << restitution << " " << off;
+      }
+}
+
+TEST(StickOverAFace, RestsOnBothEndsOfWhatLiesOnIt) {
+  for (const double over : {0.2, 0.45}) {  // of it is beyond the edge
+    Scene scene = sceneOf(oneStick(1, 1, kRadius), Vec3(over - 1, 0, kRadius));
+    scene.obstacles = {box(0)};
+    World world(scene);
+    world.steps(240);
+    EXPECT_NEAR(world.x(0).z(), kRadius, 1e-6);
+    EXPECT_NEAR(world.x(1).z(), kRadius, 1e-6);
+  }
+  Scene scene = sceneOf(oneStick(1, 1, kRadius), Vec3(0.55 - 1, 0, kRadius));
+  scene.obstacles = {box(0)};
+  World world(scene);
+  world.steps(30);
+  EXPECT_LT(world.x(1).z(), 0.05);  // its middle is beyond the edge: it tips
+}
+
+}  // namespace
+}  // namespace ragdoll
