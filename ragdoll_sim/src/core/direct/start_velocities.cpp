@@ -29,7 +29,7 @@ void stopPins(Body& body) {
 void settle(Island& island) {
   for (Body* body : island.bodies) {
     body->tolerances = kAtStart;
-    body->located = kMaxBounces + 1;  // it does not bounce
+    body->located = kMaxLocated + 1;  // it does not bounce
     if (!body->skeleton->groups.empty()) {
       body->kept.noalias() = body->v() * body->system->affine.transpose();
       body->v() = body->kept;
