@@ -5,6 +5,7 @@
 
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/core/start_state.h"
 
 namespace ragdoll::golden {
 namespace {

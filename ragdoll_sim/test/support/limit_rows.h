@@ -11,6 +11,7 @@
 
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/limits.h"
+#include "ragdoll_sim/core/start_state.h"
 #include "support/limbs.h"
 
 namespace ragdoll::test {

@@ -5,9 +5,46 @@
 namespace ragdoll {
 namespace {
 
+constexpr double kSingular = 1e-9;  ///< of the inertia's trace
 constexpr double kInLine = 1e-6;  ///< [-] sine below which pins are on one line
 constexpr double kAtOne = 1e-6;   ///< of the body's reach: pins nearer than that are at one place
 constexpr double kRigid = 1e-6;   ///< of their speeds: how far pins move as one rigid body
+
+/// How a body turns about the centre of a motion, beside that motion's drift.
+struct Rotation {
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< [kg m^2]
+  Vec3 angular = Vec3::Zero();                        ///< [kg m^2/s]
+};
+
+Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+                    const Eigen::Ref<const Points>& v, const RigidMotion& motion) {
+  const Eigen::Index n = x.cols();
+  Rotation rotation;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vec3 r = x.col(i) - motion.centre;
+    Vec3 w = Vec3::Zero();
+    for (Eigen::Index j = 0; j < n; ++j)  // M is sparse
+      if (mass.M(j, i) != 0) w += mass.M(j, i) * (x.col(j) - motion.centre);
+    rotation.angular += w.cross(Vec3(v.col(i) - motion.drift));
+    rotation.inertia += r.dot(w) * Eigen::Matrix3d::Identity() - w * r.transpose();
+  }
+  return rotation;
+}
+
+/// The inertia is regular but for bodies on a line, whose own axis takes no spin.
+Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular) {
+  const double small = kSingular * inertia.trace() + 1e-300;
+  return (inertia + small * Eigen::Matrix3d::Identity()).ldlt().solve(angular);
+}
+
+/// The motion of the centre of mass.
+RigidMotion driftOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+                    const Eigen::Ref<const Points>& v) {
+  RigidMotion motion;
+  motion.centre = x.lazyProduct(mass.sums) / mass.sums.sum();
+  motion.drift = v.lazyProduct(mass.sums) / mass.sums.sum();
+  return motion;
+}
 
 /// The spin that two or more pins have, but for that about `axis`, the line through them, which is
 /// free. False: no rigid motion has theirs, none is free, or they are at one place, to which only
@@ -36,36 +73,36 @@ bool spinByPins(const std::vector<int>& pins, const Eigen::Ref<const Points>& x,
 
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
                         const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v) {
-  const Eigen::Index n = x.cols();
   RigidMotion motion;
   if (pins.empty()) {
-    motion.centre = x.lazyProduct(mass.sums) / mass.sums.sum();
-    motion.drift = v.lazyProduct(mass.sums) / mass.sums.sum();
+    motion = driftOf(mass, x, v);
   } else {
     motion.centre = x.col(pins[0]);
     motion.drift = v.col(pins[0]);
   }
   Vec3 axis = Vec3::Zero();
   if (pins.size() >= 2 && !spinByPins(pins, x, v, axis, motion.spin)) return motion;
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-  Vec3 angular = Vec3::Zero();
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Vec3 r = x.col(i) - motion.centre;
-    Vec3 w = Vec3::Zero();
-    for (Eigen::Index j = 0; j < n; ++j)  // M is sparse
-      if (mass.M(j, i) != 0) w += mass.M(j, i) * (x.col(j) - motion.centre);
-    angular += w.cross(Vec3(v.col(i) - motion.drift));
-    inertia += r.dot(w) * Eigen::Matrix3d::Identity() - w * r.transpose();
-  }
-  // Regular but for bodies on a line, whose own axis takes no spin.
-  const double small = 1e-9 * inertia.trace() + 1e-300;
-  if (pins.size() >= 2) {
-    const double about = axis.dot(inertia * axis);
-    motion.spin += axis.dot(angular - inertia * motion.spin) / (about + small) * axis;
+  const Rotation rotation = rotationOf(mass, x, v, motion);
+  if (pins.size() < 2) {
+    motion.spin = spinOf(rotation.inertia, rotation.angular);
   } else {
-    motion.spin = (inertia + small * Eigen::Matrix3d::Identity()).ldlt().solve(angular);
+    const Eigen::Matrix3d& inertia = rotation.inertia;
+    motion.spin += axis.dot(rotation.angular - inertia * motion.spin) /
+                   (axis.dot(inertia * axis) + kSingular * inertia.trace() + 1e-300) * axis;
   }
   return motion;
+}
+
+Vec3 angularMomentum(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+                     const Eigen::Ref<const Points>& v) {
+  return rotationOf(mass, x, v, driftOf(mass, x, v)).angular;
+}
+
+void addAngularMomentum(const MassMatrix& mass, const Vec3& angular,
+                        const Eigen::Ref<const Points>& x, Eigen::Ref<Points> v) {
+  const RigidMotion drift = driftOf(mass, x, v);
+  const Vec3 spin = spinOf(rotationOf(mass, x, v, drift).inertia, angular);
+  for (Eigen::Index i = 0; i < x.cols(); ++i) v.col(i) += spin.cross(Vec3(x.col(i) - drift.centre));
 }
 
 void dampInnerMotion(const MassMatrix& mass, const std::vector<int>& pins, double keep,

@@ -33,6 +33,14 @@ struct MassMatrix {
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
                         const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v);
 
+/// [kg m^2/s] About the centre of mass.
+Vec3 angularMomentum(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+                     const Eigen::Ref<const Points>& v);
+
+/// Turns the body as a whole, so that its angular momentum grows by `angular`.
+void addAngularMomentum(const MassMatrix& mass, const Vec3& angular,
+                        const Eigen::Ref<const Points>& x, Eigen::Ref<Points> v);
+
 /// x, v: 3 x n of one body; pins: its pinned particles; keep: exp(-c h) in (0, 1].
 void dampInnerMotion(const MassMatrix& mass, const std::vector<int>& pins, double keep,
                      const Eigen::Ref<const Points>& x, Eigen::Ref<Points> v);

@@ -25,7 +25,7 @@ double errorOver(double h) {
   StickSolver stages;
   stages.resize(*body.rows);
   body.stages.free.setZero(3, 2);
-  rungeKutta(*body.rows, response.start(), stages, body.xData(), body.vData(), body.stages.free, h,
+  rungeKutta(*body.rows, response.start(), stages, body.xData(), body.vData(), body.stages.free, {}, h,
              body.stages, dx, v1, lambda.data());
   const Vec3 middle(0.5, 0, 0);
   const Vec3 right = middle + 0.5 * Vec3(std::cos(kTurn * h), std::sin(kTurn * h), 0);
