@@ -15,7 +15,6 @@
 #include "core/direct/step_island.h"
 #include "core/direct/velocity_solver.h"
 #include "core/direct/workspace.h"
-#include "core/mechanics/joint_damping.h"
 
 namespace ragdoll {
 namespace {
@@ -84,38 +83,8 @@ void keepTension(Island& island, double h) {
   }
 }
 
-/// Whether only pokes and gravity act on a body after its motion.
-bool isFree(const Island& island, const Body& body) {
-  const auto on_obstacle = [](const auto& contact) { return contact.obstacle >= 0; };
-  const std::vector<CachedImpulse>& impulses = body.cache.impulses();
-  const std::vector<Contact>& touching = body.touching.contacts;
-  return island.isLone() && body.pinned->pins.empty() &&
-         std::none_of(impulses.begin(), impulses.end(), on_obstacle) &&
-         std::none_of(touching.begin(), touching.end(), on_obstacle);
-}
-
-/// Backward Euler pulls along the sticks' directions at the end on ends that have moved since their
-/// momentum was taken: what it loses of a free body's angular momentum comes back as a spin. body:
-/// after the motion from `start`, where it had `angular`.
-void restoreSpin(Body& body, const Points& start, Vec3 angular, double h) {
-  const StepContext& step = *body.context;
-  if (step.force) {
-    const Points force = step.force->middleCols(body.first, body.n);
-    const Points middle = 0.5 * (start + body.x());
-    const Vec3 centre = middle.lazyProduct(body.rows->mass) / body.rows->mass.sum();
-    for (int i = 0; i < body.n; ++i)
-      angular += h * Vec3(middle.col(i) - centre).cross(Vec3(force.col(i)));
-  }
-  const MassMatrix mass = massOf(body);
-  const Vec3 lost = angular - angularMomentum(mass, body.x(), body.v());
-  addAngularMomentum(mass, lost, body.x(), body.v());
-}
-
 /// Backward Euler over h.
 Trial implicitTrial(Island& island, double h, StepReport& report) {
-  Body& first = *island.bodies[0];
-  const Vec3 angular = angularMomentum(massOf(first), first.x(), first.v());
-  const Points start = first.x();
   bool found = true;
   for (Body* body : island.bodies) {
     ++report.implicit;
@@ -129,7 +98,6 @@ Trial implicitTrial(Island& island, double h, StepReport& report) {
   findCandidates(island, h);
   if (!solvePositionsImplicitly(island, h)) return {h, false};
   finishMotion(island, h, false, Stage::kMotion);
-  if (isFree(island, first)) restoreSpin(first, start, angular, h);
   keepTension(island, h);
   return {h, isFinite(island)};
 }

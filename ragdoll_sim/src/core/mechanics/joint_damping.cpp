@@ -10,33 +10,6 @@ constexpr double kInLine = 1e-6;  ///< [-] sine below which pins are on one line
 constexpr double kAtOne = 1e-6;   ///< of the body's reach: pins nearer than that are at one place
 constexpr double kRigid = 1e-6;   ///< of their speeds: how far pins move as one rigid body
 
-/// How a body turns about the centre of a motion, beside that motion's drift.
-struct Rotation {
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< [kg m^2]
-  Vec3 angular = Vec3::Zero();                        ///< [kg m^2/s]
-};
-
-Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
-                    const Eigen::Ref<const Points>& v, const RigidMotion& motion) {
-  const Eigen::Index n = x.cols();
-  Rotation rotation;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Vec3 r = x.col(i) - motion.centre;
-    Vec3 w = Vec3::Zero();
-    for (Eigen::Index j = 0; j < n; ++j)  // M is sparse
-      if (mass.M(j, i) != 0) w += mass.M(j, i) * (x.col(j) - motion.centre);
-    rotation.angular += w.cross(Vec3(v.col(i) - motion.drift));
-    rotation.inertia += r.dot(w) * Eigen::Matrix3d::Identity() - w * r.transpose();
-  }
-  return rotation;
-}
-
-/// The inertia is regular but for bodies on a line, whose own axis takes no spin.
-Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular) {
-  const double small = kSingular * inertia.trace() + 1e-300;
-  return (inertia + small * Eigen::Matrix3d::Identity()).ldlt().solve(angular);
-}
-
 /// The motion of the centre of mass.
 RigidMotion driftOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
                     const Eigen::Ref<const Points>& v) {
@@ -71,6 +44,26 @@ bool spinByPins(const std::vector<int>& pins, const Eigen::Ref<const Points>& x,
 
 }  // namespace
 
+Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+                    const Eigen::Ref<const Points>& v, const RigidMotion& motion) {
+  const Eigen::Index n = x.cols();
+  Rotation rotation;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vec3 r = x.col(i) - motion.centre;
+    Vec3 w = Vec3::Zero();
+    for (Eigen::Index j = 0; j < n; ++j)  // M is sparse
+      if (mass.M(j, i) != 0) w += mass.M(j, i) * (x.col(j) - motion.centre);
+    rotation.angular += w.cross(Vec3(v.col(i) - motion.drift));
+    rotation.inertia += r.dot(w) * Eigen::Matrix3d::Identity() - w * r.transpose();
+  }
+  return rotation;
+}
+
+Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular) {
+  const double small = kSingular * inertia.trace() + 1e-300;
+  return (inertia + small * Eigen::Matrix3d::Identity()).ldlt().solve(angular);
+}
+
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
                         const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v) {
   RigidMotion motion;
@@ -91,18 +84,6 @@ RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
                    (axis.dot(inertia * axis) + kSingular * inertia.trace() + 1e-300) * axis;
   }
   return motion;
-}
-
-Vec3 angularMomentum(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
-                     const Eigen::Ref<const Points>& v) {
-  return rotationOf(mass, x, v, driftOf(mass, x, v)).angular;
-}
-
-void addAngularMomentum(const MassMatrix& mass, const Vec3& angular,
-                        const Eigen::Ref<const Points>& x, Eigen::Ref<Points> v) {
-  const RigidMotion drift = driftOf(mass, x, v);
-  const Vec3 spin = spinOf(rotationOf(mass, x, v, drift).inertia, angular);
-  for (Eigen::Index i = 0; i < x.cols(); ++i) v.col(i) += spin.cross(Vec3(x.col(i) - drift.centre));
 }
 
 void dampInnerMotion(const MassMatrix& mass, const std::vector<int>& pins, double keep,

@@ -33,13 +33,17 @@ struct MassMatrix {
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
                         const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v);
 
-/// [kg m^2/s] About the centre of mass.
-Vec3 angularMomentum(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
-                     const Eigen::Ref<const Points>& v);
+/// How bodies turn about the centre of a motion, beside that motion's drift.
+struct Rotation {
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< [kg m^2]
+  Vec3 angular = Vec3::Zero();                        ///< [kg m^2/s]
+};
+Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+                    const Eigen::Ref<const Points>& v, const RigidMotion& motion);
 
-/// Turns the body as a whole, so that its angular momentum grows by `angular`.
-void addAngularMomentum(const MassMatrix& mass, const Vec3& angular,
-                        const Eigen::Ref<const Points>& x, Eigen::Ref<Points> v);
+/// [rad/s] The spin that has an angular momentum. Regular but for bodies on a line, whose own axis
+/// takes no spin.
+Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular);
 
 /// x, v: 3 x n of one body; pins: its pinned particles; keep: exp(-c h) in (0, 1].
 void dampInnerMotion(const MassMatrix& mass, const std::vector<int>& pins, double keep,
