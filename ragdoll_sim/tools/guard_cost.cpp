@@ -8,6 +8,7 @@
 #include "extreme_verdict.h"
 #include "format.h"
 #include "ragdoll_sim/core/build_model.h"
+#include "ragdoll_sim/core/start_state.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
 namespace ragdoll::lab {

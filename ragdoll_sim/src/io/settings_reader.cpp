@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/solver_presets.h"
 #include "ragdoll_sim/io/scene_yaml.h"
@@ -71,7 +72,9 @@ void readSolverKnob(const std::string& key, const Reader& value, SolverSpec& sol
   } else if (key == "sweeps") {
     solver.sweeps = value.integer(1, kMaxSweeps);
   } else if (key == "tolerance") {
-    solver.tolerance = value.notNegative();
+    const double tolerance = value.notNegative();
+    checkTolerance(value.where(), tolerance);
+    solver.tolerance = tolerance;
   } else if (key == "damping") {
     solver.damping = value.notNegative();
   } else if (key == "joint_damping") {

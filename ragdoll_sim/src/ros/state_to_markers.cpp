@@ -8,6 +8,7 @@
 
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/start_state.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/ros/convert.h"
 

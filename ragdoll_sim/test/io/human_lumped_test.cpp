@@ -1,6 +1,7 @@
 // models/human_lumped.yaml: masses at its particles.
 #include "human_body.h"
 #include "ragdoll_sim/core/build_model.h"
+#include "ragdoll_sim/core/start_state.h"
 
 namespace ragdoll {
 namespace {

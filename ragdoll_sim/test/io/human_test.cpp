@@ -1,6 +1,7 @@
 // models/human.yaml: masses and inertia of its segments.
 #include "human_body.h"
 #include "ragdoll_sim/core/build_model.h"
+#include "ragdoll_sim/core/start_state.h"
 
 namespace ragdoll {
 namespace {

@@ -4,6 +4,7 @@
 #include "ragdoll_sim/body/angles.h"
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/limits.h"
+#include "ragdoll_sim/core/start_state.h"
 #include "support/falls.h"
 
 namespace ragdoll {

@@ -11,6 +11,7 @@
 
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/limits.h"
+#include "ragdoll_sim/core/start_state.h"
 #include "support/limbs.h"
 
 namespace ragdoll::test {
@@ -70,7 +71,9 @@ struct OneJoint {
 };
 
 /// Bent by `angle` to the front (elbow about -y) from hanging down.
-inline Vec3 bent(double angle_deg) { return {std::sin(rad(angle_deg)), 0, -std::cos(rad(angle_deg))}; }
+inline Vec3 bent(double angle_deg) {
+  return {std::sin(rad(angle_deg)), 0, -std::cos(rad(angle_deg))};
+}
 
 /// Limbs whose shoulder and elbow have one narrow region each.
 inline SkeletonSpec narrowPlanes() {

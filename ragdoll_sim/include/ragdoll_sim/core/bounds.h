@@ -38,6 +38,10 @@ void checkSpeed(const std::string& where, const Vec3& velocity);
 /// Throws Error if it would give, in one step of h [s], more than kFastest.
 void checkGravity(const std::string& where, const Vec3& gravity, double h);
 
+/// A tolerance [m] below that is rounding's; 0 is none.
+constexpr double kSmallestTolerance = 1e-12;
+void checkTolerance(const std::string& where, double tolerance);
+
 /// Throws Error("force", ...) if the poke would give its ragdoll, in one step, more than kFastest.
 /// An offset counts by the body's size.
 void checkForce(const Model& model, const Poke& poke);

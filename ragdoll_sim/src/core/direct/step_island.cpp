@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/direct/angular_momentum.h"
 #include "core/direct/begin_step.h"
 #include "core/direct/constants.h"
 #include "core/direct/driving.h"
@@ -78,14 +79,18 @@ void takeSubsteps(Island& island, double h, StepReport& report) {
   while (!control.done()) {
     save(island);
     const Trial trial = takeTrial(island, control, report);
+    if (trial.ok && (control.way() == Way::kImplicit || pressesItself(island)))
+      restoreAngularMomentum(island, trial.took);
     const Verdict verdict = judge(island, trial, control);
     if (!verdict.accepted || !removeEnergy(island, verdict.gain)) {
       restore(island);
       control.retry();
       continue;
     }
-    if (verdict.gain > 0)
+    if (verdict.gain > 0) {
       for (Body* body : island.bodies) restorePins(*body, body->saved.v);
+      if (pressesItself(island)) restoreAngularMomentum(island, trial.took);
+    }
     control.accept(trial.took);
     report.contacts += trial.contacts;
   }

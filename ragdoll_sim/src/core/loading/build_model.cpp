@@ -30,8 +30,7 @@ void checkSolver(const SolverSpec& s) {
   if (s.sweeps < 1 || s.sweeps > 100000)
     throw Error(s.where + ".sweeps",
                 "sweeps is " + std::to_string(s.sweeps) + "; it must be in 1 ... 100000");
-  if (!(std::isfinite(s.tolerance) && s.tolerance >= 0))
-    throw Error(s.where + ".tolerance", "tolerance must be >= 0 [m]; 0 is a fixed step");
+  checkTolerance(s.where + ".tolerance", s.tolerance);
   if (s.threads < 0 || s.threads > kMaxThreads)
     throw Error(s.where + ".threads", "threads is " + std::to_string(s.threads) +
                                           "; it must be in 0 ... " + std::to_string(kMaxThreads));

@@ -59,9 +59,13 @@ class Group {
     }
     common.centre /= total;
     common.drift /= total;
-    Turning turning;
-    for (const int i : bodies_) turning.add(mass(i), x(i), v(i), common);
-    common.spin = turning.spin();
+    Rotation all;
+    for (const int i : bodies_) {
+      const Rotation own = rotationOf(mass(i), x(i), v(i), common);
+      all.inertia += own.inertia;
+      all.angular += own.angular;
+    }
+    common.spin = spinOf(all.inertia, all.angular);
     return common;
   }
 

@@ -5,9 +5,19 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kInLine = 1e-6;  ///< [-] sine below which pins are on one line
-constexpr double kAtOne = 1e-6;   ///< of the body's reach: pins nearer than that are at one place
-constexpr double kRigid = 1e-6;   ///< of their speeds: how far pins move as one rigid body
+constexpr double kSingular = 1e-13;  ///< of the inertia's trace
+constexpr double kInLine = 1e-6;     ///< [-] sine below which pins are on one line
+constexpr double kAtOne = 1e-6;  ///< of the body's reach: pins nearer than that are at one place
+constexpr double kRigid = 1e-6;  ///< of their speeds: how far pins move as one rigid body
+
+/// The motion of the centre of mass.
+RigidMotion driftOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+                    const Eigen::Ref<const Points>& v) {
+  RigidMotion motion;
+  motion.centre = x.lazyProduct(mass.sums) / mass.sums.sum();
+  motion.drift = v.lazyProduct(mass.sums) / mass.sums.sum();
+  return motion;
+}
 
 /// The spin that two or more pins have, but for that about `axis`, the line through them, which is
 /// free. False: no rigid motion has theirs, none is free, or they are at one place, to which only
@@ -34,21 +44,23 @@ bool spinByPins(const std::vector<int>& pins, const Eigen::Ref<const Points>& x,
 
 }  // namespace
 
-void Turning::add(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
-                  const Eigen::Ref<const Points>& v, const RigidMotion& motion) {
-  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+                    const Eigen::Ref<const Points>& v, const RigidMotion& motion) {
+  const Eigen::Index n = x.cols();
+  Rotation rotation;
+  for (Eigen::Index i = 0; i < n; ++i) {
     const Vec3 r = x.col(i) - motion.centre;
     Vec3 w = Vec3::Zero();
-    for (Eigen::Index j = 0; j < x.cols(); ++j)  // M is sparse
+    for (Eigen::Index j = 0; j < n; ++j)  // M is sparse
       if (mass.M(j, i) != 0) w += mass.M(j, i) * (x.col(j) - motion.centre);
-    angular += w.cross(Vec3(v.col(i) - motion.drift));
-    inertia += r.dot(w) * Eigen::Matrix3d::Identity() - w * r.transpose();
+    rotation.angular += w.cross(Vec3(v.col(i) - motion.drift));
+    rotation.inertia += r.dot(w) * Eigen::Matrix3d::Identity() - w * r.transpose();
   }
+  return rotation;
 }
 
-Vec3 Turning::spin() const {
-  // Regular but for bodies on a line, whose own axis takes no spin.
-  const double small = 1e-13 * inertia.trace() + 1e-300;
+Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular) {
+  const double small = kSingular * inertia.trace() + 1e-300;
   return (inertia + small * Eigen::Matrix3d::Identity()).ldlt().solve(angular);
 }
 
@@ -56,23 +68,20 @@ RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
                         const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v) {
   RigidMotion motion;
   if (pins.empty()) {
-    motion.centre = x.lazyProduct(mass.sums) / mass.sums.sum();
-    motion.drift = v.lazyProduct(mass.sums) / mass.sums.sum();
+    motion = driftOf(mass, x, v);
   } else {
     motion.centre = x.col(pins[0]);
     motion.drift = v.col(pins[0]);
   }
   Vec3 axis = Vec3::Zero();
   if (pins.size() >= 2 && !spinByPins(pins, x, v, axis, motion.spin)) return motion;
-  Turning turning;
-  turning.add(mass, x, v, motion);
-  if (pins.size() >= 2) {
-    const double about = axis.dot(turning.inertia * axis);
-    const double small = 1e-9 * turning.inertia.trace() + 1e-300;  // all in one line
-    motion.spin +=
-        axis.dot(turning.angular - turning.inertia * motion.spin) / (about + small) * axis;
+  const Rotation rotation = rotationOf(mass, x, v, motion);
+  if (pins.size() < 2) {
+    motion.spin = spinOf(rotation.inertia, rotation.angular);
   } else {
-    motion.spin = turning.spin();
+    const Eigen::Matrix3d& inertia = rotation.inertia;
+    motion.spin += axis.dot(rotation.angular - inertia * motion.spin) /
+                   (axis.dot(inertia * axis) + kSingular * inertia.trace() + 1e-300) * axis;
   }
   return motion;
 }

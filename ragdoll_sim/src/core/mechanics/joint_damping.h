@@ -27,23 +27,23 @@ struct MassMatrix {
   const Eigen::VectorXd& sums;  ///< n, of its rows
 };
 
-/// Inertia [kg m^2] and angular momentum [kg m^2/s] about a point.
-struct Turning {
-  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
-  Vec3 angular = Vec3::Zero();
-
-  /// Of a body about the motion's centre, as seen from its drift.
-  void add(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
-           const Eigen::Ref<const Points>& v, const RigidMotion& motion);
-  /// [rad/s] Of what turns as one.
-  Vec3 spin() const;
-};
-
 /// The rigid motion with the momentum and angular momentum of velocities v: what the body would do
 /// if its joints froze. Pinned: about the pin; by pins on a line: about that; by
 /// others: none.
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
                         const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v);
+
+/// How bodies turn about the centre of a motion, beside that motion's drift.
+struct Rotation {
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< [kg m^2]
+  Vec3 angular = Vec3::Zero();                        ///< [kg m^2/s]
+};
+Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+                    const Eigen::Ref<const Points>& v, const RigidMotion& motion);
+
+/// [rad/s] The spin that has an angular momentum. Regular but for bodies on a line, whose own axis
+/// takes no spin.
+Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular);
 
 /// x, v: 3 x n of one body; pins: its pinned particles; keep: exp(-c h) in (0, 1].
 void dampInnerMotion(const MassMatrix& mass, const std::vector<int>& pins, double keep,

@@ -45,6 +45,15 @@ void checkGravity(const std::string& where, const Vec3& gravity, double h) {
                          " m/s in one step: numbers cannot follow what is faster");
 }
 
+void checkTolerance(const std::string& where, double tolerance) {
+  if (tolerance == 0 || (std::isfinite(tolerance) && tolerance >= kSmallestTolerance)) return;
+  const char* reason =
+      tolerance > 0 && std::isfinite(tolerance) ? ": numbers are rounded by more than that" : "";
+  throw Error(where, "tolerance is " + numberText(tolerance) +
+                         "; it must be 0 (a fixed step), or at least " +
+                         numberText(kSmallestTolerance) + " m and finite" + reason);
+}
+
 void checkForce(const Model& model, const Poke& poke) {
   const Skeleton& skeleton = model.skeletonOf(model.ragdolls[poke.body.ragdoll]);
   const double size =

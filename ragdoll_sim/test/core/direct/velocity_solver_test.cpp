@@ -15,13 +15,14 @@ struct Touching : DirectIsland {
   static constexpr double kRadius = 0.1;
 
   Touching(double restitution, double friction, const Vec3& v)
-      : DirectIsland(scene(restitution, friction, v)) {
+      : DirectIsland(scene(restitution, friction)) {
+    body().v().col(0) = v;
     body().motion.dx.setZero(3, 1);
     findCandidates(island, h);
     findTouching(body(), 0);
   }
-  static Scene scene(double restitution, double friction, const Vec3& v) {
-    Scene scene = weightless(oneParticle(2, kRadius), v);
+  static Scene scene(double restitution, double friction) {
+    Scene scene = weightless(oneParticle(2, kRadius));
     scene.ragdolls[0].pose.position.z() = kRadius;
     scene.obstacles = {floorPlane(friction, restitution)};
     return scene;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/core/start_state.h"
 #include "support/limit_rows.h"
 
 namespace ragdoll {

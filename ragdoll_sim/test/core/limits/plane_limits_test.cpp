@@ -6,6 +6,7 @@
 #include "core/limits/limit_angles.h"
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/core/start_state.h"
 #include "support/limit_rows.h"
 
 namespace ragdoll {

@@ -160,9 +160,10 @@ TEST(StartPose, WhatIsRightOrSoftOrApartStaysAsItIs) {
   EXPECT_TRUE(untouched(armBentBack(5e-4)).empty());       // as figures in a file round
   EXPECT_TRUE(untouched(armBentBack(40, 1, 50)).empty());  // a spring presses it back
   const std::vector<std::string> apart = untouched(armBentBack(40, 2));
-  ASSERT_EQ(apart.size(), 1u);
+  ASSERT_EQ(apart.size(), 2u);
   EXPECT_THAT(apart[0], AllOf(HasSubstr("joint 'elbow' 40.0 deg outside"),
                               HasSubstr("sticks are off their lengths")));
+  EXPECT_THAT(apart[1], HasSubstr("place leaves stick"));
 }
 
 }  // namespace

@@ -14,6 +14,21 @@ using namespace test;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
+TEST(Bounds, AToleranceIsNoneOrMoreThanRounding) {
+  for (const double good : {0.0, 1e-12, 1e-4, 1.0}) EXPECT_NO_THROW(checkTolerance("t", good));
+  for (const double bad : {-1e-3, 1e-13, 5e-324, kNone, std::numeric_limits<double>::infinity()}) {
+    try {
+      checkTolerance("solver.tolerance", bad);
+      FAIL() << bad;
+    } catch (const Error& e) {
+      const std::string text = e.what();
+      EXPECT_EQ(text.rfind("solver.tolerance", 0), 0u) << text;
+      EXPECT_NE(text.find("it must be 0 (a fixed step), or at least 1e-12 m"), text.npos) << text;
+      if (bad == 1e-13) EXPECT_NE(text.find("rounded"), text.npos) << text;
+    }
+  }
+}
+
 TEST(Bounds, RefuseWhatIsBeyondAndWhatIsNoNumber) {
   EXPECT_NO_THROW(checkPosition("p", Vec3(kFarthest, -kFarthest, 0)));
   EXPECT_THROW(checkPosition("p", Vec3(0, 1.001 * kFarthest, 0)), Error);

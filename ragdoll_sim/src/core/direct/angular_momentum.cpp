@@ -1,0 +1,103 @@
+#include "core/direct/angular_momentum.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/mechanics/joint_damping.h"
+
+namespace ragdoll {
+namespace {
+
+bool isOnObstacle(const CachedImpulse& impulse) { return impulse.obstacle >= 0; }
+
+bool isFree(const Body& body) {
+  const std::vector<CachedImpulse>& impulses = body.cache.impulses();
+  const std::vector<Contact>& touching = body.touching.contacts;
+  return body.pinned->pins.empty() &&
+         std::none_of(impulses.begin(), impulses.end(), isOnObstacle) &&
+         std::none_of(touching.begin(), touching.end(),
+                      [](const Contact& contact) { return contact.obstacle >= 0; });
+}
+
+bool isFree(const Island& island) {
+  return std::all_of(island.bodies.begin(), island.bodies.end(),
+                     [](const Body* body) { return isFree(*body); }) &&
+         std::none_of(island.pairs.pressing.begin(), island.pairs.pressing.end(),
+                      [&](const BodyPair& pair) {  // a sleeper
+                        return island.placeOf(pair.first) < 0 || island.placeOf(pair.second) < 0;
+                      });
+}
+
+/// The motion of the bodies' common centre of mass, at x, v of each: of(body).
+template <class OfX, class OfV>
+RigidMotion driftOf(const Island& island, const OfX& x, const OfV& v) {
+  RigidMotion drift;
+  double mass = 0;
+  for (const Body* body : island.bodies) {
+    const Eigen::VectorXd& own = body->rows->mass;
+    drift.centre += x(*body).lazyProduct(own);
+    drift.drift += v(*body).lazyProduct(own);
+    mass += own.sum();
+  }
+  drift.centre /= mass;
+  drift.drift /= mass;
+  return drift;
+}
+
+template <class OfX, class OfV>
+Rotation rotationOf(const Island& island, const RigidMotion& drift, const OfX& x, const OfV& v) {
+  Rotation all;
+  for (const Body* body : island.bodies) {
+    const Rotation own = rotationOf(massOf(*body), x(*body), v(*body), drift);
+    all.angular += own.angular;
+    all.inertia += own.inertia;
+  }
+  return all;
+}
+
+/// [kg m^2/s] By pokes over `took`, about the centre of mass: at the poses half way.
+Vec3 givenByPokes(const Island& island, const Vec3& middle, double took) {
+  Vec3 given = Vec3::Zero();
+  if (!island.context.force) return given;
+  for (const Body* body : island.bodies)
+    for (int i = 0; i < body->n; ++i) {
+      const Vec3 force = island.context.force->col(body->first + i);
+      const Vec3 arm = 0.5 * (body->saved.x.col(i) + body->x().col(i)) - middle;
+      given += took * arm.cross(force);
+    }
+  return given;
+}
+
+}  // namespace
+
+bool pressesItself(const Island& island) {
+  const Model& model = island.context.model;
+  return model.ragdoll_collision || model.self_collision || !island.pairs.pressing.empty() ||
+         !island.pairs.touching.empty() ||
+         std::any_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
+           return !body->cache.empty() || !body->touching.contacts.empty() ||
+                  !body->touching.limits.empty();
+         });
+}
+
+void restoreAngularMomentum(Island& island, double took) {
+  if (!isFree(island)) return;
+  const auto x0 = [](const Body& body) -> const Points& { return body.saved.x; };
+  const auto v0 = [](const Body& body) -> const Points& { return body.saved.v; };
+  const auto x1 = [](const Body& body) { return body.x(); };
+  const auto v1 = [](const Body& body) { return body.v(); };
+  const RigidMotion before = driftOf(island, x0, v0), after = driftOf(island, x1, v1);
+  Vec3 wanted = rotationOf(island, before, x0, v0).angular;
+  if (island.bodies[0]->damps_within)
+    wanted *= std::exp(-island.context.model.solver.damping * took);
+  wanted += givenByPokes(island, 0.5 * (before.centre + after.centre), took);
+  const Rotation now = rotationOf(island, after, x1, v1);
+  const Vec3 lost = wanted - now.angular;
+  Vec3 spin = spinOf(now.inertia, lost);
+  spin += spinOf(now.inertia, lost - now.inertia * spin);  // it is exact but for its guard
+  for (Body* body : island.bodies)
+    for (int i = 0; i < body->n; ++i)
+      body->v().col(i) += spin.cross(Vec3(body->x().col(i) - after.centre));
+}
+
+}  // namespace ragdoll

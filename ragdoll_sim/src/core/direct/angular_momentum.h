@@ -1,0 +1,23 @@
+// The angular momentum of bodies on which nothing outside acts but pokes and gravity.
+//
+// Three stages of a motion take from it. Backward Euler pulls along the sticks' directions at the
+// end, on ends that have moved since their momentum was taken. Where contacts or limits press, so
+// do explicit steps where they bring sticks back along their new directions. And friction between
+// two capsules acts on their axes, as bones take no moment about their own: two opposite forces
+// that are as far apart as the radii together, in place of one point of both surfaces. What they
+// take comes back as a spin of all bodies together, which changes no distance and no speed between
+// them.
+#pragma once
+
+#include "core/direct/island.h"
+
+namespace ragdoll {
+
+/// Whether contacts between the bodies, or contacts or limits of one, pressed in the last motion.
+bool pressesItself(const Island& island);
+
+/// After a motion over `took` [s] since the bodies were saved; nothing where pins, obstacles or
+/// sleepers take part.
+void restoreAngularMomentum(Island& island, double took);
+
+}  // namespace ragdoll

@@ -1,0 +1,54 @@
+// Bodies that touch each other without anything else keep their angular momentum, friction or not.
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <random>
+
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/worlds.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+/// Three humans without weight that are thrown at each other, one of them spinning.
+Scene thrown(unsigned seed) {
+  std::mt19937 random(seed);
+  const auto any = [&](double most) {
+    return most * (2.0 * static_cast<double>(random()) / 4294967295.0 - 1);
+  };
+  const auto turn = [&] {
+    char text[100];
+    std::snprintf(text, sizeof text, "rpy_deg: [%g, %g, %g]", any(180), any(90), any(180));
+    return std::string(text);
+  };
+  Scene scene = parseScene(
+      "gravity: [0, 0, 0]\nself_collision: true\nragdoll_collision: true\nragdolls:\n"
+      "  - {name: a, model: human, " +
+      turn() +
+      ", angular_velocity: [2, 1, -1]}\n"
+      "  - {name: b, model: human, position: [1.5, 0, 0.2], " +
+      turn() +
+      ", velocity: [-2, 0, 0]}\n"
+      "  - {name: c, model: human, position: [0, 0.2, 1.5], " +
+      turn() + ", velocity: [0, 0, -2]}\n");
+  scene.solver.sleep = false;
+  return scene;
+}
+
+TEST(WeightlessPile, KeepsItsAngularMomentum) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    World world(thrown(seed));
+    const Vec3 start = angularMomentum(world.model, world.state);
+    const double energy = kineticEnergy(world.model, world.state);
+    for (int i = 0; i < 240; ++i) world.steps(1);
+    EXPECT_LT(kineticEnergy(world.model, world.state), 0.9 * energy) << seed;  // they have met
+    EXPECT_LT((angularMomentum(world.model, world.state) - start).norm(), 1e-10 * start.norm())
+        << seed;
+  }
+}
+
+}  // namespace
+}  // namespace ragdoll
