@@ -10,7 +10,8 @@ import os
 import subprocess
 import tempfile
 import time
-import xmlrpc.client
+
+import rospy
 
 PORT = 11977
 SCENE = """ragdolls:
@@ -37,9 +38,18 @@ def memory(pid):
         return next(int(line.split()[1]) for line in f if line.startswith('VmHWM')) / 1024
 
 
-def bytes_sent(node):
-    stats = node.getBusStats('/crowd_table')[2][0]
-    return sum(connection[1] for topic in stats for connection in topic[2])
+def heard_per_second(topics, seconds):
+    """[bytes] What rviz hears of these topics, heard by another that has taken its place."""
+    sizes = []
+    subscribers = [rospy.Subscriber(topic, rospy.AnyMsg, lambda m: sizes.append(len(m._buff)), queue_size=None)
+                   for topic in topics]
+    time.sleep(2)  # what is told once has been told
+    sizes.clear()
+    time.sleep(seconds)
+    total = sum(sizes)
+    for subscriber in subscribers:
+        subscriber.unregister()
+    return total / seconds
 
 
 def viewed(bodies, folder, markers):
@@ -71,17 +81,17 @@ def measure(bodies, seconds, markers, picture):
                                  viewed(bodies, folder, markers), str(seconds + 2), str(WARM_UP)] + picture,
                                 stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, universal_newlines=True)
         time.sleep(WARM_UP + 2)
-        master = xmlrpc.client.ServerProxy('http://127.0.0.1:%d' % PORT)
-        api = xmlrpc.client.ServerProxy(master.lookupNode('/crowd_table', '/ragdoll')[2])
-        cpu, sent, begin = cpu_seconds(node.pid), bytes_sent(api), time.time()
+        cpu, begin = cpu_seconds(node.pid), time.time()
         time.sleep(seconds - 2)
         passed = time.time() - begin
-        cpu, sent = cpu_seconds(node.pid) - cpu, bytes_sent(api) - sent
-        metrics = subprocess.run(['rostopic', 'echo', '-n1', '/ragdoll/metrics/realtime_factor'],
+        cpu = cpu_seconds(node.pid) - cpu
+        metrics = subprocess.run(['timeout', '20', 'rostopic', 'echo', '-n1', '/ragdoll/metrics/realtime_factor'],
                                  stdout=subprocess.PIPE, universal_newlines=True).stdout.split()[0]
-        rate, view_cpu, view_memory = view.communicate()[0].split()[-3:]
-        row = (bodies, preset, float(metrics), 100 * cpu / passed, memory(node.pid), sent / passed / 1e6,
-               float(rate), float(view_cpu), float(view_memory))
+        rate, view_cpu, view_memory = [float(x) for x in view.communicate()[0].split()[-3:]]
+        bodies_topics = ['/ragdoll/markers'] if markers else ['/ragdoll/state', '/ragdoll/scenery']
+        heard = heard_per_second(['/tf', '/ragdoll/metrics', '/ragdoll/handles/update'] + bodies_topics, 3) / 1e6
+        row = (bodies, preset, float(metrics), 100 * cpu / passed, memory(node.pid), heard, rate,
+               view_cpu, view_memory)
         node.terminate()
         node.wait()
         return row
@@ -97,8 +107,9 @@ def main():
     os.environ.update(ROS_MASTER_URI='http://127.0.0.1:%d' % PORT, ROS_IP='127.0.0.1')
     core = subprocess.Popen(['roscore', '-p', str(PORT)], stdout=subprocess.DEVNULL)
     time.sleep(4)
+    rospy.init_node('crowd_table')
     try:
-        print('| bodies | preset | real time | node CPU | node memory | sent | pictures | rviz CPU | rviz memory |')
+        print('| bodies | preset | real time | node CPU | node memory | told | pictures | rviz CPU | rviz memory |')
         print('|---|---|---|---|---|---|---|---|---|')
         for bodies in args.bodies:
             picture = [os.path.join(args.pictures, 'crowd_%d.png' % bodies)] if args.pictures else []

@@ -36,8 +36,8 @@ using ragdoll::Rgba;
 using rviz::StatusProperty;
 
 /// [m] Detail that may be lost, level by level.
-constexpr std::array<double, 4> kLosses = {0, 0.03, 0.08, 0.16};
-constexpr float kLossPixels = 2.5f;   ///< what is no larger is not missed
+constexpr std::array<double, 5> kLosses = {0, 0.03, 0.06, 0.10, 0.16};
+constexpr float kLossPixels = 3.5f;   ///< what is no larger is not missed
 constexpr float kNearest = 0.3f;      ///< [m] from the eye: what is nearer counts as so near
 constexpr double kMaxGap = 0.1;       ///< [s] of simulation; a longer one is a jump
 constexpr int kNodesCoat = 0;         ///< option of the property; else 1 + CoatKind
@@ -96,12 +96,14 @@ void RagdollsDisplay::onInitialize() {
   changeAlpha();
 }
 
-void RagdollsDisplay::onEnable() { subscribe(); }
-
-void RagdollsDisplay::onDisable() {
-  unsubscribe();
-  forgetBodies();
+/// What was heard before is shown until there is news: a node that is paused may have none.
+void RagdollsDisplay::onEnable() {
+  subscribe();
+  count_.clear();
+  changed_ = true;
 }
+
+void RagdollsDisplay::onDisable() { unsubscribe(); }
 
 void RagdollsDisplay::reset() {
   Display::reset();
