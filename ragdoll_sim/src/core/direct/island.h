@@ -11,7 +11,7 @@
 #include "core/contact/pair_detect.h"
 #include "core/direct/body.h"
 #include "core/linear/joint_schur.h"
-#include "core/mechanics/pair_energy.h"
+#include "core/mechanics/energy_removal.h"
 
 namespace ragdoll {
 
@@ -34,7 +34,7 @@ struct IslandScratch {
   PairSet pairs;
   PairDetector detector;
   JointSchur joint;
-  GroupScratch group;
+  RemovalScratch removal;
   RowValues b, p, total, change;
   std::vector<RowValues> parts;
   std::vector<int> ragdolls;  ///< of the bodies
