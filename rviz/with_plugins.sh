@@ -1,7 +1,8 @@
 #!/bin/sh
 # Runs rviz, whose command line is given: with_plugins.sh rviz -d CONFIG ... Where ragdoll_rviz is not
-# built, rviz gets a copy of CONFIG that does without its panel and its tool. Where there is no CONFIG
-# rviz would show nothing, and say nothing.
+# built, rviz gets a copy of CONFIG that does without its panel and its tool, and shows bodies as the
+# node's markers in place of its display. Where there is no CONFIG rviz would show nothing, and say
+# nothing.
 last=
 for word in "$@"; do
   if [ "$last" = -d ] && [ ! -f "$word" ]; then
@@ -20,7 +21,7 @@ if ! rospack find ragdoll_rviz >/dev/null 2>&1; then
       awk '{ match($0, /^ */) }
         out && RLENGTH > indent { next }
         { out = /^ *- Class: ragdoll_rviz\//; indent = RLENGTH }
-        !out' "$word" >"$copy"
+        !out { sub(/\/scenery$/, "/markers"); print }' "$word" >"$copy"
       set -- "$@" "$copy"
     else
       set -- "$@" "$word"

@@ -35,6 +35,9 @@ constexpr int kLookPeriod = 250;         ///< [ms] between two looks whether the
 constexpr int kSilence = 3500;           ///< [ms] without metrics, which come once a second
 constexpr const char* kText = "(text)";  ///< for a scene that was loaded from none
 constexpr int kFactorDecimals = 4;       ///< of the speed
+constexpr double kMillimetres = 1000;    ///< in a metre
+constexpr int kToleranceDecimals = 6;    ///< of a tolerance in millimetres: 1e-9 m
+constexpr int kMaxThreads = 256;         ///< as the setting has it
 constexpr double kStrength = 600;        ///< [N] of a poke at first
 
 QString messageOf(const std_srvs::TriggerResponse& r) { return QString::fromStdString(r.message); }
@@ -67,33 +70,35 @@ RagdollPanel::RagdollPanel(QWidget* parent) : rviz::Panel(parent) {
   form->addRow(line);
   makeFigures(form);
 
+  connectControls();
+  auto* look = new QTimer(this);
+  connect(look, &QTimer::timeout, this, [this] { showState(); });
+  look->start(kLookPeriod);
+  setNode("/ragdoll");
+}
+
+void RagdollPanel::connectControls() {
   connect(node_edit_, &QLineEdit::editingFinished, this, [this] { setNode(node_edit_->text()); });
   connect(pause_, &QPushButton::clicked, this, [this] { pause(); });
   connect(step_, &QPushButton::clicked, this, [this] { step(); });
   connect(reset_, &QPushButton::clicked, this, [this] { reset(); });
   connect(scene_, QOverload<int>::of(&QComboBox::activated), this, [this](int) { loadScene(); });
   connect(preset_, QOverload<int>::of(&QComboBox::activated), this, [this](int) {
-    dynamic_reconfigure::Config change;
-    change.strs.resize(1);
-    change.strs[0].name = "preset";
-    change.strs[0].value = preset_->currentText().toStdString();
-    set(change);
+    set("preset", preset_->currentText());
   });
-  connect(factor_, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this, [this](double f) {
-    dynamic_reconfigure::Config change;
-    change.doubles.resize(1);
-    change.doubles[0].name = "realtime_factor";
-    change.doubles[0].value = f > 0 ? f : -1;
-    set(change);
+  connect(numbers_, QOverload<int>::of(&QComboBox::activated), this, [this](int) {
+    set("numbers", numbers_->currentText());
   });
+  connect(threads_, QOverload<int>::of(&QSpinBox::valueChanged), this,
+          [this](int n) { set("threads", n); });
+  connect(tolerance_, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
+          [this](double mm) { set("tolerance", mm / kMillimetres); });
+  connect(factor_, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
+          [this](double f) { set("realtime_factor", f > 0 ? f : -1.0); });
   connect(strength_, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this, [this](double f) {
     if (strength_property_) strength_property_->setValue(f);
     Q_EMIT configChanged();
   });
-  auto* look = new QTimer(this);
-  connect(look, &QTimer::timeout, this, [this] { showState(); });
-  look->start(kLookPeriod);
-  setNode("/ragdoll");
 }
 
 void RagdollPanel::makeControls(QFormLayout* form) {
@@ -141,10 +146,7 @@ void RagdollPanel::makeControls(QFormLayout* form) {
   factor_->setToolTip("simulated time per real time; lowest: as fast as it goes");
   form->addRow("Speed", factor_);
 
-  preset_ = new QComboBox;
-  preset_->setObjectName("preset");
-  preset_->setToolTip("settings of the solver");
-  form->addRow("Solver", preset_);
+  makeSolver(form);
 
   strength_ = new QDoubleSpinBox;
   strength_->setObjectName("strength");
@@ -164,6 +166,39 @@ void RagdollPanel::makeControls(QFormLayout* form) {
   message_->setAlignment(Qt::AlignTop | Qt::AlignLeft);
   message_->setTextInteractionFlags(Qt::TextSelectableByMouse);
   form->addRow(message_);
+}
+
+void RagdollPanel::makeSolver(QFormLayout* form) {
+  preset_ = new QComboBox;
+  preset_->setObjectName("preset");
+  preset_->setToolTip("settings of the solver");
+  form->addRow("Solver", preset_);
+
+  tolerance_ = new QDoubleSpinBox;
+  tolerance_->setObjectName("tolerance");
+  tolerance_->setDecimals(kToleranceDecimals);
+  tolerance_->setRange(0, kMillimetres);
+  tolerance_->setStepType(QAbstractSpinBox::AdaptiveDecimalStepType);
+  tolerance_->setKeyboardTracking(false);
+  tolerance_->setSuffix(" mm/s");
+  tolerance_->setSpecialValueText("fixed step");
+  tolerance_->setToolTip("error per simulated second that substeps keep to; lowest: a fixed step");
+  form->addRow("Tolerance", tolerance_);
+
+  threads_ = new QSpinBox;
+  threads_->setObjectName("threads");
+  threads_->setRange(0, kMaxThreads);
+  threads_->setKeyboardTracking(false);
+  threads_->setSpecialValueText("all cores");
+  threads_->setValue(1);
+  threads_->setToolTip("of one step of the whole scene; the same motion for any number");
+  form->addRow("Threads", threads_);
+
+  numbers_ = new QComboBox;
+  numbers_->setObjectName("numbers");
+  numbers_->addItems({"double", "float"});
+  numbers_->setToolTip("what the method fast computes with");
+  form->addRow("Numbers", numbers_);
 }
 
 void RagdollPanel::makeFigures(QFormLayout* form) {
@@ -250,14 +285,20 @@ void RagdollPanel::hearMetrics(const ragdoll_msgs::Metrics& m) {
 }
 
 void RagdollPanel::hearSettings(const dynamic_reconfigure::Config& m) {
-  const QSignalBlocker factor(factor_), preset(preset_);
+  const QSignalBlocker factor(factor_), preset(preset_), tolerance(tolerance_), threads(threads_),
+      numbers(numbers_);
   for (const auto& d : m.doubles)
     if (d.name == "realtime_factor") {
       // 0 reads "free", which a very slow one is not.
       const double least = std::pow(10.0, -kFactorDecimals);
       factor_->setValue(d.value > 0 ? std::max(d.value, least) : 0);
+    } else if (d.name == "tolerance") {
+      tolerance_->setValue(kMillimetres * d.value);
     }
+  for (const auto& i : m.ints)
+    if (i.name == "threads") threads_->setValue(i.value);
   for (const auto& s : m.strs) {
+    if (s.name == "numbers") numbers_->setCurrentText(QString::fromStdString(s.value));
     if (s.name != "preset") continue;
     const QString name = QString::fromStdString(s.value);
     if (preset_->findText(name) < 0) preset_->addItem(name);
@@ -316,7 +357,8 @@ void RagdollPanel::showState() {
   const int i = static_cast<int>(state_);
   state_label_->setText(QString("<b style='color:%1'>%2</b>").arg(kColors[i], kNames[i]));
   const bool there = state_ != State::kNoNode;
-  for (QWidget* w : std::initializer_list<QWidget*>{pause_, reset_, scene_, factor_, preset_})
+  for (QWidget* w : std::initializer_list<QWidget*>{pause_, reset_, scene_, factor_, preset_, tolerance_,
+                                                 threads_, numbers_})
     w->setEnabled(there);
   step_->setEnabled(state_ == State::kPaused);
   pause_->setText(paused_ && there ? "Run" : "Pause");
@@ -375,6 +417,30 @@ void RagdollPanel::set(const dynamic_reconfigure::Config& change) {
   dynamic_reconfigure::ReconfigureRequest request;
   request.config = change;
   ask<dynamic_reconfigure::Reconfigure>("set_parameters", request);
+}
+
+void RagdollPanel::set(const char* name, const QString& value) {
+  dynamic_reconfigure::Config change;
+  change.strs.resize(1);
+  change.strs[0].name = name;
+  change.strs[0].value = value.toStdString();
+  set(change);
+}
+
+void RagdollPanel::set(const char* name, double value) {
+  dynamic_reconfigure::Config change;
+  change.doubles.resize(1);
+  change.doubles[0].name = name;
+  change.doubles[0].value = value;
+  set(change);
+}
+
+void RagdollPanel::set(const char* name, int value) {
+  dynamic_reconfigure::Config change;
+  change.ints.resize(1);
+  change.ints[0].name = name;
+  change.ints[0].value = value;
+  set(change);
 }
 
 void RagdollPanel::say(const QString& text) { message_->setText(text); }

@@ -51,6 +51,8 @@ class RagdollPanel : public rviz::Panel {
 
   // Widgets.
   void makeControls(QFormLayout* form);
+  void makeSolver(QFormLayout* form);
+  void connectControls();
   void makeFigures(QFormLayout* form);
   QLabel* addFigure(QFormLayout* form, const QString& name, const QString& title,
                     const QString& tip);
@@ -69,6 +71,9 @@ class RagdollPanel : public rviz::Panel {
   void reset();
   void loadScene();
   void set(const dynamic_reconfigure::Config& change);
+  void set(const char* name, const QString& value);
+  void set(const char* name, double value);
+  void set(const char* name, int value);
   template <class Service>
   void ask(const char* service, const typename Service::Request& request);
   void say(const QString& text);
@@ -91,9 +96,9 @@ class RagdollPanel : public rviz::Panel {
   QLineEdit* node_edit_;
   QLabel *state_label_, *message_;
   QPushButton *pause_, *step_, *reset_;
-  QSpinBox* steps_;
-  QComboBox *scene_, *preset_;
-  QDoubleSpinBox *factor_, *strength_;
+  QSpinBox *steps_, *threads_;
+  QComboBox *scene_, *preset_, *numbers_;
+  QDoubleSpinBox *factor_, *tolerance_, *strength_;
   QLabel *speed_, *energy_, *stretch_, *overlap_, *error_, *solver_;
 
   Caller caller_;  // last: its calls end before the widgets do

@@ -164,6 +164,45 @@ TEST_F(Panel, choosesAPresetAndShowsItsError) {
   }
 }
 
+TEST_F(Panel, setsThreadsNumbersAndTolerance) {
+  auto* threads = find<QSpinBox>("threads");
+  auto* numbers = find<QComboBox>("numbers");
+  auto* tolerance = find<QDoubleSpinBox>("tolerance");
+  ASSERT_TRUE(waitFor([&] { return threads->isEnabled(); }));
+  const auto node_has = [](const char* name, auto expected) {
+    auto value = expected;
+    const bool has = waitFor([&] {
+      return ros::param::get(std::string("/ragdoll/") + name, value) && value == expected;
+    });
+    EXPECT_TRUE(has) << name << ": " << value;
+  };
+  threads->setValue(2);
+  node_has("threads", 2);
+  numbers->setCurrentText("float");
+  Q_EMIT numbers->activated(numbers->currentIndex());
+  node_has("numbers", std::string("float"));
+  tolerance->setValue(0.25);  // mm per second
+  node_has("tolerance", 0.25e-3);
+  // What another has set is shown, and not set again.
+  RagdollPanel later;
+  EXPECT_TRUE(waitFor([&] {
+    return later.findChild<QSpinBox*>("threads")->value() == 2 &&
+           later.findChild<QComboBox*>("numbers")->currentText() == "float" &&
+           later.findChild<QDoubleSpinBox*>("tolerance")->value() == 0.25;
+  }));
+  // A preset has its own numbers and tolerance, but no threads.
+  auto* preset = find<QComboBox>("preset");
+  for (const char* name : {"fast", "balanced"}) {
+    preset->setCurrentText(name);
+    Q_EMIT preset->activated(preset->currentIndex());
+    node_has("preset", std::string(name));
+  }
+  EXPECT_TRUE(waitFor([&] { return tolerance->value() == 0 && numbers->currentText() == "double"; }));
+  EXPECT_EQ(threads->value(), 2);
+  threads->setValue(1);
+  node_has("threads", 1);
+}
+
 TEST_F(Panel, setsTheSpeed) {
   auto* factor = find<QDoubleSpinBox>("factor");
   ASSERT_TRUE(waitFor([&] { return factor->value() == 1; }));

@@ -7,10 +7,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kStickWidth = 0.012;    ///< [m]
-constexpr double kParticleSize = 0.036;  ///< [m] diameter
-constexpr Rgba kStickColor{0.95f, 0.75f, 0.25f, 1};
-constexpr Rgba kParticleColor{0.85f, 0.25f, 0.20f, 1};
 constexpr Rgba kObstacleColor{0.62f, 0.64f, 0.67f, 1};
 constexpr Rgba kFloorColor{0.80f, 0.81f, 0.80f, 1};
 constexpr double kSlab = 0.02;  ///< [m] thickness of a plane that is drawn
@@ -19,8 +15,8 @@ CoatShape lines(const Points& x) {
   CoatShape shape;
   shape.type = CoatShape::Type::kLines;
   shape.name = "sticks";
-  shape.size = Vec3::Constant(kStickWidth);
-  shape.color = kStickColor;
+  shape.size = Vec3::Constant(sticks_look::kWidth);
+  shape.color = sticks_look::kColor;
   shape.points = x;
   return shape;
 }
@@ -29,8 +25,8 @@ CoatShape spheres(const Points& x) {
   CoatShape shape;
   shape.type = CoatShape::Type::kSpheres;
   shape.name = "particles";
-  shape.size = Vec3::Constant(kParticleSize);
-  shape.color = kParticleColor;
+  shape.size = Vec3::Constant(sticks_look::kParticleSize);
+  shape.color = sticks_look::kParticleColor;
   shape.points = x;
   return shape;
 }

@@ -28,6 +28,23 @@ void addSphereRings(const Vec3& centre, double radius, const Vec3& u, const Vec3
   }
 }
 
+/// The nearest of `chosen` that may stand for the vertex; -1: none.
+int standIn(const Mesh& mesh, int vertex, double reach, const std::vector<int>& classes,
+            const std::vector<int>& chosen) {
+  constexpr double kSameSide = 0.3;  // cosine: a limb keeps four or five sides
+  int best = -1;
+  double nearest = reach * reach;
+  for (const int i : chosen) {
+    const double distance = (mesh.vertices.col(i) - mesh.vertices.col(vertex)).squaredNorm();
+    if (distance >= nearest || mesh.normals.col(i).dot(mesh.normals.col(vertex)) < kSameSide ||
+        (!classes.empty() && classes[i] != classes[vertex]))
+      continue;
+    best = i;
+    nearest = distance;
+  }
+  return best;
+}
+
 }  // namespace
 
 Mesh tube(const Vec3& first, const std::vector<Ring>& rings, const Vec3& last, int sides) {
@@ -133,6 +150,33 @@ void append(const Mesh& part, const Pose& pose, Mesh& mesh) {
   for (const Triangle& t : part.triangles)
     mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
   mesh.colors.insert(mesh.colors.end(), part.colors.begin(), part.colors.end());
+}
+
+Mesh coarsened(const Mesh& mesh, double reach, const std::vector<int>& classes,
+               std::vector<int>& kept) {
+  const int count = static_cast<int>(mesh.vertices.cols());
+  kept.clear();
+  for (int i = 0; i < count; ++i)
+    if (standIn(mesh, i, reach, classes, kept) < 0) kept.push_back(i);
+  std::vector<int> stands_for(count);
+  for (int i = 0; i < count; ++i) stands_for[i] = standIn(mesh, i, reach, classes, kept);
+  Mesh result;
+  result.vertices.resize(3, static_cast<Eigen::Index>(kept.size()));
+  result.normals.resize(3, result.vertices.cols());
+  std::vector<int> place(count, -1);
+  for (std::size_t k = 0; k < kept.size(); ++k) {
+    place[kept[k]] = static_cast<int>(k);
+    result.vertices.col(k) = mesh.vertices.col(kept[k]);
+    result.normals.col(k) = mesh.normals.col(kept[k]);
+    if (!mesh.colors.empty()) result.colors.push_back(mesh.colors[kept[k]]);
+  }
+  std::set<Triangle> known;  // a piece that has become flat may have some twice
+  for (const Triangle& t : mesh.triangles) {
+    const Triangle other = {place[stands_for[t[0]]], place[stands_for[t[1]]], place[stands_for[t[2]]]};
+    const bool flat = other[0] == other[1] || other[1] == other[2] || other[2] == other[0];
+    if (!flat && known.insert(other).second) result.triangles.push_back(other);
+  }
+  return result;
 }
 
 Rgba shade(const Rgba& color, const Vec3& normal) {

@@ -137,6 +137,29 @@ ragdoll_msgs::State toStateMsg(const Model& model, const State& state, const Run
   return m;
 }
 
+bool fits(const Model& model, const ragdoll_msgs::State& message) {
+  if (message.ragdolls.size() != model.ragdolls.size()) return false;
+  for (std::size_t i = 0; i < message.ragdolls.size(); ++i) {
+    const Ragdoll& ragdoll = model.ragdolls[i];
+    const ragdoll_msgs::RagdollState& state = message.ragdolls[i];
+    const auto n = static_cast<std::size_t>(model.skeletonOf(ragdoll).named);
+    if (state.name != ragdoll.name || state.positions.size() != n) return false;
+    for (const geometry_msgs::Point& p : state.positions)
+      if (!fromPoint(p).allFinite()) return false;
+  }
+  return true;
+}
+
+void putState(const Model& model, const ragdoll_msgs::State& message, State& state) {
+  state.step = message.step;
+  state.time = message.time;
+  for (std::size_t i = 0; i < message.ragdolls.size(); ++i) {
+    const auto& positions = message.ragdolls[i].positions;
+    for (std::size_t p = 0; p < positions.size(); ++p)
+      state.x.col(model.ragdolls[i].first + static_cast<Eigen::Index>(p)) = fromPoint(positions[p]);
+  }
+}
+
 namespace {
 
 /// The nearest that a message can hold.

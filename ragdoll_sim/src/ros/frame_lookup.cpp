@@ -44,7 +44,7 @@ FrameLookup::~FrameLookup() {
 }
 
 void FrameLookup::listen() {
-  constexpr double kPatience = 0.01;  // [s] after which it looks whether to end
+  constexpr double kPatience = 0.1;  // [s] after which it looks whether to end
   while (!ends_) queue_.callAvailable(ros::WallDuration(kPatience));
 }
 

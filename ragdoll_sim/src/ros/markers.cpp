@@ -41,8 +41,9 @@ double arrowLength(double force) {
 MarkerPublisher::MarkerPublisher(ros::NodeHandle& nh, const std::string& world_frame,
                                  const std::string& coat)
     : world_frame_(world_frame), coat_(coat) {
-  publisher_ = nh.advertise<visualization_msgs::MarkerArray>(
-      "markers", kQueue, [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; });
+  const auto heard = [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; };
+  publisher_ = nh.advertise<visualization_msgs::MarkerArray>("markers", kQueue, heard);
+  scenery_ = nh.advertise<visualization_msgs::MarkerArray>("scenery", kQueue, heard);
 }
 
 void MarkerPublisher::setCoat(const std::string& coat) {
@@ -64,16 +65,32 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
   const bool all = newcomer_.exchange(false), slow = all || now >= next_sticks_;
   if (slow) next_sticks_ = now + kStickPeriod;
   message_.markers.clear();
+  addScenery(world, posture, all, slow);
+  if (!message_.markers.empty()) scenery_.publish(message_);
+  if (publisher_.getNumSubscribers() == 0) return;
   if (slow) addSticks(world, posture);
+  addBodies(world, posture, now, all);
+  if (!message_.markers.empty()) publisher_.publish(message_);
+}
+
+void MarkerPublisher::addBodies(const Snapshot& world, const Posture& posture,
+                                Simulation::Clock::time_point now, bool all) {
+  if (bodies_.empty())
+    for (int i = 0; i < world.tracker->ragdolls(); ++i)
+      bodies_.emplace_back(kind_, world_frame_, *world.model, *world.tracker, i,
+                           1 + i * BodyMarkers::kIds);
   for (BodyMarkers& body : bodies_)
     body.append(*world.model, *world.tracker, posture, now, all, frames_, message_.markers);
+}
+
+void MarkerPublisher::addScenery(const Snapshot& world, const Posture& posture, bool all,
+                                 bool slow) {
   addObstacles(world, all);
   addPokes(world, posture);
   addPulls(world, posture);
   if (slow) addPins(world, posture);
   pokes_.clear();
   if (limits_) addLimits(world, posture);
-  if (!message_.markers.empty()) publisher_.publish(message_);
 }
 
 void MarkerPublisher::clear() {
@@ -81,19 +98,17 @@ void MarkerPublisher::clear() {
   message.markers.push_back(marker("", 0, 0));
   message.markers[0].action = Marker::DELETEALL;
   publisher_.publish(message);
+  scenery_.publish(message);
 }
 
 void MarkerPublisher::startScene(const Snapshot& world) {
   scene_ = world.scene;
-  const CoatKind kind = [this] {
+  kind_ = [this] {
     std::lock_guard<std::mutex> lock(coat_mutex_);
     return coatKind(coat_.empty() ? scene_->coat : coat_);
   }();
   clear();
-  bodies_.clear();
-  for (int i = 0; i < world.tracker->ragdolls(); ++i)
-    bodies_.emplace_back(kind, world_frame_, *world.model, *world.tracker, i,
-                         1 + i * BodyMarkers::kIds);
+  bodies_.clear();  // made for the first that wants them
 
   obstacles_.clear();
   shown_obstacles_.clear();

@@ -1,5 +1,6 @@
 // What rviz shows: the coat, the sticks, obstacles, the pokes and pulls that act, and the joints'
-// limits while they are asked for. Fixed namespaces and ids, so that each message overwrites the
+// limits while they are asked for; ~scenery is ~markers without the bodies (coat and sticks), for
+// who draws those itself. Fixed namespaces and ids, so that each message overwrites the
 // last. What stays as it is, rigid parts and obstacles, is told once to a new listener and when it
 // changes, and has no lifetime; what is told again and again has a short one.
 #pragma once
@@ -24,7 +25,9 @@ class MarkerPublisher {
   /// coat: overrides the scene's unless empty.
   MarkerPublisher(ros::NodeHandle& nh, const std::string& world_frame, const std::string& coat);
 
-  bool wanted() const { return publisher_.getNumSubscribers() > 0; }
+  bool wanted() const {
+    return publisher_.getNumSubscribers() > 0 || scenery_.getNumSubscribers() > 0;
+  }
 
   /// Joint limits from the next message on, or no more (body/limit_shapes.h). Of any thread.
   void showLimits(bool show) { limits_ = show; }
@@ -46,6 +49,9 @@ class MarkerPublisher {
 
  private:
   void startScene(const Snapshot& world);
+  void addBodies(const Snapshot& world, const Posture& posture, Simulation::Clock::time_point now,
+                 bool all);
+  void addScenery(const Snapshot& world, const Posture& posture, bool all, bool slow);
   visualization_msgs::Marker marker(const std::string& ns, int id, double lifetime) const;
   void addSticks(const Snapshot& world, const Posture& posture);
   void addObstacles(const Snapshot& world, bool all);
@@ -59,15 +65,16 @@ class MarkerPublisher {
   std::string coat_;
   std::atomic<bool> other_coat_{false};
   std::atomic<bool> newcomer_{true}, limits_{false};
-  ros::Publisher publisher_;
+  ros::Publisher publisher_, scenery_;
   std::shared_ptr<const Scene> scene_;
+  CoatKind kind_ = CoatKind::kNone;
   std::vector<BodyMarkers> bodies_;
   bool frames_ = true;
   std::vector<visualization_msgs::Marker> obstacles_;
   std::vector<Poke> pokes_;  ///< that acted since the last message
   std::vector<Pose> shown_obstacles_;
   Simulation::Clock::time_point next_, next_sticks_;
-  visualization_msgs::MarkerArray message_;
+  visualization_msgs::MarkerArray message_;  ///< ~scenery, then ~markers
   std::size_t drawn_ = 0;
 };
 

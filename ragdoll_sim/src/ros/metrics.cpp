@@ -89,6 +89,7 @@ void Metrics::measure(const Snapshot& world, double seconds) {
   since_.joining = now.joining - before_.joining;
   since_.limited = now.limited - before_.limited;
   since_.unresolved = now.unresolved - before_.unresolved;
+  since_.fast_fallbacks = now.fast_fallbacks - before_.fast_fallbacks;
   since_.lost = now.lost - before_.lost;
   before_ = now;
   was_paused_ = paused_;
@@ -115,6 +116,7 @@ void Metrics::measure(const Snapshot& world, double seconds) {
   message_.joining = static_cast<std::uint32_t>(since_.joining);
   message_.limited = static_cast<std::uint32_t>(since_.limited);
   message_.unresolved = static_cast<std::uint32_t>(since_.unresolved);
+  message_.fast_fallbacks = static_cast<std::uint32_t>(since_.fast_fallbacks);
   message_.error_class = errorClass(world.model->solver);
   out_of_reach_ = outOfReach(*world.model, world.state);
   overlaps_ = deepOverlaps(*world.model, world.state);
@@ -179,6 +181,7 @@ void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   status.add("steps that joined sticks from far", since_.joining);
   status.add("steps with energy limited", since_.limited);
   status.add("steps unresolved", since_.unresolved);
+  status.add("steps handed on by fast", since_.fast_fallbacks);
 }
 
 }  // namespace ragdoll

@@ -24,7 +24,7 @@
 
 namespace {
 
-constexpr double kPoll = 0.01;       ///< [s]
+constexpr double kPoll = 0.05;       ///< [s] between two looks whether to end
 constexpr int kCallbackThreads = 4;  ///< a long ~step leaves some for the other services
 
 ragdoll::World loadWorld(const std::string& parameter, const ragdoll::Parameters& parameters,

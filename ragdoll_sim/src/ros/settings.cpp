@@ -89,8 +89,15 @@ bool isWithin(const SolverConfig& config) {
 void usePreset(const std::string& name, SolverSpec& solver) {
   SolverSpec next = preset(name);
   next.joint_damping = solver.joint_damping;
+  next.threads = solver.threads;
   next.where = solver.where;
   solver = std::move(next);
+}
+
+Numbers numbersOf(const std::string& name) {
+  if (name == "double") return Numbers::kDouble;
+  if (name == "float") return Numbers::kFloat;
+  throw Error("numbers", "is '" + name + "'; it must be double or float");
 }
 
 }  // namespace
@@ -111,6 +118,8 @@ SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double real
   c.step = solver.step;
   c.sweeps = solver.sweeps;
   c.tolerance = solver.tolerance;
+  c.numbers = solver.numbers == Numbers::kFloat ? "float" : "double";
+  c.threads = solver.threads;
   c.damping = solver.damping;
   c.joint_damping = solver.joint_damping;
   c.sleep = solver.sleep;
@@ -136,9 +145,11 @@ void applyChanges(const SolverConfig& config, const SolverConfig& shown, Scene& 
     set(config.step, shown.step, solver.step);
     set(config.sweeps, shown.sweeps, solver.sweeps);
     set(config.tolerance, shown.tolerance, solver.tolerance);
+    if (config.numbers != shown.numbers) solver.numbers = numbersOf(config.numbers);
     set(config.damping, shown.damping, solver.damping);
     set(config.sleep, shown.sleep, solver.sleep);
   }
+  set(config.threads, shown.threads, solver.threads);
   set(config.joint_damping, shown.joint_damping, solver.joint_damping);
   set(config.gravity_x, shown.gravity_x, scene.gravity.x());
   set(config.gravity_y, shown.gravity_y, scene.gravity.y());

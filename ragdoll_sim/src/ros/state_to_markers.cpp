@@ -76,22 +76,9 @@ void StateToMarkers::hearEarly() {
   early_state_.reset();
 }
 
-bool StateToMarkers::fits(const ragdoll_msgs::State& message) const {
-  if (!world_.model || message.ragdolls.size() != world_.model->ragdolls.size()) return false;
-  for (std::size_t i = 0; i < message.ragdolls.size(); ++i) {
-    const Ragdoll& ragdoll = world_.model->ragdolls[i];
-    const ragdoll_msgs::RagdollState& state = message.ragdolls[i];
-    const auto n = static_cast<std::size_t>(world_.model->skeletonOf(ragdoll).named);
-    if (state.name != ragdoll.name || state.positions.size() != n) return false;
-    for (const geometry_msgs::Point& p : state.positions)
-      if (!fromPoint(p).allFinite()) return false;
-  }
-  return true;
-}
-
 void StateToMarkers::state(const ragdoll_msgs::State& message) {
   if (!world_.model) early_state_ = message;
-  if (!fits(message)) {
+  if (!world_.model || !fits(*world_.model, message)) {
     ROS_WARN_THROTTLE(kWarnPeriod, "~state ignored: %s",
                       world_.model ? "it is not of the scene that ~model told"
                                    : "no ~model has come yet; was it recorded?");
@@ -101,14 +88,7 @@ void StateToMarkers::state(const ragdoll_msgs::State& message) {
   const double passed = message.time - state.time;
   const bool jump = !heard_ || message.run != world_.mark.run || passed < 0 || passed > kMaxGap;
   const std::uint64_t before = jump ? message.step : state.step;
-  state.step = message.step;
-  state.time = message.time;
-  for (std::size_t i = 0; i < message.ragdolls.size(); ++i) {
-    const Ragdoll& ragdoll = world_.model->ragdolls[i];
-    const auto& positions = message.ragdolls[i].positions;
-    for (std::size_t p = 0; p < positions.size(); ++p)
-      state.x.col(ragdoll.first + static_cast<Eigen::Index>(p)) = fromPoint(positions[p]);
-  }
+  putState(*world_.model, message, state);
   if (jump)
     world_.tracker->reset(state);
   else if (passed > 0)

@@ -47,7 +47,6 @@ class StateToMarkers {
   void draw();
 
   void hearEarly();
-  bool fits(const ragdoll_msgs::State& message) const;
   void tell(const Poke& poke, std::uint32_t run);
   void gatherActed(std::uint64_t before, std::uint64_t now);
   void placeObstacles();

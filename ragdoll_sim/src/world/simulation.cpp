@@ -260,6 +260,7 @@ void Simulation::advance() {
   progress_.joining += static_cast<std::uint64_t>(world_.report().joining);
   progress_.limited += static_cast<std::uint64_t>(world_.report().limited);
   progress_.unresolved += static_cast<std::uint64_t>(world_.report().unresolved);
+  progress_.fast_fallbacks += static_cast<std::uint64_t>(world_.report().fast_fallbacks);
   if (world_.followedStep() == world_.state().step) followed_due_ = due_;
   keepSample();
 

@@ -16,6 +16,14 @@
 
 namespace ragdoll {
 
+/// Of the coat `sticks`.
+namespace sticks_look {
+constexpr double kWidth = 0.012;         ///< [m]
+constexpr double kParticleSize = 0.036;  ///< [m] diameter
+constexpr Rgba kColor{0.95f, 0.75f, 0.25f, 1};
+constexpr Rgba kParticleColor{0.85f, 0.25f, 0.20f, 1};
+}  // namespace sticks_look
+
 enum class CoatKind { kNone, kSticks, kBoxes, kCapsules, kSkin };
 
 /// "none" | "sticks" | "boxes" | "capsules" | "skin". Throws Error that lists them.

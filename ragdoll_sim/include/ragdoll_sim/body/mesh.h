@@ -42,6 +42,12 @@ void computeNormals(Mesh& mesh);
 /// Appends `part` moved by `pose`. Both have normals, and colours, or neither.
 void append(const Mesh& part, const Pose& pose, Mesh& mesh);
 
+/// The mesh with fewer vertices: each becomes one of those kept, nearer than `reach` [m], on the
+/// same side (so what is thin keeps both its sides) and of the same class (`classes`: one per
+/// vertex, or empty). kept: the old index of each vertex, ascending. REQUIRES: normals.
+Mesh coarsened(const Mesh& mesh, double reach, const std::vector<int>& classes,
+               std::vector<int>& kept);
+
 /// Colour of a surface with unit `normal` in daylight from above and ahead. Viewers like rviz do
 /// not light meshes with colours per vertex, so the light is put into the colours.
 Rgba shade(const Rgba& color, const Vec3& normal);

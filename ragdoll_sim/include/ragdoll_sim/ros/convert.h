@@ -43,6 +43,11 @@ ragdoll_msgs::Model toModelMsg(const Scene& scene, const Model& model,
 ragdoll_msgs::State toStateMsg(const Model& model, const State& state, const RunMark& mark,
                                const std_msgs::Header& header);
 
+/// Whether it is of this model's bodies, in numbers that are finite.
+bool fits(const Model& model, const ragdoll_msgs::State& message);
+/// Step, time and positions; velocities stay. REQUIRES: fits().
+void putState(const Model& model, const ragdoll_msgs::State& message, State& state);
+
 ragdoll_msgs::PokeEvent toPokeEvent(const Event& event, const std_msgs::Header& header);
 
 /// The poke's start is for World::replay to set. Throws Error for a body that the model does not

@@ -24,7 +24,7 @@ struct Progress {
   double stepping = 0;   ///< [s] wall time spent in steps
   double lost = 0;       ///< [s] of the clock to follow that it was too slow for
   std::uint64_t guarded = 0, implicit = 0, rigid = 0, joining = 0, limited = 0,
-                unresolved = 0;  ///< as in StepReport, ragdolls in turn
+                unresolved = 0, fast_fallbacks = 0;  ///< as in StepReport, ragdolls in turn
 };
 
 /// One moment of the world, copied for other threads.
