@@ -1,7 +1,6 @@
 // ragdoll_lab run: steps a scene as fast as it can and writes what happened.
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -18,13 +17,15 @@
 #include "ragdoll_sim/io/summary.h"
 #include "ragdoll_sim/world/contacts.h"
 #include "ragdoll_sim/world/imu.h"
+#include "ragdoll_sim/world/injury.h"
 #include "ragdoll_sim/world/sense_csv.h"
+#include "rows.h"
 
 namespace ragdoll::lab {
 namespace {
 
 constexpr double kMostSteps = 1e12;  ///< weeks of computing
-constexpr double kRounding = 1e-9;   ///< part of a step by which a step may miss its tick
+constexpr double kRounding = 1e-9;   ///< part of a step by which the end may miss one
 
 struct Options {
   std::string scene;
@@ -33,44 +34,6 @@ struct Options {
   double rate = 60;  ///< [Hz]
   bool summary = false, pairs = false;
   Words settings;
-};
-
-/// A file that a row is written to now and then; without a path nothing is.
-class RowFile {
- public:
-  explicit RowFile(const std::string& path) : path_(path) {
-    if (path_.empty()) return;
-    file_.open(path_);
-    if (!file_) throw Error(path_, "cannot be written");
-  }
-  bool wanted() const { return !path_.empty(); }
-  std::ostream& out() { return file_; }
-  void close() {
-    if (!wanted()) return;
-    file_.close();
-    if (!file_) throw Error(path_, "could not be written to the end");
-  }
-
- private:
-  std::string path_;
-  std::ofstream file_;
-};
-
-/// Tick k is at k / rate, and is met by the first step at or after it.
-class Ticks {
- public:
-  Ticks(const Model& model, double rate) : rate_(rate), slack_(kRounding * model.solver.step) {}
-
-  /// How many ticks the step at that time [s] meets.
-  int due(double time) {
-    int count = 0;
-    for (; static_cast<double>(tick_) / rate_ <= time + slack_; ++tick_) ++count;
-    return count;
-  }
-
- private:
-  double rate_, slack_;
-  std::uint64_t tick_ = 0;
 };
 
 /// Writes the rows that are due: tick k is at k / rate, its row the first step at or after it.
@@ -191,11 +154,14 @@ int run(const Options& options) {
   WatchedRun world(model);
   imu.begin(world.state());
   ContactWriter contacts(model, options);
+  HeadInjuries heads(model);
   rows.write(world.state(), world.time());
   for (double i = 0; i < steps; ++i) {
     contacts.begin(world);
+    if (options.summary) heads.begin(world.state());
     world.step();
     contacts.end(world);
+    if (options.summary) heads.end(model, world.state());
     rows.write(world.state(), world.time());
     imu.write(world.state());
   }
@@ -204,7 +170,13 @@ int run(const Options& options) {
   contacts.close();
 
   Summary summary = world.summary();
-  if (options.summary) summary.contact_impulse = contacts.sum();
+  if (options.summary) {
+    summary.contact_impulse = contacts.sum();
+    for (const HeadInjuries::Head& head : heads.heads()) {
+      summary.hic15.emplace_back(head.name, head.injury.hic15());
+      summary.peak_g.emplace_back(head.name, head.injury.peakG());
+    }
+  }
   if (options.summary) {
     std::cout << toJson(summary);
   } else {

@@ -42,6 +42,12 @@ std::string toJson(const Summary& s) {
     const Vec3& p = *s.contact_impulse;
     entries.insert(entries.end() - 2, {"contact_impulse", {p.x(), p.y(), p.z()}});
   }
+  for (const auto& [key, values] : {std::pair("hic15", &s.hic15), std::pair("peak_g", &s.peak_g)}) {
+    if (values->empty()) continue;
+    nlohmann::json heads = nlohmann::json::object();
+    for (const auto& [head, value] : *values) heads[head] = value;
+    entries.insert(entries.end() - 2, {key, heads});
+  }
   std::string text = "{";
   for (const auto& [key, value] : entries) {
     text += (text.size() > 1 ? ",\n  \"" : "\n  \"") + key + "\": " + value.dump();

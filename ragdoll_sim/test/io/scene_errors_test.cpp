@@ -69,13 +69,13 @@ TEST(SceneErrors, Sensors) {
               AllOf(StartsWith("scene.yaml:3: sensors[0].rate: rate is 100 Hz"),
                     HasSubstr("it must be 120 Hz or a whole part of it (60, 40, ...)")));
   EXPECT_THAT(error("name: a, segment: torso, rate: -1"),
-              StartsWith("scene.yaml:3: sensors[0].rate: is '-1'"));
+              StartsWith("scene.yaml:3: sensors[0].rate: is -1;"));
   EXPECT_THAT(error("name: a, segment: torso, rate: .inf"),
               StartsWith("scene.yaml:3: sensors[0].rate: is '.inf'"));
   EXPECT_THAT(error("name: a, segment: torso, noise: {accelerometer: -1}"),
-              StartsWith("scene.yaml:3: sensors[0].noise.accelerometer: is '-1'"));
+              StartsWith("scene.yaml:3: sensors[0].noise.accelerometer: is -1;"));
   EXPECT_THAT(error("name: a, segment: torso, range: {gyroscope: 0}"),
-              StartsWith("scene.yaml:3: sensors[0].range.gyroscope: is '0'"));
+              StartsWith("scene.yaml:3: sensors[0].range.gyroscope: is 0;"));
   EXPECT_THAT(error("name: a, segment: torso}\n  - {name: a, type: imu, segment: head"),
               StartsWith("scene.yaml:4: sensors[1].name: duplicate sensor name 'ragdoll/a'"));
   EXPECT_THAT(error("name: a"), StartsWith("scene.yaml:3: sensors[0]: "));

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ragdoll_sim/core/inputs.h"
@@ -37,9 +38,11 @@ struct Summary {
   double max_energy_rise = 0;               ///< [J] largest of energy - (energy_start + work), >= 0
   GuardCounts guard;
   std::optional<Vec3> contact_impulse;  ///< [N s] of obstacles on all bodies, if it was kept
-  int asleep = 0;                       ///< ragdolls asleep at the end
-  std::uint64_t hash = 0;               ///< of the last state
-  bool finite = true;                   ///< every position and velocity was a number
+  /// Per "ragdoll/head": indicators of injury, if they were kept; [1], [g].
+  std::vector<std::pair<std::string, double>> hic15, peak_g;
+  int asleep = 0;          ///< ragdolls asleep at the end
+  std::uint64_t hash = 0;  ///< of the last state
+  bool finite = true;      ///< every position and velocity was a number
 };
 
 /// {"steps": ..., ..., "hash": "<16 hex digits>"}, ending in a newline.

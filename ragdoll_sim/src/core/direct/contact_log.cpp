@@ -9,7 +9,9 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kPressing = 2e-3;  ///< [m] what rests is nearer than that
+constexpr double kLeastSlip = 1e-6;  ///< [m/s]
+constexpr double kLocked = 1e-9;     ///< of the body's inverse mass: what answers less is held
+constexpr double kPressing = 2e-3;   ///< [m] what rests is nearer than that
 
 using Kind = Schur::Row::Kind;
 
@@ -104,6 +106,29 @@ void addLeft(const Model& model, const State& state, const CachedImpulse& presse
   out.push_back(e);
 }
 
+/// Friction of what is dragged along a line on which it cannot give way, as a rod by its end: no
+/// impulse changes its motion, so that none is solved for, but what drags it feels it all.
+Vec3 lockedFriction(const StepContext& step, const Body& body, const Contact& c, int row,
+                    const Vec3& impulse) {
+  const Schur& schur = body.memory->schur;
+  if (body.pinned->pins.empty() || row + 2 >= schur.size() ||
+      schur.row(row + 1).kind != Kind::kTangent)
+    return Vec3::Zero();
+  const double normal = impulse.dot(c.normal);
+  Vec3 slip = rateOf(step, c);
+  slip -= slip.dot(c.normal) * c.normal;
+  const double speed = slip.norm();
+  if (!(normal > 0) || !(speed > kLeastSlip)) return Vec3::Zero();
+  slip /= speed;
+  const double t1 = slip.dot(schur.row(row + 1).direction);
+  const double t2 = slip.dot(schur.row(row + 2).direction);
+  const auto A = schur.matrix();
+  const double answer = t1 * t1 * A(row + 1, row + 1) + t2 * t2 * A(row + 2, row + 2) +
+                        2 * t1 * t2 * A(row + 1, row + 2);
+  if (answer * body.rows->mass.sum() > kLocked) return Vec3::Zero();
+  return -(c.friction * normal + impulse.dot(slip)) * slip;
+}
+
 ContactLog& logOf(const Island& island) { return *island.context.ws.log; }
 
 }  // namespace
@@ -137,6 +162,7 @@ void logPositions(Island& island, double h) {
       if (row < 0 || row >= body.total.size()) continue;
       const int first = s.joint.firstOf(static_cast<int>(k)) + row;
       if (!takeImpulse(island, s.total, first, 1 / h, impulse)) continue;
+      impulse += lockedFriction(island.context, body, set.contacts[i], row, impulse);
       addPosition(island, set.contacts[i], impulse);
     }
   }
@@ -150,9 +176,10 @@ void logPositions(Island& island, double h) {
 
 void logVelocities(Island& island, const RowValues& rates, int first_pair, bool impact) {
   const IslandScratch& s = island.s;
-  const auto add = [&](const Contact& c, int first, double answer) {
+  const auto add = [&](const Contact& c, int first, double answer, const Body* body, int row) {
     Vec3 impulse;
     if (!takeImpulse(island, s.p, first, 1, impulse)) return;
+    if (body) impulse += lockedFriction(island.context, *body, c, row, impulse);
     ContactImpulse e = entryOf(island.context.model, island.context.state, c);
     e.impulse = impulse;
     e.slip = slipOf(island.context, c);
@@ -166,11 +193,11 @@ void logVelocities(Island& island, const RowValues& rates, int first_pair, bool 
     for (int i = 0; i < body.constraints.own_rows; ++i)
       if (schur.row(i).kind == Kind::kNormal)
         add(body.touching.contacts[schur.row(i).source], s.joint.firstOf(static_cast<int>(k)) + i,
-            schur.matrix()(i, i));
+            schur.matrix()(i, i), &body, i);
   }
   for (std::size_t i = 0; i < island.pairs.touching.size(); ++i)
     add(island.pairs.touching[i], first_pair + 3 * static_cast<int>(i),
-        pairAnswer(island, static_cast<int>(i)));
+        pairAnswer(island, static_cast<int>(i)), nullptr, 0);
 }
 
 void appendPressing(const Model& model, const State& state, const std::vector<std::uint8_t>& wanted,
@@ -203,7 +230,8 @@ void appendPressing(const Model& model, const State& state, const std::vector<st
     cache.startHandingOut();
     for (Contact& c : contacts) {
       const CachedImpulse* pressed = cache.handOut(c);
-      if (!pressed && !cache.empty()) continue;
+      // Of sleepers the state keeps what obstacles gave, not what they gave each other.
+      if (!pressed && !cache.empty() && c.other < 0) continue;
       c.found = c.offset;
       out.push_back(entryOf(model, state, c));
       if (pressed) out.back().impulse = model.solver.step * pressed->impulse;
