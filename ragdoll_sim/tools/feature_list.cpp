@@ -1,6 +1,8 @@
 #include "feature_list.h"
 
 #include "ragdoll_sim/body/coat.h"
+#include "ragdoll_sim/world/contacts.h"
+#include "ragdoll_sim/world/imu.h"
 
 namespace ragdoll::lab {
 namespace {
@@ -35,6 +37,51 @@ class Wearer : public Follower {
   FrameTracker tracker_;
   std::unique_ptr<Coat> coat_;
 };
+
+/// What sensors say.
+class Sensed : public Follower {
+ public:
+  Sensed(const Model& model, const State& state) : model_(model), imus_(model) {
+    imus_.reset(state);
+  }
+  void stepped(const State& state) override {
+    samples_.clear();
+    imus_.update(model_, state, samples_);
+  }
+  void publish(const State&) override {}
+
+ private:
+  const Model& model_;
+  Imus imus_;
+  std::vector<ImuSample> samples_;
+};
+
+/// What contacts give.
+class Felt : public Follower {
+ public:
+  explicit Felt(const Model& model)
+      : model_(model), inputs_(startInputs(model)), contacts_(model) {}
+  void begin(Workspace& workspace) override { workspace.keepContacts(&contacts_.log()); }
+  void beforeStep(const State& state) override { contacts_.begin(state); }
+  void stepped(const State& state) override { contacts_.end(model_, inputs_, state); }
+  void publish(const State&) override { contacts_.take(); }
+
+ private:
+  const Model& model_;
+  Inputs inputs_;
+  Contacts contacts_;
+};
+
+std::vector<Feature> senses() {
+  const std::string plane = on("type: plane, friction: 0.6");
+  const std::string imu = "sensors: [{name: imu, type: imu, segment: left_forearm}]\n";
+  return {{"senses", "imu, one", body("human") + imu, false,
+           [](const Model& model, const State& state) {
+             return std::make_unique<Sensed>(model, state);
+           }},
+          {"senses", "contacts, on a plane", plane, false,
+           [](const Model& model, const State&) { return std::make_unique<Felt>(model); }}};
+}
 
 Feature wearing(const std::string& coat) {
   return {"frames and coat", coat, bareScene(), false,
@@ -77,6 +124,7 @@ std::vector<Feature> features() {
       steps("the same", "and self_collision", body("human") + floor + "self_collision: true\n",
             true),
   };
+  for (const Feature& feature : senses()) all.push_back(feature);
   for (const char* coat : {"none", "sticks", "boxes", "capsules", "skin"})
     all.push_back(wearing(coat));
   for (const Feature& feature : publishingFeatures()) all.push_back(feature);

@@ -10,6 +10,7 @@
 
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/core/state.h"
+#include "ragdoll_sim/core/step.h"
 
 namespace ragdoll::lab {
 
@@ -17,6 +18,8 @@ namespace ragdoll::lab {
 class Follower {
  public:
   virtual ~Follower() = default;
+  virtual void begin(Workspace&) {}  ///< of a run
+  virtual void beforeStep(const State&) {}
   virtual void stepped(const State& state) = 0;
   virtual void publish(const State& state) = 0;
 };

@@ -52,9 +52,11 @@ class Runner {
     State state = start_;
     std::unique_ptr<Follower> follower;
     if (feature_.follower) follower = feature_.follower(model_, state);
+    if (follower) follower->begin(workspace_);
     double next = 0;
     const double begin = cpuTime();
     for (int i = 0; i < steps_; ++i) {
+      if (follower) follower->beforeStep(state);
       step(model_, inputs_, workspace_, state);
       if (!follower) continue;
       follower->stepped(state);
@@ -62,7 +64,9 @@ class Runner {
       follower->publish(state);
       next += 1 / kPublishRate;
     }
-    return std::max(1e-9, cpuTime() - begin);
+    const double passed = cpuTime() - begin;
+    workspace_.keepContacts(nullptr);
+    return std::max(1e-9, passed);
   }
 
   const Feature& feature_;

@@ -24,7 +24,7 @@ std::string toJson(const Summary& s) {
                                 {"max_substeps", s.guard.max_substeps},
                                 {"fast_fallbacks", s.guard.fast_fallbacks},
                                 {"tolerance_missed", s.guard.tolerance_missed}};
-  const std::vector<std::pair<std::string, nlohmann::json>> entries = {
+  std::vector<std::pair<std::string, nlohmann::json>> entries = {
       {"steps", s.steps},
       {"seconds", s.seconds},
       {"wall_seconds", s.wall_seconds},
@@ -41,6 +41,16 @@ std::string toJson(const Summary& s) {
       {"guard", guard},
       {"asleep", s.asleep},
       {"hash", hash}};
+  if (s.contact_impulse) {
+    const Vec3& p = *s.contact_impulse;
+    entries.insert(entries.end() - 2, {"contact_impulse", {p.x(), p.y(), p.z()}});
+  }
+  for (const auto& [key, values] : {std::pair("hic15", &s.hic15), std::pair("peak_g", &s.peak_g)}) {
+    if (values->empty()) continue;
+    nlohmann::json heads = nlohmann::json::object();
+    for (const auto& [head, value] : *values) heads[head] = value;
+    entries.insert(entries.end() - 2, {key, heads});
+  }
   std::string text = "{";
   for (const auto& [key, value] : entries) {
     text += (text.size() > 1 ? ",\n  \"" : "\n  \"") + key + "\": " + value.dump();

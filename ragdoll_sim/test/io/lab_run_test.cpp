@@ -92,6 +92,41 @@ TEST_F(LabRun, LaterRagdollsArePrefixed) {
   EXPECT_EQ(table[0][2 + 48], "ben/head.x");
 }
 
+TEST_F(LabRun, ContactsAddUpToTheWeight) {
+  // Over the last tick of a body that lies still: the mean force is its weight.
+  ASSERT_EQ(lab("run fall --seconds 8 --rate 2 --contacts " + csv()).status, 0);
+  const auto table = rows();
+  ASSERT_GT(table.size(), 10u);
+  EXPECT_EQ(table[0].size(), 17u);
+  EXPECT_EQ(table[0][3], "other");
+  double force = 0;
+  for (const auto& row : table) {
+    ASSERT_EQ(row.size(), 17u);
+    if (row[0] != "8") continue;
+    EXPECT_EQ(row[1], "ragdoll");
+    EXPECT_EQ(row[3], "plane_0");
+    force += std::stod(row[13]);
+  }
+  EXPECT_NEAR(force, 75 * 9.81, 1e-4 * 75 * 9.81);
+}
+
+TEST_F(LabRun, ImuHasARowPerSample) {
+  const std::string scene = (folder / "sensed.yaml").string();
+  std::ofstream(scene) << "ragdolls: [{model: human, position: [0, 0, 5]}]\n"
+                          "sensors: [{name: back, type: imu, segment: torso, rate: 40}]\n";
+  ASSERT_EQ(lab("run " + scene + " --seconds 0.5 --imu " + csv()).status, 0);
+  const auto table = rows();
+  ASSERT_EQ(table.size(), 1 + 20u);
+  EXPECT_EQ(table[0].size(), 12u);
+  EXPECT_EQ(table[1][1], "ragdoll/back");
+  EXPECT_NEAR(std::stod(table[20][0]), 0.5, 1e-12);
+  for (std::size_t i = 1; i < table.size(); ++i)
+    for (int axis = 2; axis < 8; ++axis) EXPECT_NEAR(std::stod(table[i][axis]), 0, 1e-9);
+  const Outcome none = lab("run fall --imu " + csv());
+  EXPECT_EQ(none.status, 2);
+  EXPECT_THAT(none.errors, HasSubstr("--imu: the scene has no sensors"));
+}
+
 TEST_F(LabRun, SummaryHasItsKeysAndTellsTheTruth) {
   const Outcome outcome = lab("run fall --seconds 1 --summary");
   ASSERT_EQ(outcome.status, 0) << outcome.errors;
@@ -112,6 +147,9 @@ TEST_F(LabRun, SummaryHasItsKeysAndTellsTheTruth) {
                                           "work",
                                           "max_energy_rise",
                                           "guard",
+                                          "contact_impulse",
+                                          "hic15",
+                                          "peak_g",
                                           "asleep",
                                           "hash"};
   EXPECT_EQ(keys, expected);

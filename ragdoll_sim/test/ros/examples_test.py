@@ -11,6 +11,7 @@ import roslib.packages
 import rospy
 import rostest
 from client import LIMIT, Client, wait_for
+from ragdoll_msgs.srv import Detach
 
 EXAMPLES = os.path.join(roslib.packages.get_pkg_dir('ragdoll_sim'), 'examples')
 README = os.path.join(roslib.packages.get_pkg_dir('ragdoll'), 'README.md')
@@ -38,6 +39,18 @@ class ExamplesTest(unittest.TestCase):
 
     def test_cpp(self):
         self.assert_pokes([roslib.packages.find_node('ragdoll_sim', 'poke_example')[0]])
+
+    def test_lets_go_when_the_force_exceeds(self):
+        """A body hangs by its hand: 75 kg are more than 150 N."""
+        client = Client()
+        client.load(path='hang')
+        run = subprocess.run([sys.executable, os.path.join(EXAMPLES, 'stop_at_force.py'), '150',
+                              'pin_right_hand'], timeout=2 * LIMIT, stdout=subprocess.PIPE,
+                             stderr=subprocess.STDOUT, universal_newlines=True)
+        self.assertEqual(run.returncode, 0, run.stdout)
+        self.assertGreater(float(run.stdout.split(' N: ')[0].split()[-1]), 150)
+        self.assertFalse(client.service('detach', Detach)('right_hand').success, 'it hangs still')
+        client.load(path='weightless')
 
     def test_the_readme_shows_these_files(self):
         blocks = dict(re.findall(r'```(python|cpp)\n(.*?)```', text_of(README), re.DOTALL))

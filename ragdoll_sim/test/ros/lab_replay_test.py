@@ -39,12 +39,16 @@ obstacles:
 '''
 
 
-def replay(path):
+def lab(*arguments):
     """(exit status, stdout, stderr)"""
     program = roslib.packages.find_node('ragdoll_sim', 'ragdoll_lab')[0]
-    run = subprocess.run([program, 'replay', path], timeout=4 * LIMIT, stdout=subprocess.PIPE,
+    run = subprocess.run([program] + list(arguments), timeout=4 * LIMIT, stdout=subprocess.PIPE,
                          stderr=subprocess.PIPE, universal_newlines=True)
     return run.returncode, run.stdout, run.stderr
+
+
+def replay(path, *arguments):
+    return lab('replay', path, *arguments)
 
 
 def flipped(value):
@@ -141,6 +145,23 @@ class LabReplayTest(unittest.TestCase):
                 if change(topic, message) is not False:
                     copy.write(topic, message, t)
         return path
+
+    def test_contacts_are_those_of_the_run(self):
+        """To the bit, though nobody listened to them when it was recorded."""
+        recorder = Recorder(self.path, NODE, TOPICS)
+        self.client.load(path='fall')
+        self.go(240)
+        recorder.stop()
+        again, once = (os.path.join(self.folder, name) for name in ('again.csv', 'once.csv'))
+        status, out, errors = replay(self.path, '--contacts', again)
+        self.assertEqual((status, errors), (0, ''), out)
+        status, out, errors = lab('run', 'fall', '--seconds', '2', '--contacts', once)
+        self.assertEqual((status, errors), (0, ''), out)
+        with open(again) as a, open(once) as o:
+            told, rows = set(a), list(o)
+        rows = [row for row in rows[1:] if float(row.split(',')[0]) < 1.9]
+        self.assertGreater(len(rows), 50)
+        self.assertEqual([row for row in rows if row not in told], [])
 
     def test_a_run_with_pokes_is_identical(self):
         self.record_pokes()

@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 #include <sstream>
 
 #include "arguments.h"
@@ -15,8 +16,10 @@
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/ros/convert.h"
+#include "ragdoll_sim/world/sense_csv.h"
 #include "ragdoll_sim/world/world.h"
 #include "recording.h"
+#include "rows.h"
 
 namespace ragdoll::lab {
 namespace {
@@ -65,6 +68,7 @@ std::string firstDifference(const World& world, const ragdoll_msgs::State& recor
 struct Run {
   std::uint32_t number = 0;
   std::unique_ptr<World> world;
+  std::optional<Ticks> ticks;  ///< of the contacts' rows
   std::string hindrance;       ///< why it cannot be replayed
   std::string difference;      ///< the first that was found
   std::uint64_t first = 0;     ///< step of its first state
@@ -80,8 +84,11 @@ struct Outcome {
 /// All runs of one node, a state at a time.
 class Replay {
  public:
-  Replay(const std::string& path, const Recording& recording, const NodeTopics& node)
-      : where_(path + ": " + node.state),
+  Replay(const std::string& path, const Recording& recording, const NodeTopics& node,
+         RowFile& contacts, double rate)
+      : contacts_(contacts),
+        rate_(rate),
+        where_(path + ": " + node.state),
         node_(node),
         models_(recording.models(node)),
         pokes_(recording.pokes(node)),
@@ -106,7 +113,10 @@ class Replay {
     }
     World& world = *run_->world;
     checkFits(world, recorded);
-    while (world.state().step < recorded.step) world.advance();
+    while (world.state().step < recorded.step) {
+      world.advance();
+      writeContacts(false);
+    }
     world.takeEvents();
     world.takeActed();
     ++run_->compared;
@@ -117,6 +127,7 @@ class Replay {
   /// Tells of the run that was compared last.
   void finish() {
     if (!run_) return;
+    writeContacts(true);
     Run& run = *run_;
     if (run.compared == 0 && run.hindrance.empty())
       run.hindrance =
@@ -184,6 +195,19 @@ class Replay {
       ++run_->followed;
       world.replay(fromFollowedMsg(*world.model(), message));
     }
+    if (!contacts_.wanted()) return;
+    world.keepContacts(true);
+    run_->ticks.emplace(*world.model(), rate_);
+    run_->ticks->due(static_cast<double>(world.state().step) * world.stepLength());
+  }
+
+  /// What touched in the time of a tick, or since the last one.
+  void writeContacts(bool rest) {
+    if (!contacts_.wanted() || !run_->world->keepsContacts()) return;
+    World& world = *run_->world;
+    const double time = static_cast<double>(world.state().step) * world.stepLength();
+    if (run_->ticks->due(time) == 0 && !rest) return;
+    writeContactRows(*world.model(), *world.takeContacts(), contacts_.out());
   }
 
   std::string missingFollowed(const ragdoll_msgs::State& state) const {
@@ -218,6 +242,8 @@ class Replay {
                               ": the bag is damaged");
   }
 
+  RowFile& contacts_;
+  double rate_;  ///< [Hz]
   std::string where_;
   const NodeTopics& node_;
   std::map<std::uint32_t, ragdoll_msgs::Model> models_;
@@ -229,17 +255,20 @@ class Replay {
   Outcome outcome_;
 };
 
-int replay(const std::string& path) {
+int replay(const std::string& path, const std::string& contacts, double rate) {
+  RowFile rows(contacts);
+  if (rows.wanted()) writeContactHeader(rows.out());
   const Recording recording(path);
   Outcome all;
   for (const NodeTopics& node : recording.nodes()) {
-    Replay replay(path, recording, node);
+    Replay replay(path, recording, node, rows, rate);
     recording.forEachState(node, [&](const ragdoll_msgs::State& s) { replay.compare(s); });
     replay.finish();
     all.states += replay.outcome().states;
     all.differing += replay.outcome().differing;
     all.hindered += replay.outcome().hindered;
   }
+  rows.close();
   if (all.differing > 0) return kCheckFailed;
   return all.hindered > 0 ? kBadInput : kOk;
 }
@@ -247,7 +276,8 @@ int replay(const std::string& path) {
 }  // namespace
 
 int replayCommand(const Words& words) {
-  std::string bag;
+  std::string bag, contacts;
+  double rate = 60;
   CommandLine line{
       "replay BAG",
       "Simulates the runs of a bag with ~model, ~pokes, ~followed and ~state again and "
@@ -255,7 +285,10 @@ int replayCommand(const Words& words) {
       {},
       "BAG",
       "the bag file"};
-  return parse(line, words, bag) ? replay(bag) : kOk;
+  line.options.add_options()("contacts", po::value(&contacts),
+                             "Write a row per contact and tick to this file, as of run")(
+      "rate", positive("--rate", rate), "Ticks of --contacts [Hz]");
+  return parse(line, words, bag) ? replay(bag, contacts, rate) : kOk;
 }
 
 }  // namespace ragdoll::lab

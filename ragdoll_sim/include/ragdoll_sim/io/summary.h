@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ragdoll_sim/core/inputs.h"
@@ -38,6 +40,9 @@ struct Summary {
   double max_energy_rise = 0;               ///< [J] largest of energy - (energy_start + work), >= 0
   double error_estimate = 0;                ///< [m/s] largest of all steps (StepReport)
   GuardCounts guard;
+  std::optional<Vec3> contact_impulse;  ///< [N s] of obstacles on all bodies, if it was kept
+  /// Per "ragdoll/head": indicators of injury, if they were kept; [1], [g].
+  std::vector<std::pair<std::string, double>> hic15, peak_g;
   int asleep = 0;          ///< ragdolls asleep at the end
   std::uint64_t hash = 0;  ///< of the last state
   bool finite = true;      ///< every position and velocity was a number
@@ -57,6 +62,10 @@ class WatchedRun {
   /// Where the obstacles are at the end of the next step; one pose each.
   void moveObstacles(const std::vector<Pose>& poses) { inputs_.obstacles = poses; }
 
+  /// As of Workspace.
+  void keepContacts(ContactLog* log) { workspace_.keepContacts(log); }
+
+  const Inputs& inputs() const { return inputs_; }
   const State& state() const { return state_; }
   double time() const;  ///< [s] steps times step length
   Summary summary() const;

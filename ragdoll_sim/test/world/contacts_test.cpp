@@ -1,0 +1,316 @@
+// What contacts and pins are told to give against what momentum says that they gave.
+#include "ragdoll_sim/world/contacts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "ragdoll_sim/core/build_model.h"
+#include "ragdoll_sim/core/findings.h"
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/core/step.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "ragdoll_sim/world/world.h"
+
+namespace ragdoll {
+namespace {
+
+const double kG = 9.81;
+
+double massOf(const Model& model, int ragdoll) {
+  return pointMasses(model.skeletonOf(model.ragdolls[ragdoll])).sum();
+}
+
+/// [N s]
+Vec3 momentumOf(const Model& model, int ragdoll, const State& state) {
+  const Ragdoll& r = model.ragdolls[ragdoll];
+  const Skeleton& s = model.skeletonOf(r);
+  return state.v.middleCols(r.first, s.size()) * s.M.rowwise().sum();
+}
+
+/// What the contacts of a report give to a body.
+Vec3 impulseOn(int ragdoll, const std::vector<Touch>& touches) {
+  Vec3 sum = Vec3::Zero();
+  for (const Touch& touch : touches) {
+    const ContactImpulse& c = touch.contact;
+    if (c.ragdoll == ragdoll && (c.obstacle >= 0 || c.other != ragdoll)) sum += c.impulse;
+    if (c.obstacle < 0 && c.other == ragdoll && c.ragdoll != ragdoll) sum -= c.impulse;
+  }
+  return sum;
+}
+
+/// A ball of `mass` for each name, in a row above each other.
+std::string balls(const std::string& heights, double mass, const std::string& rest) {
+  std::string text = "ragdolls:\n", height;
+  int i = 0;
+  for (const char c : heights + " ") {
+    if (c != ' ') {
+      height += c;
+      continue;
+    }
+    text += "  - {name: ball_" + std::to_string(i++) +
+            ", model: {particles: {p: {position: [0, 0, 0], mass: " + std::to_string(mass) +
+            ", radius: 0.1}}}, position: [0, 0, " + height + "]}\n";
+    height.clear();
+  }
+  return text + rest;
+}
+
+TEST(ContactLog, HasAllThatMomentumGotFromContacts) {
+  // The step's own account, before anything is balanced: a fall down the stairs.
+  for (const char* method : {"shake", "rk"}) {
+    Scene scene = loadScene("stairs");
+    applySetting(scene, "solver.method", method);
+    applySetting(scene, "solver.sleep", "false");
+    const Model model = buildModel(scene);
+    State state = startState(model);
+    const Inputs inputs = startInputs(model);
+    Workspace workspace;
+    ContactLog log;
+    workspace.keepContacts(&log);
+    const double h = model.solver.step, mass = massOf(model, 0);
+    int touched = 0, limited = 0;
+    for (int i = 0; i < 400; ++i) {
+      const Vec3 before = momentumOf(model, 0, state);
+      const StepReport report = step(model, inputs, workspace, state);
+      Vec3 sum = h * mass * model.gravity;
+      for (const Poke& poke : inputs.pokes)
+        if (isActive(poke, state.time - h, h)) sum += h * poke.force;
+      for (const ContactImpulse& c : log.impulses) sum += c.impulse;
+      touched += !log.impulses.empty();
+      limited += report.limited > 0;
+      if (report.limited > 0) continue;  // the guard took momentum that no contact has
+      // Less than is reported it may have taken, too.
+      EXPECT_LT((momentumOf(model, 0, state) - before - sum).norm(), 1e-7 * mass) << method << i;
+    }
+    EXPECT_GT(touched, 200);
+    EXPECT_LT(limited, 100);
+  }
+}
+
+TEST(ContactLog, ChangesNothing) {
+  for (const char* method : {"shake", "rk", "jakobsen", "fast"}) {
+    Scene scene = loadScene("stairs");
+    applySetting(scene, "solver.method", method);
+    const Model model = buildModel(scene);
+    State plain = startState(model), logged = plain;
+    const Inputs inputs = startInputs(model);
+    Workspace one, other;
+    ContactLog log;
+    other.keepContacts(&log);
+    for (int i = 0; i < 200; ++i) {
+      step(model, inputs, one, plain);
+      step(model, inputs, other, logged);
+    }
+    EXPECT_EQ(hash(plain), hash(logged)) << method;
+  }
+}
+
+TEST(Contacts, ImpulseOfAnyIntervalIsTheChangeOfMomentum) {
+  for (const char* method : {"shake", "rk", "jakobsen", "fast"}) {
+    Scene scene = loadScene("stairs");
+    applySetting(scene, "solver.method", method);
+    scene.pokes.clear();
+    World world(scene);
+    world.keepContacts(true);
+    const Model& model = *world.model();
+    const double mass = massOf(model, 0);
+    for (const int steps : {37, 91, 1, 200, 17}) {
+      const Vec3 before = momentumOf(model, 0, world.state());
+      for (int i = 0; i < steps; ++i) world.advance();
+      const ContactReport report = *world.takeContacts();
+      EXPECT_NEAR(report.interval, steps * world.stepLength(), 1e-12);
+      const Vec3 change =
+          momentumOf(model, 0, world.state()) - before - report.interval * mass * model.gravity;
+      EXPECT_LT((impulseOn(0, report.touches) - change).norm(),
+                (scene.solver.method == Method::kFast ? 1e-3 : 1e-9) * (change.norm() + mass))
+          << method;
+      Vec3 on_obstacles = Vec3::Zero();
+      for (const Vec3& impulse : report.on_obstacles) on_obstacles += impulse;
+      EXPECT_LT((impulseOn(0, report.touches) + on_obstacles).norm(), 1e-9 * mass) << method;
+    }
+  }
+}
+
+TEST(Contacts, CarryTheWeightAtRest) {
+  for (const char* sleep : {"true", "false"}) {
+    Scene scene = loadScene("fall");
+    applySetting(scene, "solver.sleep", sleep);
+    World world(scene);
+    for (int i = 0; i < 1500; ++i) world.advance();
+    EXPECT_EQ(world.state().asleep[0] != 0, std::string(sleep) == "true");
+    world.keepContacts(true);
+    for (int i = 0; i < 20; ++i) world.advance();
+    const ContactReport report = *world.takeContacts();
+    const double mass = massOf(*world.model(), 0);
+    const Vec3 force = impulseOn(0, report.touches) / report.interval;
+    EXPECT_LT((force - Vec3(0, 0, mass * kG)).norm(),
+              (world.state().asleep[0] ? 1e-6 : 1) * mass * kG)
+        << sleep;
+    EXPECT_GT(report.touches.size(), 2u);
+    for (const Touch& touch : report.touches) EXPECT_GT(touch.contact.impulse.z(), 0);
+  }
+}
+
+TEST(Contacts, OfAPileCarryWhatIsAbove) {
+  for (const char* sleep : {"true", "false"}) {
+    World world(
+        parseScene(balls("0.1 0.3 0.5", 2,
+                         "obstacles: [{type: plane, name: floor}]\nragdoll_collision: true\n"
+                         "solver: {sleep: " +
+                             std::string(sleep) + "}\n")));
+    world.keepContacts(true);
+    for (int i = 0; i < 600; ++i) world.advance();
+    world.takeContacts();
+    for (int i = 0; i < 12; ++i) world.advance();
+    const ContactReport report = *world.takeContacts();
+    ASSERT_EQ(report.touches.size(), 3u) << sleep;
+    for (const Touch& touch : report.touches) {
+      const ContactImpulse& c = touch.contact;
+      const double above = c.obstacle >= 0 ? 3 : 3 - std::max(c.ragdoll, c.other);
+      EXPECT_NEAR(std::abs(c.impulse.z()) / report.interval, above * 2 * kG, 1e-6 * 2 * kG)
+          << sleep;
+    }
+    EXPECT_EQ(otherName(*world.model(), report.touches[1].contact), "floor");
+  }
+}
+
+TEST(Contacts, FrictionStaysWithinItsConeAndSlidesOnIt) {
+  World world(parseScene(balls("0.1", 2,
+                               "obstacles: [{type: plane, friction: 0.3}]\n"
+                               "pokes: [{body: p, force: [4, 0, 0], duration: 0.5}, "
+                               "{at: 0.5, body: p, force: [9, 0, 0], duration: -1}]\n")));
+  world.keepContacts(true);
+  const double h = world.stepLength(), normal = 2 * kG;
+  for (int i = 0; i < 240; ++i) {
+    world.advance();
+    const ContactReport report = *world.takeContacts();
+    ASSERT_EQ(report.touches.size(), 1u);
+    const Vec3 force = report.touches[0].contact.impulse / h;
+    EXPECT_NEAR(force.z(), normal, 1e-9 * normal);
+    EXPECT_LE(std::abs(force.x()), 0.3 * normal * (1 + 1e-9));
+    if (i > 10 && i < 50) {
+      EXPECT_NEAR(force.x(), -4, 1e-6) << "it sticks";
+    } else if (i > 70) {
+      EXPECT_NEAR(force.x(), -0.3 * normal, 1e-9 * normal) << "it slides";
+    }
+  }
+}
+
+TEST(Contacts, PinOfAHangingBodyCarriesIt) {
+  Scene scene = loadScene("hang");
+  applySetting(scene, "solver.damping", "2");
+  World world(scene);
+  for (int i = 0; i < 3600; ++i) world.advance();
+  world.keepContacts(true);
+  for (int i = 0; i < 12; ++i) world.advance();
+  const ContactReport report = *world.takeContacts();
+  double mass = 0;
+  for (std::size_t i = 0; i < world.model()->ragdolls.size(); ++i)
+    mass += massOf(*world.model(), static_cast<int>(i));
+  Vec3 sum = Vec3::Zero();
+  for (const Vec3& impulse : report.on_pins) sum += impulse / report.interval;
+  EXPECT_LT((sum + Vec3(0, 0, mass * kG)).norm(), 1e-6 * mass * kG);
+}
+
+TEST(Contacts, GripperThatDragsFeelsFriction) {
+  // A rod on two runners: one is held, the other's weight lies on the floor.
+  World world(parseScene(R"(
+ragdolls:
+  - position: [0, 0, 0.1]
+    model:
+      particles: {a: {position: [0, 0, 0], mass: 1, radius: 0.1}, b: {position: [-1, 0, 0], mass: 3, radius: 0.1}}
+      sticks: [[a, b]]
+obstacles: [{type: plane, friction: 0.4}]
+pins: [{particle: a, frame: gripper}]
+)"));
+  const auto drag = [&](int steps) {
+    for (int i = 0; i < steps; ++i) {
+      Pose pose;
+      pose.position = Vec3(0.2 * world.state().time, 0, 0.1);
+      world.hear("gripper", pose);
+      world.advance();
+    }
+  };
+  drag(360);
+  world.keepContacts(true);
+  drag(120);
+  const ContactReport report = *world.takeContacts();
+  ASSERT_EQ(report.on_pins.size(), 1u);
+  EXPECT_NEAR(report.on_pins[0].x() / report.interval, -0.4 * 3 * kG, 0.02 * 0.4 * 3 * kG);
+  EXPECT_EQ(world.pinNames()[0], "pin_a");
+}
+
+TEST(Contacts, RodHitAtItsEndAnswersWithAQuarterOfItsMass) {
+  // 1 / (1/m + (L/2)^2 / (m L^2 / 12)) = m / 4.
+  World world(parseScene(R"(
+gravity: [0, 0, 0]
+ragdolls:
+  - position: [0, 0, 0.5]
+    velocity: [0, 0, -2]
+    model:
+      particles: {a: {position: [0, 0, 0], radius: 0.05}, b: {position: [1, 0, 0], radius: 0.05}}
+      sticks: [[a, b]]
+      segments: {rod: {from: a, to: b, mass: 3, com: 0.5, gyration: 0.28867513459481287}}
+obstacles: [{type: box, name: edge, position: [-0.5, 0, 0], size: [1.02, 1, 0.2], restitution: 0.5, friction: 0}]
+)"));
+  world.keepContacts(true);
+  std::vector<ImpactReport> impacts;
+  for (int i = 0; i < 60; ++i) {
+    world.advance();
+    const ContactReport report = *world.takeContacts();
+    impacts.insert(impacts.end(), report.impacts.begin(), report.impacts.end());
+  }
+  ASSERT_GE(impacts.size(), 2u);
+  EXPECT_FALSE(impacts[0].over);
+  EXPECT_TRUE(impacts[1].over);
+  EXPECT_EQ(impacts[0].id, impacts[1].id);
+  const ContactImpulse& c = impacts[1].contact;
+  EXPECT_NEAR(c.effective_mass, 3.0 / 4, 1e-6);
+  EXPECT_NEAR(c.approach, 2, 1e-9);
+  EXPECT_NEAR(c.impulse.z(), 1.5 * 2 * 3 / 4, 1e-6);
+  EXPECT_EQ(regionName(*world.model(), 0, c.particle), "rod");
+  EXPECT_EQ(otherName(*world.model(), c), "edge");
+}
+
+TEST(Contacts, BallThatFallsTellsItsApproach) {
+  World world(parseScene(balls("1.1", 2, "obstacles: [{type: plane, restitution: 0.4}]\n")));
+  world.keepContacts(true);
+  std::vector<ImpactReport> impacts;
+  for (int i = 0; i < 120; ++i) {
+    world.advance();
+    const ContactReport report = *world.takeContacts();
+    impacts.insert(impacts.end(), report.impacts.begin(), report.impacts.end());
+  }
+  ASSERT_GE(impacts.size(), 4u);
+  const double v = std::sqrt(2 * kG * 1.0);
+  EXPECT_NEAR(impacts[0].contact.approach, v, 1e-3);
+  EXPECT_NEAR(impacts[0].contact.effective_mass, 2, 1e-9);
+  EXPECT_NEAR(impacts[2].contact.approach, 0.4 * v, 0.02 * v);
+}
+
+TEST(Contacts, AreTheSameWhenOneBeginsToListenLater) {
+  Scene scene = loadScene("fall");
+  World early(scene), late(scene);
+  early.keepContacts(true);
+  for (int i = 0; i < 1500; ++i) {
+    early.advance();
+    late.advance();
+  }
+  ASSERT_TRUE(early.state().asleep[0]);
+  late.keepContacts(true);
+  early.takeContacts();
+  for (int i = 0; i < 6; ++i) {
+    early.advance();
+    late.advance();
+  }
+  const ContactReport a = *early.takeContacts(), b = *late.takeContacts();
+  ASSERT_EQ(a.touches.size(), b.touches.size());
+  for (std::size_t i = 0; i < a.touches.size(); ++i)
+    EXPECT_EQ(a.touches[i].contact.impulse, b.touches[i].contact.impulse);
+}
+
+}  // namespace
+}  // namespace ragdoll
