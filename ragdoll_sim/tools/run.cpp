@@ -3,7 +3,9 @@
 #include <cmath>
 #include <fstream>
 #include <iostream>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "arguments.h"
 #include "commands.h"
@@ -14,6 +16,9 @@
 #include "ragdoll_sim/core/self_pairs.h"
 #include "ragdoll_sim/io/csv.h"
 #include "ragdoll_sim/io/summary.h"
+#include "ragdoll_sim/world/contacts.h"
+#include "ragdoll_sim/world/imu.h"
+#include "ragdoll_sim/world/sense_csv.h"
 
 namespace ragdoll::lab {
 namespace {
@@ -24,45 +29,144 @@ constexpr double kRounding = 1e-9;   ///< part of a step by which a step may mis
 struct Options {
   std::string scene;
   double seconds = 10;
-  std::string csv;
+  std::string csv, imu, contacts;
   double rate = 60;  ///< [Hz]
   bool summary = false, pairs = false;
   Words settings;
+};
+
+/// A file that a row is written to now and then; without a path nothing is.
+class RowFile {
+ public:
+  explicit RowFile(const std::string& path) : path_(path) {
+    if (path_.empty()) return;
+    file_.open(path_);
+    if (!file_) throw Error(path_, "cannot be written");
+  }
+  bool wanted() const { return !path_.empty(); }
+  std::ostream& out() { return file_; }
+  void close() {
+    if (!wanted()) return;
+    file_.close();
+    if (!file_) throw Error(path_, "could not be written to the end");
+  }
+
+ private:
+  std::string path_;
+  std::ofstream file_;
+};
+
+/// Tick k is at k / rate, and is met by the first step at or after it.
+class Ticks {
+ public:
+  Ticks(const Model& model, double rate) : rate_(rate), slack_(kRounding * model.solver.step) {}
+
+  /// How many ticks the step at that time [s] meets.
+  int due(double time) {
+    int count = 0;
+    for (; static_cast<double>(tick_) / rate_ <= time + slack_; ++tick_) ++count;
+    return count;
+  }
+
+ private:
+  double rate_, slack_;
+  std::uint64_t tick_ = 0;
 };
 
 /// Writes the rows that are due: tick k is at k / rate, its row the first step at or after it.
 class TickWriter {
  public:
   TickWriter(const Model& model, const Options& options)
-      : model_(model),
-        path_(options.csv),
-        rate_(options.rate),
-        slack_(kRounding * model.solver.step) {
-    if (path_.empty()) return;
-    file_.open(path_);
-    if (!file_) throw Error(path_, "cannot be written");
-    writeCsvHeader(model, file_);
+      : model_(model), file_(options.csv), ticks_(model, options.rate) {
+    if (file_.wanted()) writeCsvHeader(model, file_.out());
   }
 
   void write(const State& state, double time) {
-    if (path_.empty()) return;
-    for (; static_cast<double>(tick_) / rate_ <= time + slack_; ++tick_) {
-      writeCsvRow(model_, state, time, file_);
-    }
+    if (!file_.wanted()) return;
+    for (int i = ticks_.due(time); i > 0; --i) writeCsvRow(model_, state, time, file_.out());
   }
 
-  void close() {
-    if (path_.empty()) return;
-    file_.close();
-    if (!file_) throw Error(path_, "could not be written to the end");
-  }
+  void close() { file_.close(); }
 
  private:
   const Model& model_;
-  std::string path_;
-  double rate_, slack_;
-  std::uint64_t tick_ = 0;
-  std::ofstream file_;
+  RowFile file_;
+  Ticks ticks_;
+};
+
+/// A row for each sample of the scene's sensors.
+class ImuWriter {
+ public:
+  ImuWriter(const Model& model, const std::string& path) : model_(model), file_(path) {
+    if (!file_.wanted()) return;
+    if (model.sensors.empty())
+      throw Error("--imu", "the scene has no sensors; its key 'sensors' makes them");
+    writeImuHeader(file_.out());
+  }
+
+  void begin(const State& state) {
+    if (!file_.wanted()) return;
+    imus_.emplace(model_);
+    imus_->reset(state);
+  }
+
+  void write(const State& state) {
+    if (!imus_) return;
+    samples_.clear();
+    imus_->update(model_, state, samples_);
+    for (const ImuSample& sample : samples_) writeImuRow(model_, sample, file_.out());
+  }
+
+  void close() { file_.close(); }
+
+ private:
+  const Model& model_;
+  RowFile file_;
+  std::optional<Imus> imus_;
+  std::vector<ImuSample> samples_;
+};
+
+/// Rows of what touched in the time of each tick, and the sum of all impulses.
+class ContactWriter {
+ public:
+  ContactWriter(const Model& model, const Options& options)
+      : model_(model), file_(options.contacts), ticks_(model, options.rate) {
+    if (file_.wanted() || options.summary) contacts_.emplace(model);
+    if (file_.wanted()) writeContactHeader(file_.out());
+    ticks_.due(0);
+  }
+
+  void begin(WatchedRun& world) {
+    if (!contacts_) return;
+    world.keepContacts(&contacts_->log());
+    contacts_->begin(world.state());
+  }
+
+  void end(const WatchedRun& world) {
+    if (!contacts_) return;
+    contacts_->end(model_, world.inputs(), world.state());
+    for (const ContactImpulse& c : contacts_->last())
+      if (c.obstacle >= 0) sum_ += c.impulse;
+    if (ticks_.due(world.time()) > 0) tell();
+  }
+
+  void close() {
+    if (contacts_) tell();  // what is left of the last tick's time
+    file_.close();
+  }
+  const Vec3& sum() const { return sum_; }
+
+ private:
+  void tell() {
+    const ContactReport report = contacts_->take();
+    if (file_.wanted()) writeContactRows(model_, report, file_.out());
+  }
+
+  const Model& model_;
+  RowFile file_;
+  Ticks ticks_;
+  std::optional<Contacts> contacts_;
+  Vec3 sum_ = Vec3::Zero();
 };
 
 int run(const Options& options) {
@@ -70,9 +174,11 @@ int run(const Options& options) {
   checked("--rate", options.rate, false);
   const Model model = buildModel(loadScene(options.scene, options.settings));
   for (const std::string& warning : model.warnings) std::cerr << "ragdoll_lab: " << warning << "\n";
-  for (const std::string& note : model.notes)
-    std::cerr << "ragdoll_lab: " << (options.pairs ? note : inShort(note) + " (--pairs lists them)")
-              << "\n";
+  for (const std::string& note : model.notes) {
+    const bool more = inShort(note) != note;
+    std::cerr << "ragdoll_lab: "
+              << (options.pairs || !more ? note : inShort(note) + " (--pairs lists them)") << "\n";
+  }
 
   const double steps = std::ceil(options.seconds / model.solver.step - kRounding);
   if (steps > kMostSteps)
@@ -81,15 +187,24 @@ int run(const Options& options) {
     throw Error("--rate", "asks for more than 1e12 rows");
 
   TickWriter rows(model, options);
+  ImuWriter imu(model, options.imu);
   WatchedRun world(model);
+  imu.begin(world.state());
+  ContactWriter contacts(model, options);
   rows.write(world.state(), world.time());
   for (double i = 0; i < steps; ++i) {
+    contacts.begin(world);
     world.step();
+    contacts.end(world);
     rows.write(world.state(), world.time());
+    imu.write(world.state());
   }
   rows.close();
+  imu.close();
+  contacts.close();
 
-  const Summary summary = world.summary();
+  Summary summary = world.summary();
+  if (options.summary) summary.contact_impulse = contacts.sum();
   if (options.summary) {
     std::cout << toJson(summary);
   } else {
@@ -110,7 +225,9 @@ int runCommand(const Words& words) {
   auto add = line.options.add_options();
   add("seconds", po::value(&options.seconds)->default_value(10), "Simulated time [s]");
   add("csv", po::value(&options.csv), "Write a row per tick to this file");
-  add("rate", po::value(&options.rate)->default_value(60), "Ticks of the CSV [Hz]");
+  add("rate", po::value(&options.rate)->default_value(60), "Ticks of --csv and --contacts [Hz]");
+  add("contacts", po::value(&options.contacts), "Write a row per contact and tick to this file");
+  add("imu", po::value(&options.imu), "Write a row per sample of the scene's sensors to this file");
   add("summary", po::bool_switch(&options.summary), "Print what happened as JSON");
   add("pairs", po::bool_switch(&options.pairs),
       "With self_collision: list the pairs of sticks that are left out");

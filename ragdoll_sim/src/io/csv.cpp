@@ -5,10 +5,8 @@
 #include <string>
 
 namespace ragdoll {
-namespace {
-
 /// printf is fast, but writes the decimal point of the locale.
-void append(double value, std::string& row) {
+void appendCsv(double value, std::string& row) {
   char text[40];
   const int length = std::snprintf(text, sizeof text, ",%.17g", value);
   for (int i = 1; i < length; ++i) {
@@ -16,8 +14,6 @@ void append(double value, std::string& row) {
   }
   row.append(text, static_cast<std::size_t>(length));
 }
-
-}  // namespace
 
 void writeCsvHeader(const Model& model, std::ostream& out) {
   out << "step,time";
@@ -34,10 +30,10 @@ void writeCsvHeader(const Model& model, std::ostream& out) {
 
 void writeCsvRow(const Model& model, const State& state, double time, std::ostream& out) {
   std::string row = std::to_string(state.step);
-  append(time, row);
+  appendCsv(time, row);
   for (const Ragdoll& r : model.ragdolls) {
     for (int i = r.first; i < r.first + model.skeletonOf(r).named; ++i) {
-      for (int axis = 0; axis < 3; ++axis) append(state.x(axis, i), row);
+      for (int axis = 0; axis < 3; ++axis) appendCsv(state.x(axis, i), row);
     }
   }
   out << row << '\n';

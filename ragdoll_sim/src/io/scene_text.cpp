@@ -156,6 +156,7 @@ void writeRagdoll(std::ostream& out, const RagdollSpec& ragdoll, Written& writte
 
 void writeObstacle(std::ostream& out, const ObstacleSpec& obstacle) {
   out << "  - {";
+  if (!obstacle.name.empty()) out << "name: " << name(obstacle.name) << ", ";
   switch (obstacle.type) {
     case ObstacleSpec::Type::kPlane:
       out << "type: plane, point: " << vector(obstacle.pose.position)
@@ -193,6 +194,24 @@ void writePoke(std::ostream& out, const PokeSpec& poke) {
       << ", duration: " << number(poke.duration) << "}\n";
 }
 
+/// ", <key>: {accelerometer: ..., gyroscope: ...}"; infinite numbers are left out.
+std::string instruments(const char* key, double accelerometer, double gyroscope) {
+  std::string list;
+  if (std::isfinite(accelerometer)) list += "accelerometer: " + number(accelerometer);
+  if (std::isfinite(gyroscope))
+    list += std::string(list.empty() ? "" : ", ") + "gyroscope: " + number(gyroscope);
+  return list.empty() ? "" : std::string(", ") + key + ": {" + list + "}";
+}
+
+void writeSensor(std::ostream& out, const SensorSpec& sensor) {
+  out << "  - {name: " << name(sensor.name) << ", type: imu, segment: " << text(sensor.segment)
+      << ", position: " << vector(sensor.position)
+      << ", quaternion: " << orientation(sensor.orientation) << ", rate: " << number(sensor.rate)
+      << instruments("noise", sensor.accelerometer_noise, sensor.gyroscope_noise)
+      << instruments("range", sensor.accelerometer_range, sensor.gyroscope_range)
+      << ", seed: " << sensor.seed << "}\n";
+}
+
 void writeSettings(std::ostream& out, const Scene& scene) {
   const SolverSpec& solver = scene.solver;
   out << "self_collision: " << (scene.self_collision ? "true" : "false") << "\n"
@@ -223,6 +242,8 @@ std::string toYaml(const Scene& scene) {
   for (const PinSpec& pin : scene.pins) writePin(out, pin);
   if (!scene.pokes.empty()) out << "pokes:\n";
   for (const PokeSpec& poke : scene.pokes) writePoke(out, poke);
+  if (!scene.sensors.empty()) out << "sensors:\n";
+  for (const SensorSpec& sensor : scene.sensors) writeSensor(out, sensor);
   writeSettings(out, scene);
   return out.str();
 }

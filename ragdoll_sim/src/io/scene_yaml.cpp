@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 
 #include "model_reader.h"
@@ -153,6 +154,7 @@ ObstacleSpec readObstacle(const Reader& reader) {
   MapReader map(reader);
   obstacle.type = static_cast<ObstacleSpec::Type>(
       map.need("type").choice({"plane", "box", "sphere", "capsule"}));
+  if (const auto name = map.find("name")) obstacle.name = name->name();
   readShape(map, obstacle);
   if (const auto friction = map.find("friction")) obstacle.friction = friction->notNegative();
   if (const auto bounce = map.find("restitution")) obstacle.restitution = bounce->within(0, 1);
@@ -187,6 +189,36 @@ PokeSpec readPoke(const Reader& reader) {
   if (const auto duration = map.find("duration")) poke.duration = duration->number();
   map.finish();
   return poke;
+}
+
+/// {accelerometer: ..., gyroscope: ...}, both or one.
+void readInstruments(const std::optional<Reader>& given, double& accelerometer, double& gyroscope,
+                     bool zero_is_right) {
+  if (!given) return;
+  MapReader map(*given);
+  for (const auto& [key, value] :
+       {std::pair("accelerometer", &accelerometer), std::pair("gyroscope", &gyroscope)})
+    if (const auto number = map.find(key))
+      *value = zero_is_right ? number->notNegative() : number->positive();
+  map.finish();
+}
+
+SensorSpec readSensor(const Reader& reader) {
+  SensorSpec sensor;
+  sensor.where = reader.where();
+  MapReader map(reader);
+  sensor.name = map.need("name").name();
+  map.need("type").choice({"imu"});
+  sensor.segment = map.need("segment").text();
+  if (const auto position = map.find("position")) sensor.position = position->vector();
+  sensor.orientation = readOrientation(map);
+  if (const auto rate = map.find("rate")) sensor.rate = rate->positive();
+  readInstruments(map.find("noise"), sensor.accelerometer_noise, sensor.gyroscope_noise, true);
+  readInstruments(map.find("range"), sensor.accelerometer_range, sensor.gyroscope_range, false);
+  if (const auto seed = map.find("seed"))
+    sensor.seed = static_cast<std::uint64_t>(seed->integer(0, std::numeric_limits<int>::max()));
+  map.finish();
+  return sensor;
 }
 
 void checkCount(const Reader& reader, const std::vector<RagdollSpec>& ragdolls) {
@@ -227,6 +259,9 @@ Scene readScene(const Reader& reader, const std::string& folder) {
   }
   if (const auto pokes = map.find("pokes")) {
     for (const Reader& item : pokes->list(kMaxEntries)) scene.pokes.push_back(readPoke(item));
+  }
+  if (const auto sensors = map.find("sensors")) {
+    for (const Reader& item : sensors->list(kMaxEntries)) scene.sensors.push_back(readSensor(item));
   }
   if (const auto solver = map.find("solver")) scene.solver = readSolver(*solver);
   map.finish();

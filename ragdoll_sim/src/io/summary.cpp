@@ -23,7 +23,7 @@ std::string toJson(const Summary& s) {
                                 {"unresolved", s.guard.unresolved},
                                 {"max_substeps", s.guard.max_substeps},
                                 {"fast_fallbacks", s.guard.fast_fallbacks}};
-  const std::vector<std::pair<std::string, nlohmann::json>> entries = {
+  std::vector<std::pair<std::string, nlohmann::json>> entries = {
       {"steps", s.steps},
       {"seconds", s.seconds},
       {"wall_seconds", s.wall_seconds},
@@ -38,6 +38,10 @@ std::string toJson(const Summary& s) {
       {"guard", guard},
       {"asleep", s.asleep},
       {"hash", hash}};
+  if (s.contact_impulse) {
+    const Vec3& p = *s.contact_impulse;
+    entries.insert(entries.end() - 2, {"contact_impulse", {p.x(), p.y(), p.z()}});
+  }
   std::string text = "{";
   for (const auto& [key, value] : entries) {
     text += (text.size() > 1 ? ",\n  \"" : "\n  \"") + key + "\": " + value.dump();

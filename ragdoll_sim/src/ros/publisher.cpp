@@ -26,6 +26,8 @@ Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock
     : simulation_(simulation),
       clock_(clock),
       parameters_(parameters),
+      imus_(nh, parameters.frame_prefix),
+      contacts_(nh, parameters.world_frame),
       markers_(nh, parameters.world_frame, parameters.coat),
       metrics_(nh, std::move(troubles)) {
   markers_.showLimits(parameters.show_limits);
@@ -123,6 +125,8 @@ void Publisher::tick(Why why) {
   if (world_.scene != told_scene_ || (world_.mark.run != told_run_ && world_.beginning))
     publishModel(now);
   publishEvents(now);
+  imus_.publish(world_, now);
+  publishContacts(now);
   const bool between = why == Why::kIdle && !world_.paused;  // two samples
   if (!between) publishTf(shown, now);
   if (!between) publishState(now, why);
@@ -159,8 +163,10 @@ void Publisher::publishTf(const Posture& posture, const ros::Time& now) {
   last_stamp_ = now;
   const std::string& bodies = tfBodies();
   if (bodies == "none") return;
-  tf_.sendTransform(toTransforms(*world_.tracker, posture, toHeader(parameters_.world_frame, now),
-                                 bodies == "roots"));
+  const std_msgs::Header header = toHeader(parameters_.world_frame, now);
+  auto transforms = toTransforms(*world_.tracker, posture, header, bodies == "roots");
+  imus_.appendTransforms(world_, posture, bodies == "all", header, transforms);
+  tf_.sendTransform(transforms);
 }
 
 const std::string& Publisher::tfBodies() {
@@ -193,6 +199,15 @@ void Publisher::publishEvents(const ros::Time& now) {
     pokes_.publish(toPokeEvent(event, toHeader(parameters_.world_frame, now)));
   for (const FollowedFrame& followed : world_.followed)
     followed_.publish(toFollowedMsg(followed, toHeader(parameters_.world_frame, now)));
+}
+
+void Publisher::publishContacts(const ros::Time& now) {
+  contacts_.publish(world_, now);
+  contacts_.follow(world_, world_.pin_names);
+  const bool wanted = contacts_.wanted();
+  if (wanted == keeps_contacts_) return;
+  keeps_contacts_ = wanted;
+  simulation_.call([wanted](World& world) { world.keepContacts(wanted); });
 }
 
 void Publisher::publishJoints(const Posture& posture, const ros::Time& now) {

@@ -15,6 +15,8 @@
 #include <thread>
 #include <vector>
 
+#include "contact_publisher.h"
+#include "imu_publisher.h"
 #include "markers.h"
 #include "metrics.h"
 #include "parameters.h"
@@ -54,6 +56,7 @@ class Publisher {
   const std::string& tfBodies();  ///< ~tf_bodies, or what this scene's number of bodies asks for
   void publishState(const ros::Time& now, Why why);
   void publishEvents(const ros::Time& now);
+  void publishContacts(const ros::Time& now);
   void publishJoints(const Posture& posture, const ros::Time& now);
 
   Simulation& simulation_;
@@ -61,6 +64,9 @@ class Publisher {
   const Parameters parameters_;
   ros::Publisher model_, state_, pokes_, followed_, joints_;
   tf2_ros::TransformBroadcaster tf_;
+  ImuPublisher imus_;
+  ContactPublisher contacts_;
+  bool keeps_contacts_ = false;  ///< the world does
   MarkerPublisher markers_;
   Metrics metrics_;
 

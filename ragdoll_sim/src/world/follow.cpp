@@ -223,4 +223,10 @@ void Follow::draw(Held& held, const Frame& frame, const Vec3& x, double h) {
   held.age += h;
 }
 
+std::optional<Pose> Follow::pose(const std::string& frame) const {
+  for (const Frame& f : frames_)
+    if (f.name == frame && f.heard) return f.now;
+  return std::nullopt;
+}
+
 }  // namespace ragdoll

@@ -87,6 +87,14 @@ void Simulation::copy(Snapshot& out) {
   out.acted = world.takeActed();
   out.events = world.takeEvents();
   out.followed = world.takeFollowed();
+  out.imu = world.takeImuSamples();
+  out.contacts = world.takeContacts();
+  out.pin_names = world.pinNames();
+  out.pin_frames.clear();
+  if (out.contacts) {
+    for (const Pin& pin : out.model->pins)
+      out.pin_frames.push_back(pin.frame.empty() ? std::nullopt : world.followedPose(pin.frame));
+  }
   out.pulls = world.pulls();
   out.revision = world.revision();
   out.mark = world.mark();

@@ -59,9 +59,21 @@ World::World(Scene scene, std::string source, const std::string& frame_prefix)
       start_pins_(model_->pins) {
   for (const ObstacleSpec& o : scene_->obstacles) checkForeign(o.where + ": frame", o.frame);
   for (const PinSpec& p : scene_->pins) checkForeign(p.where + ": frame", p.frame);
+  checkSensorNames();
   setPokes(model_->pokes);
   follow_.restart(*model_, state_);
   restart();
+}
+
+void World::checkSensorNames() const {
+  for (const Sensor& s : model_->sensors) {
+    const std::string own = s.name.substr(s.name.find('/') + 1);
+    if (tracker_.tree(s.ragdoll).frame(own) < 0) continue;
+    throw Error(s.where + ".name", "'" + s.name +
+                                       "' is a frame of the body already; another name is right, "
+                                       "such as '" +
+                                       own + "_imu'");
+  }
 }
 
 void World::advance() {
@@ -82,11 +94,15 @@ void World::advance() {
       acted_.push_back(poke);
   acted_taken_ = false;
   addPulls();
+  workspace_.keepContacts(contacts_ ? &contacts_->log() : nullptr);
+  if (contacts_) contacts_->begin(state_);
   report_ = step(*model_, inputs_, workspace_, state_);
+  if (contacts_) contacts_->end(*model_, inputs_, state_);
   if (state_.step % steps_per_follow_ == 0) {
     tracker_.update(state_);
     followed_step_ = state_.step;
   }
+  if (imus_) imus_->update(*model_, state_, imu_samples_);
   ++revision_;
 }
 
@@ -117,6 +133,7 @@ void World::replaceBy(World& other) {
   endRun();
   const std::uint64_t revision = std::max(revision_, other.revision_) + 1;
   const std::uint32_t run = std::max(run_, other.run_) + 1;
+  other.keepContacts(keepsContacts());
   other.setMaxFrameSpeed(follow_.maxFrameSpeed());
   std::swap(*this, other);
   std::swap(events_, other.events_);  // what this one accepted is still to be told
@@ -128,6 +145,7 @@ void World::replaceBy(World& other) {
 void World::restart() {
   // Scratch memory might carry something over; a run that starts again must give the same bits.
   workspace_ = Workspace();
+  keepContacts(keepsContacts());
   report_ = StepReport();
   takeActed();
   inputs_ = Inputs();
@@ -136,6 +154,12 @@ void World::restart() {
       std::max<std::uint64_t>(1, static_cast<std::uint64_t>(kFollowPeriod / stepLength()));
   tracker_.reset(state_);
   followed_step_ = state_.step;
+  imus_.reset();
+  imu_samples_.clear();
+  if (!model_->sensors.empty()) {
+    imus_.emplace(*model_);
+    imus_->reset(state_);
+  }
   ++revision_;
 }
 
@@ -441,6 +465,7 @@ void World::changePins(const std::vector<Pin>& pins) {
   state_.multipliers = startState(*model_).multipliers;
   wakeAll(state_);
   workspace_ = Workspace();
+  keepContacts(keepsContacts());
   inputs_.pins.clear();
   inputs_.obstacles.clear();
   follow_.setPins(*model_);
@@ -482,5 +507,34 @@ std::vector<Poke> World::takeActed() {
 std::vector<Event> World::takeEvents() { return std::exchange(events_, {}); }
 
 std::vector<FollowedFrame> World::takeFollowed() { return std::exchange(followed_, {}); }
+
+void World::keepContacts(bool keep) {
+  contacts_.reset();
+  if (keep) contacts_.emplace(*model_);
+}
+
+std::optional<ContactReport> World::takeContacts() {
+  if (!contacts_) return std::nullopt;
+  return contacts_->take();
+}
+
+std::vector<std::string> World::pinNames() const {
+  std::vector<std::string> names;
+  for (const Pin& pin : model_->pins) {
+    const bool scenes = std::any_of(start_pins_.begin(), start_pins_.end(), [&](const Pin& other) {
+      return other.particle == pin.particle && other.frame == pin.frame;
+    });
+    std::string name = particleName(*model_, pin.particle);
+    const std::size_t slash = name.find('/');
+    if (pin.ragdoll == 0)
+      name = name.substr(slash + 1);
+    else
+      name[slash] = '_';
+    names.push_back((scenes ? "pin_" : "attach_") + name);
+  }
+  return names;
+}
+
+std::vector<ImuSample> World::takeImuSamples() { return std::exchange(imu_samples_, {}); }
 
 }  // namespace ragdoll

@@ -96,6 +96,7 @@ TEST(FilesPage, Scene) {
                  "`ben/right_hand`, held where it starts; or a mapping:"),
             inList("pins", "particle: head"));
   EXPECT_EQ(told("files.md", "## Poke"), inList("pokes", "body: head, force: [0, 0, 0]"));
+  EXPECT_EQ(told("files.md", "## Sensor"), inList("sensors", "name: a, type: imu, segment: torso"));
   EXPECT_EQ(told("files.md", "## Solver"), accepted(ragdoll + "solver: {nonsense: 1}"));
 }
 

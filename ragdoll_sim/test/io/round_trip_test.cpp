@@ -44,7 +44,7 @@ ragdolls:
     place: {b: [0.11, 0.22, 1.7]}
   - {name: crowd, model: *doll, count: 3, spacing: [2, 2.1, 0], position: [5, 5, 5], rpy: [0.1, 0, 0]}
 obstacles:
-  - {type: plane, point: [0, 0, 0.1], normal: [0.1, 0.2, 1], friction: 0.7, restitution: 0.1}
+  - {name: ground, type: plane, point: [0, 0, 0.1], normal: [0.1, 0.2, 1], friction: 0.7, restitution: 0.1}
   - {type: box, position: [1, 0, 0.2], rpy_deg: [0, 33, 0], size: [1, 2, 0.4]}
   - {type: sphere, position: [0, 3, 0.5], radius: 0.3, frame: "robot/gripper \"2\""}
   - {type: capsule, from: [0, -3, 0], to: [0, -3, 1], radius: 0.1, frame: robot/gripper}
@@ -52,6 +52,9 @@ pins: [doll/d, {particle: crowd_0/a, frame: robot/gripper}]
 pokes:
   - {at: 0.1, body: rod, force: [200, 0, 0.1], point: [0, 0.01, 0], duration: 0.1}
   - {body: doll/a, force: [0, 0, 1], duration: -1}
+sensors:
+  - {name: back, type: imu, segment: plate, position: [-0.12, 0.1, 0.05], rpy_deg: [10, 20, 30], rate: 27.027027027027027, noise: {accelerometer: 0.02, gyroscope: 0.002}, range: {accelerometer: 157, gyroscope: 35}, seed: 7}
+  - {name: wrist, type: imu, segment: crowd_1/rod, rate: 27.027027027027027, range: {gyroscope: 3.3}}
 self_collision: true
 ragdoll_collision: true
 solver: {preset: precise, step: 0.0037, sweeps: 7, integrator: midpoint, damping: 0.03}
@@ -126,6 +129,7 @@ void expectSameSurroundings(const Scene& a, const Scene& b) {
   ASSERT_EQ(a.obstacles.size(), b.obstacles.size());
   for (std::size_t i = 0; i < a.obstacles.size(); ++i) {
     const ObstacleSpec &p = a.obstacles[i], &q = b.obstacles[i];
+    EXPECT_EQ(p.name, q.name);
     EXPECT_EQ(p.type, q.type);
     EXPECT_EQ(p.pose.position, q.pose.position);
     EXPECT_EQ(p.pose.orientation.coeffs(), q.pose.orientation.coeffs());
@@ -137,6 +141,20 @@ void expectSameSurroundings(const Scene& a, const Scene& b) {
     EXPECT_EQ(p.friction, q.friction);
     EXPECT_EQ(p.restitution, q.restitution);
     EXPECT_EQ(p.frame, q.frame);
+  }
+  ASSERT_EQ(a.sensors.size(), b.sensors.size());
+  for (std::size_t i = 0; i < a.sensors.size(); ++i) {
+    const SensorSpec &p = a.sensors[i], &q = b.sensors[i];
+    EXPECT_EQ(p.name, q.name);
+    EXPECT_EQ(p.segment, q.segment);
+    EXPECT_EQ(p.position, q.position);
+    EXPECT_EQ(p.orientation.coeffs(), q.orientation.coeffs());
+    EXPECT_EQ(p.rate, q.rate);
+    EXPECT_EQ(p.accelerometer_noise, q.accelerometer_noise);
+    EXPECT_EQ(p.gyroscope_noise, q.gyroscope_noise);
+    EXPECT_EQ(p.accelerometer_range, q.accelerometer_range);
+    EXPECT_EQ(p.gyroscope_range, q.gyroscope_range);
+    EXPECT_EQ(p.seed, q.seed);
   }
   ASSERT_EQ(a.pins.size(), b.pins.size());
   for (std::size_t i = 0; i < a.pins.size(); ++i) {

@@ -29,7 +29,7 @@ TEST(SceneErrors, UnknownKeyListsTheKnown) {
   EXPECT_THAT(errorAfterRagdoll("obstacles:\n  - type: sphere\n    position: [0, 0, 0]\n"
                                 "    radius: 1\n    size: [1, 1, 1]\n"),
               AllOf(StartsWith("scene.yaml:6: obstacles[0].size: unknown key"),
-                    HasSubstr("position, radius, friction, restitution, frame")));
+                    HasSubstr("name, position, radius, friction, restitution, frame")));
 }
 
 TEST(SceneErrors, WrongTypeSaysWhichIsRight) {
@@ -51,6 +51,43 @@ TEST(SceneErrors, WrongTypeSaysWhichIsRight) {
               StartsWith("scene.yaml:2: solver.sweeps: is '2.5'; a whole number from 1"));
   EXPECT_THAT(errorAfterRagdoll("solver: {step: 1ms}\n"),
               StartsWith("scene.yaml:2: solver.step: is '1ms'; a number is expected"));
+}
+
+TEST(SceneErrors, Sensors) {
+  const auto error = [](const std::string& sensor) {
+    return errorAfterRagdoll("sensors:\n  - {type: imu, " + sensor + "}\n");
+  };
+  EXPECT_EQ(error("name: a, segment: torso, rate: 60"), "");
+  EXPECT_EQ(error("name: a, segment: ragdoll/left_forearm, rate: 120"), "");
+  EXPECT_THAT(error("name: a, segment: trunk"),
+              AllOf(StartsWith("scene.yaml:3: sensors[0].segment: unknown segment 'trunk'"),
+                    HasSubstr("torso, pelvis, head")));
+  EXPECT_THAT(error("name: a, segment: ben/torso"),
+              AllOf(StartsWith("scene.yaml:3: sensors[0].segment: unknown ragdoll 'ben'"),
+                    HasSubstr("there are ragdoll")));
+  EXPECT_THAT(error("name: a, segment: torso, rate: 100"),
+              AllOf(StartsWith("scene.yaml:3: sensors[0].rate: rate is 100 Hz"),
+                    HasSubstr("it must be 120 Hz or a whole part of it (60, 40, ...)")));
+  EXPECT_THAT(error("name: a, segment: torso, rate: -1"),
+              StartsWith("scene.yaml:3: sensors[0].rate: is '-1'"));
+  EXPECT_THAT(error("name: a, segment: torso, rate: .inf"),
+              StartsWith("scene.yaml:3: sensors[0].rate: is '.inf'"));
+  EXPECT_THAT(error("name: a, segment: torso, noise: {accelerometer: -1}"),
+              StartsWith("scene.yaml:3: sensors[0].noise.accelerometer: is '-1'"));
+  EXPECT_THAT(error("name: a, segment: torso, range: {gyroscope: 0}"),
+              StartsWith("scene.yaml:3: sensors[0].range.gyroscope: is '0'"));
+  EXPECT_THAT(error("name: a, segment: torso}\n  - {name: a, type: imu, segment: head"),
+              StartsWith("scene.yaml:4: sensors[1].name: duplicate sensor name 'ragdoll/a'"));
+  EXPECT_THAT(error("name: a"), StartsWith("scene.yaml:3: sensors[0]: "));
+  EXPECT_THAT(errorAfterRagdoll("sensors: [{name: a, type: gps, segment: torso}]\n"),
+              AllOf(StartsWith("scene.yaml:2: sensors[0].type: is 'gps'"), HasSubstr("imu")));
+}
+
+TEST(SceneErrors, ObstaclesOfOneName) {
+  EXPECT_EQ(errorAfterRagdoll("obstacles: [{type: plane, name: floor}, {type: plane}]\n"), "");
+  EXPECT_THAT(errorAfterRagdoll("obstacles:\n  - {type: plane, name: floor}\n"
+                                "  - {type: plane, name: floor}\n"),
+              StartsWith("scene.yaml:4: obstacles[1].name: name 'floor' is another obstacle's"));
 }
 
 TEST(SceneErrors, NonFiniteNumber) {
@@ -135,9 +172,10 @@ TEST(SceneErrors, OutOfRangeNamesTheRange) {
 }
 
 TEST(SceneErrors, ChoicesAreListed) {
-  EXPECT_THAT(errorAfterRagdoll("solver: {preset: quick}\n"),
-              StartsWith("scene.yaml:2: solver.preset: is 'quick'; one of thesis, fast, draft, balanced, "
-                         "precise, reference is expected"));
+  EXPECT_THAT(
+      errorAfterRagdoll("solver: {preset: quick}\n"),
+      StartsWith("scene.yaml:2: solver.preset: is 'quick'; one of thesis, fast, draft, balanced, "
+                 "precise, reference is expected"));
   EXPECT_THAT(errorAfterRagdoll("solver: {method: euler}\n"),
               HasSubstr("one of jakobsen, shake, rk, fast"));
   EXPECT_THAT(errorAfterRagdoll("coat: wool\n"), HasSubstr("one of none, sticks, boxes, capsules"));

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -154,6 +155,7 @@ struct Ragdoll {
 };
 
 struct Obstacle {
+  std::string name;
   ObstacleSpec::Type type;
   Pose pose;  ///< start pose; plane: z of the pose is its normal; capsule: z is its axis
   Vec3 half = Vec3::Zero();  ///< box: half edges [m]; capsule: (0, 0, half length)
@@ -186,6 +188,21 @@ struct Poke {
   Vec3 point = Vec3::Zero();  ///< [m] offset from the body's own point, world axes
 };
 
+/// A virtual inertial measurement unit. The segment's frame has its origin at a bone's `from`, or
+/// at the mean of a group's particles, and the model's axes in the rest pose.
+struct Sensor {
+  std::string name;  ///< "<ragdoll>/<its own>"
+  int ragdoll = 0, segment = 0;
+  Vec3 position = Vec3::Zero();                         ///< [m] in the segment's frame
+  Quat orientation = Quat::Identity();                  ///< sensor -> segment's frame
+  std::uint64_t every = 1;                              ///< [steps] of a sample
+  double accelerometer_noise = 0, gyroscope_noise = 0;  ///< standard deviation [m/s^2], [rad/s]
+  double accelerometer_range = 0, gyroscope_range = 0;  ///< [m/s^2], [rad/s] each axis
+  std::uint64_t seed = 0;
+  bool twists = true;  ///< false: a bone, whose particles do not tell how it turns about its line
+  std::string where;   ///< in the file
+};
+
 struct Model {
   Vec3 gravity = Vec3::Zero();
   std::vector<Skeleton> skeletons;
@@ -194,6 +211,7 @@ struct Model {
   std::vector<Obstacle> obstacles;
   std::vector<Pin> pins;
   std::vector<Poke> pokes;
+  std::vector<Sensor> sensors;
   SolverSpec solver;
   bool self_collision = false, ragdoll_collision = false;
   Points start_position, start_velocity;  ///< 3 x N

@@ -86,6 +86,7 @@ struct RagdollSpec {
 };
 
 struct ObstacleSpec {
+  std::string name;  ///< empty: "<type>_<number in the scene>"
   enum class Type { kPlane, kBox, kSphere, kCapsule };
   Type type = Type::kPlane;
   Pose pose;                    ///< box, sphere, plane (position only): in the world, or in `frame`
@@ -111,6 +112,20 @@ struct PokeSpec {
   Vec3 force = Vec3::Zero();  ///< [N] world
   Vec3 point = Vec3::Zero();  ///< [m] offset from the body's own point, world axes
   double duration = 0;        ///< [s]; 0: one step; < 0: for ever
+  std::string where;
+};
+
+/// A virtual inertial measurement unit that sits on a segment.
+struct SensorSpec {
+  std::string name;
+  std::string segment;                  ///< "torso" of the first ragdoll, or "ragdoll/torso"
+  Vec3 position = Vec3::Zero();         ///< [m] in the segment's frame, see Sensor
+  Quat orientation = Quat::Identity();  ///< sensor -> segment's frame
+  double rate = 60;                     ///< [Hz]; a whole number of steps apart
+  double accelerometer_noise = 0, gyroscope_noise = 0;  ///< standard deviation [m/s^2], [rad/s]
+  double accelerometer_range = std::numeric_limits<double>::infinity();  ///< [m/s^2] each axis
+  double gyroscope_range = std::numeric_limits<double>::infinity();      ///< [rad/s] each axis
+  std::uint64_t seed = 0;
   std::string where;
 };
 
@@ -140,6 +155,7 @@ struct Scene {
   std::vector<ObstacleSpec> obstacles;
   std::vector<PinSpec> pins;
   std::vector<PokeSpec> pokes;
+  std::vector<SensorSpec> sensors;
   bool self_collision = false;
   bool ragdoll_collision = false;
   SolverSpec solver;

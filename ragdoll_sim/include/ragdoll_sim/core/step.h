@@ -11,6 +11,8 @@
 
 namespace ragdoll {
 
+struct ContactLog;  // contact_log.h
+
 /// Scratch memory of one model, which grows with what a run meets and never shrinks: a step that
 /// meets no more contacts and limits at once than those before it allocates nothing
 /// (test/allocation), but for the guard's last resorts. Where the model changes, begin with a new
@@ -23,6 +25,9 @@ class Workspace {
   Workspace& operator=(Workspace&&) noexcept;
   /// Switches the step guard off, or on again: to measure what it costs, for nothing else.
   void setGuard(bool on);
+  /// Every step from now on writes into `log` what pressed on what; null: nothing is kept. It costs
+  /// nothing then, and never changes the state.
+  void keepContacts(ContactLog* log);
   struct Impl;
   Impl& impl() { return *impl_; }
 

@@ -4,11 +4,15 @@
 #pragma once
 
 #include <iosfwd>
+#include <string>
 
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/core/state.h"
 
 namespace ragdoll {
+
+/// ",<value>" with 17 significant digits, whatever the locale.
+void appendCsv(double value, std::string& row);
 
 void writeCsvHeader(const Model& model, std::ostream& out);
 

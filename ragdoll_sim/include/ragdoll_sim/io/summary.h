@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,9 +36,10 @@ struct Summary {
   double work = 0;                          ///< [J] done by pokes (force times way, step by step)
   double max_energy_rise = 0;               ///< [J] largest of energy - (energy_start + work), >= 0
   GuardCounts guard;
-  int asleep = 0;          ///< ragdolls asleep at the end
-  std::uint64_t hash = 0;  ///< of the last state
-  bool finite = true;      ///< every position and velocity was a number
+  std::optional<Vec3> contact_impulse;  ///< [N s] of obstacles on all bodies, if it was kept
+  int asleep = 0;                       ///< ragdolls asleep at the end
+  std::uint64_t hash = 0;               ///< of the last state
+  bool finite = true;                   ///< every position and velocity was a number
 };
 
 /// {"steps": ..., ..., "hash": "<16 hex digits>"}, ending in a newline.
@@ -54,6 +56,10 @@ class WatchedRun {
   /// Where the obstacles are at the end of the next step; one pose each.
   void moveObstacles(const std::vector<Pose>& poses) { inputs_.obstacles = poses; }
 
+  /// As of Workspace.
+  void keepContacts(ContactLog* log) { workspace_.keepContacts(log); }
+
+  const Inputs& inputs() const { return inputs_; }
   const State& state() const { return state_; }
   double time() const;  ///< [s] steps times step length
   Summary summary() const;

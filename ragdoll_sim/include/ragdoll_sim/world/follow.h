@@ -10,6 +10,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,8 @@ class Follow {
 
   std::vector<std::string> frames() const;
   bool empty() const { return frames_.empty(); }
+  /// Where a followed frame is, by its glide, after the last step; nothing: it was never heard.
+  std::optional<Pose> pose(const std::string& frame) const;
 
   /// [m/s] > 0; of the farthest point of what follows a frame.
   void setMaxFrameSpeed(double speed) { max_frame_speed_ = speed; }

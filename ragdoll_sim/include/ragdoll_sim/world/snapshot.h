@@ -13,7 +13,9 @@
 #include "ragdoll_sim/core/scene.h"
 #include "ragdoll_sim/core/state.h"
 #include "ragdoll_sim/core/step.h"
+#include "ragdoll_sim/world/contacts.h"
 #include "ragdoll_sim/world/events.h"
+#include "ragdoll_sim/world/imu.h"
 
 namespace ragdoll {
 
@@ -35,9 +37,13 @@ struct Snapshot {
   State state;
   std::optional<FrameTracker> tracker;
   StepReport report;
-  std::vector<Poke> acted;              ///< since the last snapshot
-  std::vector<Event> events;            ///< since the last snapshot
-  std::vector<FollowedFrame> followed;  ///< since the last snapshot
+  std::vector<Poke> acted;                      ///< since the last snapshot
+  std::vector<Event> events;                    ///< since the last snapshot
+  std::vector<FollowedFrame> followed;          ///< since the last snapshot
+  std::vector<ImuSample> imu;                   ///< that ended since the last snapshot
+  std::optional<ContactReport> contacts;        ///< since the last snapshot, if they are kept
+  std::vector<std::string> pin_names;           ///< World::pinNames
+  std::vector<std::optional<Pose>> pin_frames;  ///< of each pin that follows one, where it is
   std::vector<Pull> pulls;
   std::uint64_t revision = 0;
   RunMark mark;

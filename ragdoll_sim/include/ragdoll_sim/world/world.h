@@ -16,8 +16,10 @@
 #include "ragdoll_sim/core/snapshot.h"
 #include "ragdoll_sim/core/state.h"
 #include "ragdoll_sim/core/step.h"
+#include "ragdoll_sim/world/contacts.h"
 #include "ragdoll_sim/world/events.h"
 #include "ragdoll_sim/world/follow.h"
+#include "ragdoll_sim/world/imu.h"
 
 namespace ragdoll {
 
@@ -102,6 +104,21 @@ class World {
   std::vector<Event> takeEvents();  ///< pokes that were accepted since the last call
   std::vector<FollowedFrame> takeFollowed();  ///< that acted first since the last call
 
+  /// Samples of the scene's sensors that ended since the last call.
+  std::vector<ImuSample> takeImuSamples();
+  /// Begins, or ends, to tell of contacts; what was is forgotten. Changes nothing else.
+  void keepContacts(bool keep);
+  bool keepsContacts() const { return contacts_.has_value(); }
+  /// Since the last call; nothing: they are not kept.
+  std::optional<ContactReport> takeContacts();
+  /// "pin_<particle>", "attach_<particle>" of each of the model's pins; of another than the first
+  /// ragdoll "<ragdoll>_<particle>".
+  std::vector<std::string> pinNames() const;
+  /// As Follow::pose.
+  std::optional<Pose> followedPose(const std::string& frame) const { return follow_.pose(frame); }
+  /// The sensors; nothing: the scene has none.
+  const std::optional<Imus>& imus() const { return imus_; }
+
  private:
   struct Accepted {
     Poke poke;
@@ -117,6 +134,7 @@ class World {
     std::vector<Poke> pokes;
   };
 
+  void checkSensorNames() const;
   void restart();  ///< what is derived begins anew at the present state
   void endRun();   ///< tells what its streams have done; to be called before anything changes
   void beginRun(bool at_start);
@@ -143,6 +161,9 @@ class World {
   StepReport report_;
   Follow follow_;
   FrameTracker tracker_;
+  std::optional<Imus> imus_;
+  std::vector<ImuSample> imu_samples_;
+  std::optional<Contacts> contacts_;
   std::uint64_t followed_step_ = 0, steps_per_follow_ = 1, revision_ = 0;
   std::uint32_t run_ = 0;
   std::shared_ptr<const Bytes> beginning_;

@@ -32,6 +32,7 @@ class ImpulseCache {
   /// For contacts of which a pair of capsules has several: each answer is given out once.
   void startHandingOut() { handed_out_.assign(impulses_.size(), 0); }
   const CachedImpulse* handOut(const Contact& contact);
+  bool isHandedOut(std::size_t k) const { return handed_out_[k] != 0; }
 
  private:
   std::vector<CachedImpulse> impulses_;

@@ -4,6 +4,7 @@
 
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_log.h"
 #include "core/direct/penetration.h"
 #include "core/direct/workspace.h"
 
@@ -162,6 +163,7 @@ void save(Island& island) {
     saved.cache = body->cache;
   }
   island.pairs.saved = island.pairs.cache;
+  island.s.logged = logSize(island);
 }
 
 void restore(Island& island) {
@@ -173,6 +175,7 @@ void restore(Island& island) {
     body->cache = saved.cache;
   }
   island.pairs.cache = island.pairs.saved;
+  cutLog(island, island.s.logged);
 }
 
 }  // namespace ragdoll

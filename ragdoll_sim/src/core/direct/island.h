@@ -5,6 +5,7 @@
 // share the substeps. Sleepers that they touch stand still.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -36,6 +37,8 @@ struct IslandScratch {
   JointSchur joint;
   GroupScratch group;
   RowValues b, p, total, change;
+  RowValues rates;         ///< [m/s] where contacts are logged: before the velocity stage
+  std::size_t logged = 0;  ///< entries of the contact log before the present substep
   std::vector<RowValues> parts;
   std::vector<int> ragdolls;  ///< of the bodies
   std::vector<int> used;      ///< places of each skeleton

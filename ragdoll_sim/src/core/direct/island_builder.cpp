@@ -5,6 +5,7 @@
 
 #include "core/contact/constants.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_log.h"
 #include "core/direct/direct_step.h"
 #include "core/direct/motion.h"
 #include "core/direct/penetration.h"
@@ -85,6 +86,7 @@ void IslandBuilder::restore(const StepContext& context, int i) {
               multiplierCount(*context.model.systemOf(r).direct.rows),
               state.multipliers.begin() + first);
   context.supports.pressed[i] = 0;
+  if (context.ws.log) forgetLogged(*context.ws.log, i);
 }
 
 /// Where each would go by itself: its whole step, which may stand, or its free motion, where that

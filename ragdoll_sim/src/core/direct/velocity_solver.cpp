@@ -5,6 +5,7 @@
 
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_log.h"
 #include "core/direct/impact.h"
 #include "core/direct/motion.h"
 #include "core/direct/pair_rows.h"
@@ -160,6 +161,17 @@ void evaluatePairRates(Island& island, int first, bool impact) {
   }
 }
 
+/// s.rates <- as they are before the solution; s.b may ask for more.
+void keepRates(Island& island) {
+  IslandScratch& s = island.s;
+  s.rates = s.b;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Body& body = *island.bodies[k];
+    evaluateRates(body);
+    s.rates.segment(s.joint.firstOf(static_cast<int>(k)), body.constraints.own_rows) = body.b;
+  }
+}
+
 /// One solution of the rates and what it does to velocities.
 void pushVelocities(Island& island, int first_pair, bool impact) {
   IslandScratch& s = island.s;
@@ -177,12 +189,14 @@ void pushVelocities(Island& island, int first_pair, bool impact) {
       s.p.segment(first, rows) = Eigen::Map<const Eigen::VectorXd>(body.touching.warm.data(), rows);
   }
   evaluatePairRates(island, first_pair, impact);
+  if (isLogged(island)) keepRates(island);
   s.joint.solve(s.b, s.p);
   s.joint.split(s.p, s.parts);
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Schur& schur = island.bodies[k]->memory->schur;
     if (!schur.empty()) schur.move(s.parts[k], island.bodies[k]->vData());
   }
+  if (isLogged(island)) logVelocities(island, s.rates, first_pair, impact);
 }
 
 bool touches(const Island& island) {
@@ -219,6 +233,7 @@ void releaseSprings(Body& body, double h) {
 
 void finishMotion(Island& island, double h, bool leapfrog, Stage stage) {
   findTouchingPairs(island, h);
+  if (isLogged(island)) logPositions(island, h);
   for (Body* body : island.bodies) makeMotion(*body, h, leapfrog);
   solveVelocities(island, stage, h);
   for (Body* body : island.bodies) body->memory->response.endIsStart();

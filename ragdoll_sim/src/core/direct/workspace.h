@@ -11,6 +11,8 @@
 
 namespace ragdoll {
 
+struct ContactLog;
+
 struct DirectWorkspace {
   std::vector<SweptObstacle> obstacles;
   std::vector<BodyMemory> bodies;     ///< per ragdoll
@@ -19,6 +21,7 @@ struct DirectWorkspace {
   IslandScratch island, lone;         ///< lone: of bodies that an island gave up
   IslandBuilder builder;
   std::vector<CachedImpulse> impulses;    ///< of this step
+  ContactLog* log = nullptr;              ///< of this step; null: nobody asks
   std::vector<int> lone_body, no_bodies;  ///< an island of one
 };
 

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <utility>
 
+#include "core/loading/sensors.h"
 #include "core/loading/skeleton.h"
 #include "core/loading/start_pose.h"
 #include "core/loading/system.h"
@@ -78,6 +80,21 @@ Obstacle resolve(const ObstacleSpec& o) {
     out.half = Vec3(0, 0, 0.5 * axis.norm());
   }
   return out;
+}
+
+std::string defaultName(const ObstacleSpec& o, std::size_t number) {
+  const char* const types[] = {"plane", "box", "sphere", "capsule"};
+  return types[static_cast<int>(o.type)] + ("_" + std::to_string(number));
+}
+
+void addObstacle(const ObstacleSpec& o, Model& model) {
+  Obstacle obstacle = resolve(o);
+  obstacle.name = o.name.empty() ? defaultName(o, model.obstacles.size()) : o.name;
+  for (const Obstacle& other : model.obstacles)
+    if (other.name == obstacle.name)
+      throw Error(o.where + ".name",
+                  "name '" + obstacle.name + "' is another obstacle's; each needs its own");
+  model.obstacles.push_back(std::move(obstacle));
 }
 
 /// One RagdollSpec for each body: `count` unrolled on a square grid around the given position.
@@ -231,7 +248,7 @@ Model buildModel(const Scene& scene) {
       addCapsules(s, model.self_collision);
       if (model.self_collision) model.notes.push_back(describePairs(s));
     }
-  for (const ObstacleSpec& o : scene.obstacles) model.obstacles.push_back(resolve(o));
+  for (const ObstacleSpec& o : scene.obstacles) addObstacle(o, model);
   const std::vector<Pin> pins = resolvePins(scene, model);
   try {
     setPins(model, pins);
@@ -241,6 +258,7 @@ Model buildModel(const Scene& scene) {
   for (std::size_t i = 0; i < specs.size(); ++i)
     if (!specs[i].place.empty()) correctStart(specs[i], model, static_cast<int>(i));
   for (const PokeSpec& p : scene.pokes) model.pokes.push_back(resolve(p, model));
+  for (const SensorSpec& s : scene.sensors) addSensor(s, model);
   std::stable_sort(model.pokes.begin(), model.pokes.end(), [&](const Poke& a, const Poke& b) {
     return actsBefore(a, b, model.solver.step);
   });

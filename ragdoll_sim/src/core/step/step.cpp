@@ -1,3 +1,4 @@
+#include "ragdoll_sim/core/contact_log.h"
 #include "ragdoll_sim/core/step.h"
 
 #include "core/direct/direct_step.h"
@@ -12,6 +13,8 @@ Workspace::Workspace() : impl_(std::make_unique<Impl>()) {}
 Workspace::~Workspace() = default;
 Workspace::Workspace(Workspace&&) noexcept = default;
 Workspace& Workspace::operator=(Workspace&&) noexcept = default;
+
+void Workspace::keepContacts(ContactLog* log) { impl_->log = log; }
 
 void Workspace::setGuard(bool on) { impl_->guarded = on; }
 
@@ -39,6 +42,8 @@ StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, 
   ws.supports.pressed.assign(model.ragdolls.size(), 0);
   ws.supports.pressing.clear();
   const bool relaxed = model.solver.method == Method::kJakobsen;
+  ws.direct.log = ws.log;
+  if (ws.log) ws.log->impulses.clear();
   const StepContext context{model,      inputs,  h,     gatherForces(inputs, h, state, ws.force),
                             ws.guarded, relaxed, state, ws.direct,
                             ws.supports};
@@ -48,6 +53,12 @@ StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, 
     stepFast(context, ws.fast, report);
   else
     stepDirect(context, report);
+  if (ws.log && (relaxed || model.solver.method == Method::kFast)) {
+    ws.awake.resize(model.ragdolls.size());  // these methods keep no account of their own
+    for (std::size_t i = 0; i < ws.awake.size(); ++i) ws.awake[i] = !state.asleep[i];
+    ws.log->impulses.clear();
+    appendPressing(model, state, ws.awake, ws.log->impulses);
+  }
   if (model.solver.sleep) putToSleep(model, ws.supports.pressing, h, ws.supports.pressed, state);
   if (!inputs.obstacles.empty()) state.obstacles = inputs.obstacles;
   ++state.step;

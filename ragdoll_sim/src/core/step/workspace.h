@@ -15,6 +15,8 @@ struct Workspace::Impl {
   RelaxationWorkspace relaxation;
   DirectWorkspace direct;
   FastScratch fast;
+  ContactLog* log = nullptr;
+  std::vector<std::uint8_t> awake;
   bool guarded = true;  ///< false: the step guard is off
 };
 

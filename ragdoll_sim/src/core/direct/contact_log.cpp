@@ -1,0 +1,216 @@
+#include "core/direct/contact_log.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/contact/detect.h"
+#include "core/direct/workspace.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr double kPressing = 2e-3;  ///< [m] what rests is nearer than that
+
+using Kind = Schur::Row::Kind;
+
+/// A contact without its impulse, as it stands at the state's positions.
+ContactImpulse entryOf(const Model& model, const State& state, const Contact& c) {
+  ContactImpulse e;
+  e.ragdoll = c.ragdoll;
+  e.obstacle = c.obstacle;
+  e.other = c.other;
+  const int own = c.count == 4 ? 2 : c.count;
+  double radius = 0, along = 0;
+  for (int k = 0; k < c.count; ++k) {
+    const Vec3 x = state.x.col(c.particle[k]);
+    along += c.weight[k] * c.normal.dot(x);
+    if (k >= own) {
+      e.other_particle[k - own] = c.particle[k];
+      continue;
+    }
+    e.particle[k] = c.particle[k];
+    e.point += c.weight[k] * x;
+    radius += c.weight[k] * model.radius[c.particle[k]];
+  }
+  e.normal = c.normal;
+  e.point -= radius * c.normal;
+  e.depth = c.found - along;
+  return e;
+}
+
+/// [m/s] against the surface.
+Vec3 rateOf(const StepContext& step, const Contact& c) {
+  Vec3 rate = -c.surface_motion / step.h;
+  for (int k = 0; k < c.count; ++k) rate += c.weight[k] * step.state.v.col(c.particle[k]);
+  return rate;
+}
+
+double slipOf(const StepContext& step, const Contact& c) {
+  const Vec3 rate = rateOf(step, c);
+  return (rate - rate.dot(c.normal) * c.normal).norm();
+}
+
+/// What the position stage gave to a contact.
+void addPosition(const Island& island, const Contact& c, const Vec3& impulse) {
+  const StepContext& step = island.context;
+  ContactImpulse e = entryOf(step.model, step.state, c);
+  e.impulse = impulse;
+  e.approach = std::max(0.0, -c.normal.dot(rateOf(step, c)));
+  step.ws.log->impulses.push_back(e);
+}
+
+/// [1/kg] that the rows of one body answer to a push along the first row of a pair.
+double pairAnswer(const Island& island, int source) {
+  double answer = 0;
+  for (const Body* body : island.bodies) {
+    const Schur& schur = body->memory->schur;
+    for (int i = body->constraints.own_rows; i < schur.size(); ++i)
+      if (schur.row(i).kind == Kind::kNormal && schur.row(i).source == source)
+        answer += schur.matrix()(i, i);
+  }
+  return answer;
+}
+
+/// The impulse of a contact whose rows begin at `first` of the joint ones; nothing if it is zero.
+bool takeImpulse(const Island& island, const RowValues& p, int first, double scale, Vec3& impulse) {
+  const JointSchur& joint = island.s.joint;
+  impulse = scale * p[first] * joint.row(first).direction;
+  for (int i = first + 1; i < joint.size() && i < first + 3 && joint.row(i).kind == Kind::kTangent;
+       ++i)
+    impulse += scale * p[i] * joint.row(i).direction;
+  return !impulse.isZero(0);
+}
+
+/// What pressed and has left since: where its particles are.
+void addLeft(const Model& model, const State& state, const CachedImpulse& pressed,
+             std::vector<ContactImpulse>& out) {
+  if (pressed.a < 0 || pressed.impulse.isZero(0)) return;  // a limit's
+  ContactImpulse e;
+  e.ragdoll = pressed.ragdoll;
+  e.particle = {pressed.a, pressed.b};
+  e.obstacle = pressed.obstacle;
+  e.other_particle = pressed.other;
+  for (std::size_t i = 0; i < model.ragdolls.size() && pressed.other[0] >= 0; ++i) {
+    const Ragdoll& r = model.ragdolls[i];
+    const bool has =
+        pressed.other[0] >= r.first && pressed.other[0] < r.first + model.skeletonOf(r).size();
+    if (has && static_cast<int>(i) != e.ragdoll) e.other = static_cast<int>(i);
+  }
+  e.normal = pressed.impulse.normalized();
+  const int b = pressed.b < 0 ? pressed.a : pressed.b;
+  e.point = 0.5 * (state.x.col(pressed.a) + state.x.col(b)) -
+            0.5 * (model.radius[pressed.a] + model.radius[b]) * e.normal;
+  e.impulse = model.solver.step * pressed.impulse;
+  out.push_back(e);
+}
+
+ContactLog& logOf(const Island& island) { return *island.context.ws.log; }
+
+}  // namespace
+
+bool isLogged(const Island& island) { return island.context.ws.log != nullptr; }
+
+std::size_t logSize(const Island& island) {
+  return isLogged(island) ? logOf(island).impulses.size() : 0;
+}
+
+void cutLog(Island& island, std::size_t size) {
+  if (isLogged(island)) logOf(island).impulses.resize(size);
+}
+
+void forgetLogged(ContactLog& log, int ragdoll) {
+  const auto has = [&](const ContactImpulse& e) {
+    return e.ragdoll == ragdoll || e.other == ragdoll;
+  };
+  log.impulses.erase(std::remove_if(log.impulses.begin(), log.impulses.end(), has),
+                     log.impulses.end());
+}
+
+void logPositions(Island& island, double h) {
+  const IslandScratch& s = island.s;
+  Vec3 impulse;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    const Body& body = *island.bodies[k];
+    const ConstraintSet& set = body.constraints;
+    for (std::size_t i = 0; i < set.contacts.size() && i < set.contact_row.size(); ++i) {
+      const int row = set.contact_row[i];
+      if (row < 0 || row >= body.total.size()) continue;
+      const int first = s.joint.firstOf(static_cast<int>(k)) + row;
+      if (!takeImpulse(island, s.total, first, 1 / h, impulse)) continue;
+      addPosition(island, set.contacts[i], impulse);
+    }
+  }
+  const PairSet& pairs = island.pairs;
+  for (std::size_t i = 0; i < pairs.contacts.size() && i < pairs.row.size(); ++i) {
+    if (pairs.row[i] < 0 || pairs.row[i] >= s.total.size()) continue;
+    if (!takeImpulse(island, s.total, pairs.row[i], 1 / h, impulse)) continue;
+    addPosition(island, pairs.contacts[i], impulse);
+  }
+}
+
+void logVelocities(Island& island, const RowValues& rates, int first_pair, bool impact) {
+  const IslandScratch& s = island.s;
+  const auto add = [&](const Contact& c, int first, double answer) {
+    Vec3 impulse;
+    if (!takeImpulse(island, s.p, first, 1, impulse)) return;
+    ContactImpulse e = entryOf(island.context.model, island.context.state, c);
+    e.impulse = impulse;
+    e.slip = slipOf(island.context, c);
+    if (impact) e.approach = std::max(0.0, -rates[first]);
+    e.effective_mass = answer > 0 ? 1 / answer : 0;
+    logOf(island).impulses.push_back(e);
+  };
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    const Body& body = *island.bodies[k];
+    const Schur& schur = body.memory->schur;
+    for (int i = 0; i < body.constraints.own_rows; ++i)
+      if (schur.row(i).kind == Kind::kNormal)
+        add(body.touching.contacts[schur.row(i).source], s.joint.firstOf(static_cast<int>(k)) + i,
+            schur.matrix()(i, i));
+  }
+  for (std::size_t i = 0; i < island.pairs.touching.size(); ++i)
+    add(island.pairs.touching[i], first_pair + 3 * static_cast<int>(i),
+        pairAnswer(island, static_cast<int>(i)));
+}
+
+void appendPressing(const Model& model, const State& state, const std::vector<std::uint8_t>& wanted,
+                    std::vector<ContactImpulse>& out) {
+  std::vector<SweptObstacle> obstacles;
+  sweepObstacles(model, state, {}, obstacles);
+  PairDetector detector;
+  std::vector<Contact> contacts, between;
+  if (model.ragdoll_collision) {
+    State awake = state;  // pairs of sleepers are looked for, too
+    std::fill(awake.asleep.begin(), awake.asleep.end(), std::uint8_t(0));
+    detector.appendBetween(model, awake, state.x, state.x, PairSearch::touches(kPressing), between);
+  }
+  ImpulseCache cache;
+  for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
+    if (!wanted[i]) continue;
+    const int r = static_cast<int>(i);
+    const Ragdoll& body = model.ragdolls[i];
+    const auto v = state.v.middleCols(body.first, model.skeletonOf(body).size());
+    const double way = model.solver.step * std::sqrt(v.colwise().squaredNorm().maxCoeff());
+    contacts.clear();
+    appendContacts(model, obstacles, state.x, state.x, r, kPressing + way, contacts);
+    if (model.self_collision)
+      detector.appendSelf(model, state.x, state.x, r, PairSearch::touches(kPressing), contacts);
+    for (const Contact& c : between)
+      if (c.ragdoll == r) contacts.push_back(c);
+    cache.clear();
+    for (const CachedImpulse& impulse : state.impulses)
+      if (impulse.ragdoll == r) cache.add(impulse);
+    cache.startHandingOut();
+    for (Contact& c : contacts) {
+      const CachedImpulse* pressed = cache.handOut(c);
+      if (!pressed && !cache.empty()) continue;
+      c.found = c.offset;
+      out.push_back(entryOf(model, state, c));
+      if (pressed) out.back().impulse = model.solver.step * pressed->impulse;
+    }
+    for (std::size_t k = 0; k < cache.impulses().size(); ++k)
+      if (!cache.isHandedOut(k)) addLeft(model, state, cache.impulses()[k], out);
+  }
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,27 @@
+// Writes down what contacts gave in a trial, for who asks (Workspace::keepContacts): the impulses
+// of both stages that velocities are made of. Trials that are taken back are crossed out.
+#pragma once
+
+#include "core/direct/island.h"
+#include "ragdoll_sim/core/contact_log.h"
+
+namespace ragdoll {
+
+/// The position stage's, as its rows and s.total stand: [kg m] over h.
+void logPositions(Island& island, double h);
+
+/// Of one solution of the velocity stage: s.p [N s]. rates: before it [m/s]; impact: they are those
+/// of an approach.
+void logVelocities(Island& island, const RowValues& rates, int first_pair, bool impact);
+
+/// Whether anyone asks.
+bool isLogged(const Island& island);
+
+/// How much there is; and back to it.
+std::size_t logSize(const Island& island);
+void cutLog(Island& island, std::size_t size);
+
+/// Crosses out what a ragdoll has in it.
+void forgetLogged(ContactLog& log, int ragdoll);
+
+}  // namespace ragdoll

@@ -1,0 +1,160 @@
+#include "contact_publisher.h"
+
+#include <geometry_msgs/WrenchStamped.h>
+#include <ragdoll_msgs/ContactStates.h>
+#include <ragdoll_msgs/Impact.h>
+#include <ros/console.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "imu_publisher.h"
+#include "ragdoll_sim/ros/convert.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr int kQueue = 100;
+constexpr int kImpactQueue = 10000;         ///< one step may have many
+constexpr std::size_t kMostWrenches = 200;  ///< topics
+
+ragdoll_msgs::ContactState toContactState(const Model& model, const Touch& touch, double interval) {
+  const ContactImpulse& c = touch.contact;
+  ragdoll_msgs::ContactState m;
+  m.ragdoll = model.ragdolls[c.ragdoll].name;
+  m.body = particlesName(model, c.ragdoll, c.particle);
+  m.other = otherName(model, c, &m.other_body);
+  m.position = toPoint(c.point);
+  m.normal = toVector3(c.normal);
+  m.depth = c.depth;
+  m.force = toVector3(c.impulse / interval);
+  m.peak_force = touch.peak_force;
+  m.impulse = c.impulse.norm();
+  m.slip = c.slip;
+  return m;
+}
+
+ragdoll_msgs::Impact toImpact(const Model& model, const ImpactReport& impact) {
+  const ContactImpulse& c = impact.contact;
+  ragdoll_msgs::Impact m;
+  m.step = impact.step;
+  m.id = impact.id;
+  m.over = impact.over;
+  m.ragdoll = model.ragdolls[c.ragdoll].name;
+  m.body = particlesName(model, c.ragdoll, c.particle);
+  m.region = regionName(model, c.ragdoll, c.particle);
+  m.other = otherName(model, c);
+  m.position = toPoint(c.point);
+  m.normal = toVector3(c.normal);
+  m.approach_speed = c.approach;
+  m.effective_mass = c.effective_mass;
+  if (!impact.over) return m;
+  m.impulse = c.impulse.norm();
+  m.peak_force = impact.peak_force;
+  m.duration = impact.duration;
+  return m;
+}
+
+Pose inverse(const Pose& pose) {
+  const Quat back = pose.orientation.conjugate();
+  return {-(back * pose.position), back};
+}
+
+}  // namespace
+
+ContactPublisher::ContactPublisher(ros::NodeHandle& nh, std::string world_frame)
+    : nh_(nh), world_frame_(std::move(world_frame)) {
+  contacts_ = nh.advertise<ragdoll_msgs::ContactStates>("contacts", kQueue);
+  impacts_ = nh.advertise<ragdoll_msgs::Impact>("impacts", kImpactQueue);
+}
+
+void ContactPublisher::follow(const Snapshot& world, const std::vector<std::string>& pin_names) {
+  std::vector<std::string> names;
+  for (const Obstacle& o : world.model->obstacles) names.push_back(o.name);
+  names.insert(names.end(), pin_names.begin(), pin_names.end());
+  if (names.size() > kMostWrenches) {
+    if (names.size() != names_.size())
+      ROS_INFO("%zu obstacles and pins are too many for ~wrenches; ~contacts tells of all",
+               names.size());
+    wrenches_.clear();
+    names_ = std::move(names);
+    return;
+  }
+  if (names == names_) return;
+  std::vector<ros::Publisher> topics;
+  for (const std::string& name : names)
+    topics.push_back(
+        nh_.advertise<geometry_msgs::WrenchStamped>("wrenches/" + topicName(name), kQueue));
+  wrenches_ = std::move(topics);
+  names_ = std::move(names);
+}
+
+bool ContactPublisher::wanted() const {
+  return contacts_.getNumSubscribers() > 0 || impacts_.getNumSubscribers() > 0 ||
+         std::any_of(wrenches_.begin(), wrenches_.end(),
+                     [](const ros::Publisher& topic) { return topic.getNumSubscribers() > 0; });
+}
+
+void ContactPublisher::publish(const Snapshot& world, const ros::Time& now) {
+  if (!world.contacts) return;
+  const ContactReport& report = *world.contacts;
+  const std_msgs::Header header = toHeader(world_frame_, now);
+  if (impacts_.getNumSubscribers() > 0)
+    for (const ImpactReport& impact : report.impacts) {
+      ragdoll_msgs::Impact m = toImpact(*world.model, impact);
+      m.header = header;
+      impacts_.publish(m);
+    }
+  if (!(report.interval > 0)) return;  // no step since the last one
+  if (contacts_.getNumSubscribers() > 0) {
+    ragdoll_msgs::ContactStates m;
+    m.header = header;
+    m.step = report.step;
+    m.interval = report.interval;
+    for (const Touch& touch : report.touches)
+      m.contacts.push_back(toContactState(*world.model, touch, report.interval));
+    contacts_.publish(m);
+  }
+  publishWrenches(world, now);
+}
+
+void ContactPublisher::publishWrenches(const Snapshot& world, const ros::Time& now) {
+  const ContactReport& report = *world.contacts;
+  const Model& model = *world.model;
+  const std::size_t obstacles = model.obstacles.size();
+  if (wrenches_.size() != obstacles + model.pins.size()) return;
+  for (std::size_t k = 0; k < obstacles && k < report.on_obstacles.size(); ++k) {
+    const Obstacle& o = model.obstacles[k];
+    Pose frame;  // of the followed frame, as the obstacle is fixed in it
+    if (!o.frame.empty()) {
+      const Pose back = inverse(o.pose), &now_at = world.state.obstacles[k];
+      frame = {now_at.position + now_at.orientation * back.position,
+               now_at.orientation * back.orientation};
+    }
+    publishWrench(k, report, report.on_obstacles[k], report.moments[k],
+                  o.frame.empty() ? world_frame_ : o.frame, frame, now);
+  }
+  for (std::size_t p = 0; p < model.pins.size() && p < report.on_pins.size(); ++p) {
+    const Pin& pin = model.pins[p];
+    const Vec3 place = world.state.x.col(pin.particle);
+    const bool follows = p < world.pin_frames.size() && world.pin_frames[p].has_value();
+    publishWrench(obstacles + p, report, report.on_pins[p], place.cross(report.on_pins[p]),
+                  follows ? pin.frame : world_frame_, follows ? *world.pin_frames[p] : Pose(), now);
+  }
+}
+
+/// impulse, moment: about the world's origin, over the interval.
+void ContactPublisher::publishWrench(std::size_t topic, const ContactReport& report,
+                                     const Vec3& impulse, const Vec3& moment,
+                                     const std::string& frame, const Pose& pose,
+                                     const ros::Time& now) {
+  if (wrenches_[topic].getNumSubscribers() == 0) return;
+  const Quat back = pose.orientation.conjugate();
+  geometry_msgs::WrenchStamped m;
+  m.header = toHeader(frame, now);
+  m.wrench.force = toVector3(back * impulse / report.interval);
+  m.wrench.torque = toVector3(back * (moment - pose.position.cross(impulse)) / report.interval);
+  wrenches_[topic].publish(m);
+}
+
+}  // namespace ragdoll

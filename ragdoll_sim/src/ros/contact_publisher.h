@@ -1,0 +1,37 @@
+// ~contacts, ~impacts and ~wrenches/<name>, from the contacts of a snapshot.
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ragdoll_sim/world/snapshot.h"
+
+namespace ragdoll {
+
+class ContactPublisher {
+ public:
+  ContactPublisher(ros::NodeHandle& nh, std::string world_frame);
+
+  /// Topics for the obstacles and pins that are there.
+  void follow(const Snapshot& world, const std::vector<std::string>& pin_names);
+  /// Whether anyone listens to one of the topics.
+  bool wanted() const;
+  void publish(const Snapshot& world, const ros::Time& now);
+
+ private:
+  void publishWrenches(const Snapshot& world, const ros::Time& now);
+  void publishWrench(std::size_t topic, const ContactReport& report, const Vec3& impulse,
+                     const Vec3& moment, const std::string& frame, const Pose& pose,
+                     const ros::Time& now);
+
+  ros::NodeHandle nh_;
+  std::string world_frame_;
+  ros::Publisher contacts_, impacts_;
+  std::vector<std::string> names_;
+  std::vector<ros::Publisher> wrenches_;  ///< of obstacles, then of pins
+};
+
+}  // namespace ragdoll

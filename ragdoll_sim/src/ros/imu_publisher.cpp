@@ -1,0 +1,98 @@
+#include "imu_publisher.h"
+
+#include <sensor_msgs/Imu.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+#include "ragdoll_sim/ros/convert.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr int kQueue = 10000;  ///< a slow tick has many samples, and none is to be missing
+
+void setVariance(double deviation, boost::array<double, 9>& covariance) {
+  covariance.fill(0);
+  for (int axis = 0; axis < 3; ++axis) covariance[4 * axis] = deviation * deviation;
+}
+
+sensor_msgs::Imu toImu(const Sensor& sensor, const ImuSample& sample,
+                       const std_msgs::Header& header) {
+  sensor_msgs::Imu m;
+  m.header = header;
+  m.orientation = toQuaternion(sample.pose.orientation);
+  m.angular_velocity = toVector3(sample.angular_velocity);
+  m.linear_acceleration = toVector3(sample.acceleration);
+  setVariance(sensor.gyroscope_noise, m.angular_velocity_covariance);
+  setVariance(sensor.accelerometer_noise, m.linear_acceleration_covariance);
+  return m;
+}
+
+/// [s] of the clock that stamps messages since the moment that `time` [s] of simulation was.
+double ageOf(const Snapshot& world, double time) {
+  const double simulated = world.state.time - time;
+  return world.realtime_factor > 0 ? simulated / world.realtime_factor : 0;
+}
+
+}  // namespace
+
+std::string topicName(const std::string& name) {
+  std::string out = name;
+  const auto fits = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '/'; };
+  std::replace_if(
+      out.begin(), out.end(), [&](char c) { return !fits(c); }, '_');
+  return out;
+}
+
+ImuPublisher::ImuPublisher(ros::NodeHandle& nh, std::string frame_prefix)
+    : nh_(nh), frame_prefix_(std::move(frame_prefix)) {}
+
+void ImuPublisher::follow(const Snapshot& world) {
+  if (world.scene == scene_) return;
+  scene_ = world.scene;
+  topics_.clear();
+  mounts_.clear();
+  for (const Sensor& sensor : world.model->sensors) {
+    topics_.push_back(nh_.advertise<sensor_msgs::Imu>("imu/" + topicName(sensor.name), kQueue));
+    const SensorFrame frame = sensorFrame(*world.model, *world.tracker, sensor);
+    mounts_.push_back({frame.frame, frame.local});
+  }
+}
+
+void ImuPublisher::publish(const Snapshot& world, const ros::Time& now) {
+  follow(world);
+  for (const ImuSample& sample : world.imu) {
+    if (sample.sensor >= static_cast<int>(topics_.size())) continue;  // of another scene
+    if (topics_[sample.sensor].getNumSubscribers() == 0) continue;
+    const Sensor& sensor = world.model->sensors[sample.sensor];
+    const double age = std::min(ageOf(world, sample.time), now.toSec());
+    topics_[sample.sensor].publish(
+        toImu(sensor, sample, toHeader(frame_prefix_ + sensor.name, now - ros::Duration(age))));
+  }
+}
+
+void ImuPublisher::appendTransforms(const Snapshot& world, const Posture& posture, bool whole,
+                                    const std_msgs::Header& header,
+                                    std::vector<geometry_msgs::TransformStamped>& out) {
+  follow(world);
+  for (std::size_t i = 0; i < mounts_.size(); ++i) {
+    const Mount& m = mounts_[i];
+    if (m.frame < 0) continue;
+    out.emplace_back();
+    out.back().header = header;
+    out.back().child_frame_id = frame_prefix_ + world.model->sensors[i].name;
+    Pose pose = m.local;
+    if (whole) {
+      out.back().header.frame_id = world.tracker->name(m.frame);
+    } else {
+      const Pose& parent = posture.frames[m.frame];
+      pose = {parent.position + parent.orientation * m.local.position,
+              parent.orientation * m.local.orientation};
+    }
+    out.back().transform = toTransform(pose);
+  }
+}
+
+}  // namespace ragdoll

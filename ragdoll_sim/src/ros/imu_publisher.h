@@ -1,0 +1,45 @@
+// The scene's virtual IMUs on their topics, ~imu/<ragdoll>/<name>, and as frames.
+#pragma once
+
+#include <geometry_msgs/TransformStamped.h>
+#include <ros/node_handle.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ragdoll_sim/world/snapshot.h"
+
+namespace ragdoll {
+
+/// `name` as part of a topic's name: what those may not have becomes '_'.
+std::string topicName(const std::string& name);
+
+class ImuPublisher {
+ public:
+  ImuPublisher(ros::NodeHandle& nh, std::string frame_prefix);
+
+  /// All samples since the last snapshot; `now` is the time of its state.
+  void publish(const Snapshot& world, const ros::Time& now);
+
+  /// The sensors' frames, each in the frame of the body that it turns with; whole: else in the
+  /// world, as the bodies' own frames are not there. header: of the world frame.
+  void appendTransforms(const Snapshot& world, const Posture& posture, bool whole,
+                        const std_msgs::Header& header,
+                        std::vector<geometry_msgs::TransformStamped>& out);
+
+ private:
+  struct Mount {
+    int frame = -1;  ///< of the tracker
+    Pose local;      ///< of the sensor in it
+  };
+  void follow(const Snapshot& world);
+
+  ros::NodeHandle nh_;
+  std::string frame_prefix_;
+  std::shared_ptr<const Scene> scene_;
+  std::vector<ros::Publisher> topics_;  ///< of the scene's sensors
+  std::vector<Mount> mounts_;
+};
+
+}  // namespace ragdoll

@@ -1,0 +1,294 @@
+#include "ragdoll_sim/world/contacts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "ragdoll_sim/core/findings.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr double kNoRest = 1e-13;     ///< of a body's momenta: a rest below is rounding
+constexpr double kLeastShare = 1e-6;  ///< of the strongest contact: what any contact can take
+constexpr double kNoForce = 1e-12;    ///< of the weight: no contact
+constexpr double kFloating = 1e-14;   ///< of a weight: keeps bodies without ground solvable
+
+auto keyOf(const ContactImpulse& c) {
+  return std::tie(c.ragdoll, c.obstacle, c.other, c.particle, c.other_particle);
+}
+
+bool isBefore(const ContactImpulse& a, const ContactImpulse& b) { return keyOf(a) < keyOf(b); }
+
+/// A later part of the same contact.
+void addTo(ContactImpulse& sum, const ContactImpulse& next) {
+  const Vec3 impulse = sum.impulse + next.impulse;
+  const double approach = std::max(sum.approach, next.approach);
+  const double mass = next.effective_mass > 0 ? next.effective_mass : sum.effective_mass;
+  const double slip = next.effective_mass > 0 ? next.slip : sum.slip;
+  sum = next;
+  sum.impulse = impulse;
+  sum.approach = approach;
+  sum.effective_mass = mass;
+  sum.slip = slip;
+}
+
+bool isPinned(const Model& model, int ragdoll) {
+  return !model.systemOf(model.ragdolls[ragdoll]).pins.empty();
+}
+
+/// The other body of a contact that momentum goes to; -1: none.
+int partnerOf(const ContactImpulse& c) {
+  return c.obstacle < 0 && c.other >= 0 && c.other != c.ragdoll ? c.other : -1;
+}
+
+bool isInner(const ContactImpulse& c) { return c.obstacle < 0 && partnerOf(c) < 0; }
+
+}  // namespace
+
+Contacts::Contacts(const Model& model) {
+  for (const Ragdoll& r : model.ragdolls) masses_.push_back(pointMasses(model.skeletonOf(r)));
+  report_.on_obstacles.assign(model.obstacles.size(), Vec3::Zero());
+  report_.moments = report_.on_obstacles;
+}
+
+void Contacts::begin(const State& state) {
+  before_ = state.v;
+  slept_ = state.asleep;
+}
+
+Vec3 Contacts::momentumOf(const Model& model, int ragdoll, const State& state) const {
+  const Ragdoll& r = model.ragdolls[ragdoll];
+  const Skeleton& s = model.skeletonOf(r);
+  const auto change = state.v.middleCols(r.first, s.size()) - before_.middleCols(r.first, s.size());
+  return change * s.M.rowwise().sum();
+}
+
+void Contacts::end(const Model& model, const Inputs& inputs, const State& state) {
+  step_ = log_.impulses;
+  std::vector<std::uint8_t> slept(slept_.size());  // all the step long
+  bool any = false;
+  for (std::size_t i = 0; i < slept.size(); ++i) {
+    slept[i] = slept_[i] && state.asleep[i];
+    any = any || slept[i];
+  }
+  if (any) appendPressing(model, state, slept, step_);
+  merge();
+  balance(model, inputs, state);
+  follow(model, state);
+  collect(model, state);
+}
+
+/// One entry for each contact of the step, in an order of their own.
+void Contacts::merge() {
+  std::stable_sort(step_.begin(), step_.end(), isBefore);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < step_.size(); ++i) {
+    if (kept > 0 && keyOf(step_[kept - 1]) == keyOf(step_[i]))
+      addTo(step_[kept - 1], step_[i]);
+    else
+      step_[kept++] = step_[i];
+  }
+  step_.resize(kept);
+}
+
+void Contacts::balance(const Model& model, const Inputs& inputs, const State& state) {
+  const double h = model.solver.step;
+  const std::size_t count = model.ragdolls.size();
+  std::vector<Vec3> rest(count, Vec3::Zero());
+  std::vector<double> scale(count, 0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Ragdoll& r = model.ragdolls[i];
+    const double mass = masses_[i].sum();
+    rest[i] = momentumOf(model, static_cast<int>(i), state) - h * mass * model.gravity;
+    const auto v = before_.middleCols(r.first, model.skeletonOf(r).size());
+    scale[i] = mass * (h * model.gravity.norm() + v.cwiseAbs().maxCoeff());
+    if (model.solver.damping > 0)
+      rest[i] +=
+          (1 - std::exp(-model.solver.damping * h)) * (v * model.skeletonOf(r).M.rowwise().sum());
+  }
+  const double time = state.time - h;
+  for (const Poke& poke : inputs.pokes)
+    if (isActive(poke, time, h)) rest[poke.body.ragdoll] -= h * poke.force;
+  for (const ContactImpulse& c : step_) {
+    if (isInner(c)) continue;
+    rest[c.ragdoll] -= c.impulse;
+    if (partnerOf(c) >= 0) rest[partnerOf(c)] += c.impulse;
+  }
+  bool any = false;
+  pins_.assign(model.pins.size(), Vec3::Zero());
+  for (std::size_t i = 0; i < count; ++i) {
+    if (isPinned(model, static_cast<int>(i))) {
+      putOnPins(model, state, static_cast<int>(i), rest[i]);
+      rest[i].setZero();
+    } else if (!(rest[i].norm() > kNoRest * scale[i])) {
+      rest[i].setZero();
+    }
+    any = any || !rest[i].isZero(0);
+  }
+  if (any) spread(model, rest);
+  // What only came near.
+  const double least = kNoForce * h * model.gravity.norm();
+  step_.erase(std::remove_if(step_.begin(), step_.end(),
+                             [&](const ContactImpulse& c) {
+                               return c.impulse.norm() <= least * masses_[c.ragdoll].sum();
+                             }),
+              step_.end());
+}
+
+/// Changes w_c (mu_i - mu_j) of the impulses, with weights w by their size, so that every body's
+/// sum is right: a Laplacian with the ground at 0.
+void Contacts::spread(const Model& model, const std::vector<Vec3>& rest) {
+  std::vector<int> place(rest.size(), -1), bodies;
+  const auto use = [&](int ragdoll) {
+    if (ragdoll < 0 || place[ragdoll] >= 0 || isPinned(model, ragdoll)) return;
+    place[ragdoll] = static_cast<int>(bodies.size());
+    bodies.push_back(ragdoll);
+  };
+  double strongest = 0;
+  for (const ContactImpulse& c : step_) {
+    if (isInner(c)) continue;
+    use(c.ragdoll);
+    use(partnerOf(c));
+    strongest = std::max(strongest, c.impulse.norm());
+  }
+  if (bodies.empty()) return;
+  const auto weight = [&](const ContactImpulse& c) {
+    return strongest > 0 ? c.impulse.norm() / strongest + kLeastShare : 1;
+  };
+  const int n = static_cast<int>(bodies.size());
+  Eigen::MatrixXd laplacian = Eigen::MatrixXd::Identity(n, n) * kFloating;
+  Eigen::MatrixXd wanted(n, 3);
+  for (int i = 0; i < n; ++i) wanted.row(i) = rest[bodies[i]].transpose();
+  for (const ContactImpulse& c : step_) {
+    if (isInner(c)) continue;
+    const int i = place[c.ragdoll], j = partnerOf(c) < 0 ? -1 : place[partnerOf(c)];
+    if (i >= 0) laplacian(i, i) += weight(c);
+    if (j >= 0) laplacian(j, j) += weight(c);
+    if (i >= 0 && j >= 0) laplacian(i, j) = laplacian(j, i) -= weight(c);
+  }
+  const Eigen::MatrixXd mu = laplacian.ldlt().solve(wanted);
+  if (!mu.allFinite()) return;
+  for (ContactImpulse& c : step_) {
+    if (isInner(c)) continue;
+    const int i = place[c.ragdoll], j = partnerOf(c) < 0 ? -1 : place[partnerOf(c)];
+    Vec3 change = Vec3::Zero();
+    if (i >= 0) change += mu.row(i).transpose();
+    if (j >= 0) change -= mu.row(j).transpose();
+    c.impulse += weight(c) * change;
+  }
+}
+
+/// What pins gave to the body, evenly: their sum is exact.
+void Contacts::putOnPins(const Model& model, const State&, int ragdoll, const Vec3& rest) {
+  int count = 0;
+  for (const Pin& pin : model.pins) count += pin.ragdoll == ragdoll;
+  for (std::size_t p = 0; p < model.pins.size(); ++p)
+    if (model.pins[p].ragdoll == ragdoll) pins_[p] = rest / count;
+}
+
+/// Impacts begin and end.
+void Contacts::follow(const Model& model, const State& state) {
+  const double h = model.solver.step;
+  for (Open& open : open_) open.touched = false;
+  for (const ContactImpulse& c : step_) {
+    const auto same = [&](const Open& open) { return keyOf(open.report.contact) == keyOf(c); };
+    auto open = std::find_if(open_.begin(), open_.end(), same);
+    if (open == open_.end()) {
+      open_.emplace_back();
+      open = open_.end() - 1;
+      open->first = state.step;
+      open->report.contact = c;
+      open->report.contact.impulse.setZero();
+      open->told = c.approach > kImpactSpeed;
+      if (open->told) {
+        open->report.id = next_id_++;
+        open->report.step = state.step;
+        open->report.time = state.time;
+        report_.impacts.push_back(open->report);
+      }
+    }
+    open->touched = true;
+    open->report.contact.impulse += c.impulse;
+    open->report.peak_force = std::max(open->report.peak_force, c.impulse.norm() / h);
+    open->report.duration = static_cast<double>(state.step - open->first + 1) * h;
+  }
+  for (Open& open : open_) {
+    if (open.touched || !open.told) continue;
+    open.report.over = true;
+    open.report.step = state.step;
+    open.report.time = state.time;
+    report_.impacts.push_back(open.report);
+  }
+  open_.erase(std::remove_if(open_.begin(), open_.end(), [](const Open& o) { return !o.touched; }),
+              open_.end());
+}
+
+/// Into the interval.
+void Contacts::collect(const Model& model, const State& state) {
+  const double h = model.solver.step;
+  report_.step = state.step;
+  report_.time = state.time;
+  report_.interval += h;
+  std::vector<Touch>& all = report_.touches;
+  const auto before = [](const Touch& t, const ContactImpulse& c) {
+    return isBefore(t.contact, c);
+  };
+  for (const ContactImpulse& c : step_) {
+    auto touch = std::lower_bound(all.begin(), all.end(), c, before);
+    if (touch == all.end() || keyOf(touch->contact) != keyOf(c))
+      touch = all.insert(touch, {c, 0});
+    else
+      addTo(touch->contact, c);
+    touch->peak_force = std::max(touch->peak_force, c.impulse.norm() / h);
+    if (c.obstacle < 0) continue;
+    report_.on_obstacles[c.obstacle] -= c.impulse;
+    report_.moments[c.obstacle] -= c.point.cross(c.impulse);
+  }
+  report_.on_pins.resize(pins_.size(), Vec3::Zero());
+  for (std::size_t p = 0; p < pins_.size(); ++p) report_.on_pins[p] -= pins_[p];
+}
+
+ContactReport Contacts::take() {
+  ContactReport taken = report_;
+  report_.interval = 0;
+  report_.touches.clear();
+  report_.impacts.clear();
+  for (std::vector<Vec3>* sums : {&report_.on_obstacles, &report_.moments, &report_.on_pins})
+    std::fill(sums->begin(), sums->end(), Vec3::Zero());
+  return taken;
+}
+
+std::string particlesName(const Model& model, int ragdoll, const std::array<int, 2>& particles) {
+  const Ragdoll& r = model.ragdolls[ragdoll];
+  const std::vector<std::string>& names = model.skeletonOf(r).particles;
+  const std::string first = names[particles[0] - r.first];
+  return particles[1] < 0 || particles[1] == particles[0]
+             ? first
+             : first + "-" + names[particles[1] - r.first];
+}
+
+std::string regionName(const Model& model, int ragdoll, const std::array<int, 2>& particles) {
+  const Ragdoll& r = model.ragdolls[ragdoll];
+  const auto has = [&](const Segment& s, int p) {
+    return p < 0 || std::count(s.particles.begin(), s.particles.end(), p - r.first) > 0;
+  };
+  // Of a particle the bone that ends there: a head, a hand, a foot.
+  const std::vector<Segment>& segments = model.skeletonOf(r).segments;
+  if (particles[1] < 0)
+    for (const Segment& s : segments)
+      if (s.particles.size() == 2 && s.particles[1] == particles[0] - r.first) return s.name;
+  for (const Segment& s : segments)
+    if (has(s, particles[0]) && has(s, particles[1])) return s.name;
+  return particlesName(model, ragdoll, particles);
+}
+
+std::string otherName(const Model& model, const ContactImpulse& c, std::string* body) {
+  if (body) body->clear();
+  if (c.obstacle >= 0) return model.obstacles[c.obstacle].name;
+  const int other = c.other >= 0 ? c.other : c.ragdoll;
+  if (body) *body = particlesName(model, other, c.other_particle);
+  return model.ragdolls[other].name;
+}
+
+}  // namespace ragdoll
