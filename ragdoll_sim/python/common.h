@@ -52,6 +52,7 @@ class Locked {
 
 void addWorld(py::module& module);
 void addCrowd(py::module& module);
+void addFall(py::module& module);
 
 }  // namespace ragdoll::python
 

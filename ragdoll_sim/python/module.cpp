@@ -33,4 +33,5 @@ PYBIND11_MODULE(_ragdoll, module) {
   module.def("models", [] { return shipped("models"); }, "Names of the models that come with it.");
   addWorld(module);
   addCrowd(module);
+  addFall(module);
 }

@@ -1,12 +1,15 @@
 // ragdoll.World: world/world.h for python.
 #include "ragdoll_sim/world/world.h"
 
+#include <cmath>
 #include <memory>
+#include <optional>
 
 #include "common.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/world/batch.h"
+#include "senses.h"
 
 namespace ragdoll::python {
 namespace {
@@ -17,9 +20,11 @@ class PyWorld {
     std::string source;
     Scene from = sceneFrom(scene, solver, settings, &source);
     world_ = std::make_unique<World>(std::move(from), source);
+    world_->keepContacts(true);
   }
 
   void step(const py::int_& steps) {
+    forgetSenses();
     runSteps(stepsFrom(steps), [this](std::uint64_t n) {
       const std::lock_guard<std::mutex> lock(mutex_);
       for (std::uint64_t k = 0; k < n; ++k) world_->advance();
@@ -89,6 +94,26 @@ class PyWorld {
     return all;
   }
 
+  void forgetSenses() {
+    const Locked lock(mutex_);
+    world_->takeContacts();
+    world_->takeImuSamples();
+    contacts_.reset();
+    samples_.clear();
+  }
+
+  py::object contacts() {
+    const Locked lock(mutex_);
+    if (!contacts_) contacts_ = world_->takeContacts();
+    return contactArray(*world_->model(), *contacts_);
+  }
+
+  py::object imu() {
+    const Locked lock(mutex_);
+    for (ImuSample& sample : world_->takeImuSamples()) samples_.push_back(std::move(sample));
+    return imuArray(*world_->model(), samples_);
+  }
+
   py::bytes save() {
     const Locked lock(mutex_);
     const Bytes bytes = world_->save();
@@ -130,6 +155,8 @@ class PyWorld {
 
   std::mutex mutex_;
   std::unique_ptr<World> world_;
+  std::optional<ContactReport> contacts_;  ///< of the last step(...), once it has been asked for
+  std::vector<ImuSample> samples_;
 };
 
 std::vector<std::string> ragdollNames(const World& world) {
@@ -179,11 +206,31 @@ void addProperties(Type& type) {
   const auto property = [&type](const char* name, auto get, const char* about) {
     type.def_property_readonly(name, [get](PyWorld& w) { return w.with(get); }, about);
   };
+  type.def_property_readonly(
+          "contacts", &PyWorld::contacts,
+          "What touched in the last step(...), a structured array: ragdoll, body, other; position "
+          "[m] (3,), normal (3,) towards the body, depth [m], force [N] (3,) on the body, mean over "
+          "the steps, peak_force [N] of a step, impulse [N s], slip [m/s].")
+      .def_property_readonly(
+          "imu", &PyWorld::imu,
+          "Samples of the scene's sensors that ended in the last step(...), a structured array: "
+          "time [s], sensor, acceleration [m/s^2] (3,) (specific force) and angular_velocity "
+          "[rad/s] (3,) in the sensor's frame, orientation (4,) as x, y, z, w.");
   type.def_property_readonly("positions", &PyWorld::positions,
                              "Of the particles [m], world: (n, 3) float64, a copy.")
       .def_property_readonly("velocities", &PyWorld::velocities,
                              "Of the particles [m/s], world: (n, 3) float64, a copy.")
       .def_property_readonly("asleep", &PyWorld::asleep, "Per ragdoll: whether it is at rest. (r,) bool")
+      .def_property_readonly(
+          "contacts", &PyWorld::contacts,
+          "What touched in the last step(...), a structured array: ragdoll, body, other; position "
+          "[m] (3,), normal (3,) towards the body, depth [m], force [N] (3,) on the body, mean over "
+          "the steps, peak_force [N] of a step, impulse [N s], slip [m/s].")
+      .def_property_readonly(
+          "imu", &PyWorld::imu,
+          "Samples of the scene's sensors that ended in the last step(...), a structured array: "
+          "time [s], sensor, acceleration [m/s^2] (3,) (specific force) and angular_velocity "
+          "[rad/s] (3,) in the sensor's frame, orientation (4,) as x, y, z, w.")
       .def_property_readonly("report", &PyWorld::report, "What the last step tells of itself.");
   property("particles", [](World& w) { return particleNames(*w.model()); },
            "Their names, in the order of `positions`; of ragdolls after the first '<ragdoll>/...'.");

@@ -4,6 +4,6 @@ Lengths in metres, times in seconds, forces in newtons, angles in radians; z is 
 numpy arrays of shape (n, 3), float64: copies, which later steps do not change.
 """
 
-from ragdoll._ragdoll import Crowd, Error, World, models, scenes
+from ragdoll._ragdoll import Crowd, Error, Fall, World, models, pose_class, scenes
 
-__all__ = ['Crowd', 'Error', 'World', 'models', 'scenes']
+__all__ = ['Crowd', 'Error', 'Fall', 'World', 'models', 'pose_class', 'scenes']

@@ -26,6 +26,7 @@ Scene merged(const std::vector<Scene>& scenes) {
   all.ragdolls.clear();
   all.pins.clear();
   all.pokes.clear();
+  all.sensors.clear();
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     const Scene& scene = scenes[i];
     RagdollSpec ragdoll = scene.ragdolls.front();
@@ -40,6 +41,10 @@ Scene merged(const std::vector<Scene>& scenes) {
     for (PinSpec pin : scene.pins) {
       pin.particle = prefix + "/" + withoutRagdoll(pin.particle);
       all.pins.push_back(std::move(pin));
+    }
+    for (SensorSpec sensor : scene.sensors) {
+      sensor.segment = prefix + "/" + withoutRagdoll(sensor.segment);
+      all.sensors.push_back(std::move(sensor));
     }
     ragdoll.name = prefix;
     all.ragdolls.push_back(std::move(ragdoll));

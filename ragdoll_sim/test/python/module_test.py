@@ -88,6 +88,33 @@ class WorldTest(unittest.TestCase):
         self.assertEqual((position.shape, turn.shape), ((3,), (4,)))
         self.assertAlmostEqual(np.linalg.norm(turn), 1)
 
+    def test_contacts_carry_the_body(self):
+        world = ragdoll.World('fall')
+        world.step(1500)
+        self.assertTrue(world.asleep.all())
+        world.step(10)
+        contacts = world.contacts
+        self.assertGreater(len(contacts), 2)
+        np.testing.assert_allclose(contacts['force'].sum(axis=0), [0, 0, 75 * 9.81], atol=1)
+        self.assertTrue((contacts['normal'][:, 2] > 0.99).all())
+        self.assertTrue(set(b.split('-')[0] for b in contacts['body']) <= set(world.particles))
+        self.assertEqual(len(ragdoll.World('fall').contacts), 0)
+
+    def test_imus_feel_nothing_in_free_fall(self):
+        scene = FREE + """sensors:
+  - {name: back, type: imu, segment: torso, position: [-0.1, 0, 0], rate: 50}
+"""
+        world = ragdoll.World(scene)
+        world.step(20)
+        imu = world.imu
+        self.assertEqual(len(imu), 10)
+        np.testing.assert_allclose(imu['time'], np.arange(1, 11) / 50)
+        np.testing.assert_allclose(imu['acceleration'], 0, atol=1e-6)
+        np.testing.assert_allclose(imu['angular_velocity'], 0, atol=1e-6)
+        self.assertEqual(set(imu['sensor']), {'body/back'})
+        world.step(4)
+        self.assertEqual(len(world.imu), 2)
+
     def test_save_restore_and_reset(self):
         world = ragdoll.World('push')
         start = world.hash

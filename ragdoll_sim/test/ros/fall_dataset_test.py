@@ -60,7 +60,7 @@ class FallDatasetTest(unittest.TestCase):
         self.assertEqual(self.rows(third), self.rows(first)[1:])
         self.assertEqual(contents(os.path.join(third, 'fall_000008.bag')),
                          contents(os.path.join(first, 'fall_000008.bag')))
-        self.assertNotEqual(self.rows(first)[0]['push_x'], self.rows(first)[1]['push_x'])
+        self.assertNotEqual(self.rows(first)[0]['kind'], self.rows(first)[1]['kind'])
 
     def test_a_bag_holds_its_fall_and_its_labels(self):
         out, _ = self.record('labels', 1, 3)
