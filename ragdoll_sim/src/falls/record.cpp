@@ -69,6 +69,7 @@ struct Track {
   std::unique_ptr<Judge> judge;
   Vec3 momentum = Vec3::Zero(), head_velocity = Vec3::Zero();
   std::vector<double> head;  ///< [m/s^2]
+  bool asleep = false;       ///< at the end of the last sample
 };
 
 /// Falls of one scene on their way.
@@ -116,6 +117,10 @@ class GroupRun {
       last = std::max(last, samples_ - tracks_[i].quiet);
     }
     for (int k = 1; k <= last; ++k) {
+      if (allAsleep()) {  // nothing wakes them any more
+        for (std::size_t i = 0; i < tracks_.size(); ++i) rest(static_cast<int>(i), k);
+        break;
+      }
       for (int n = 0; n < every_; ++n) step();
       sample(k);
     }
@@ -134,21 +139,43 @@ class GroupRun {
     return batch_.state().v.middleCols(column(i), weight_.size()) * weight_;
   }
 
+  bool allAsleep() const {
+    return batch_.state().step > release_ &&
+           std::all_of(tracks_.begin(), tracks_.end(), [](const Track& t) { return t.asleep; });
+  }
+
+  /// The sensors of a body that does not accelerate or turn.
+  void putQuiet(int i, int n) {
+    const Track& t = tracks_[i];
+    for (std::size_t s = 0; s < kSensors.size(); ++s) {
+      const int sensor = i * static_cast<int>(kSensors.size()) + static_cast<int>(s);
+      const Quat& turn = imus_.pose(sensor).orientation;
+      put(*t.fall, s, n, turn.conjugate() * -batch_.model().gravity, Vec3::Zero(), t.record->imu[s]);
+      if (s == 0) putEuler(turn, n, *t.record);
+    }
+  }
+
   /// The samples before the onset: the body as it starts, carried at its speed.
   void beQuiet(int i) {
     const Track& t = tracks_[i];
     const Vec3 walk = batch_.model().start_velocity.col(column(i) + head_);
     const Points x = batch_.state().x.middleCols(column(i), skeleton().named);
     for (int n = 0; n < t.quiet; ++n) {
-      for (std::size_t s = 0; s < kSensors.size(); ++s) {
-        const Quat& turn = imus_.pose(i * static_cast<int>(kSensors.size()) + static_cast<int>(s)).orientation;
-        put(*t.fall, s, n, turn.conjugate() * -batch_.model().gravity, Vec3::Zero(), t.record->imu[s]);
-        if (s == 0) putEuler(turn, n, *t.record);
-      }
+      putQuiet(i, n);
       const Vec3 shift = -(t.quiet - 1 - n) / options_.rate * walk;
       putPositions(x.colwise() + shift, n, *t.record);
     }
     t.judge->look(t.record->onset, x, batch_.state().v.middleCols(column(i), skeleton().named));
+  }
+
+  /// The k-th sample after the onset and all that follow, of a body at rest.
+  void rest(int i, int k) {
+    const Track& t = tracks_[i];
+    const Points x = batch_.state().x.middleCols(column(i), skeleton().named);
+    for (int n = t.quiet + k - 1; n < samples_; ++n) {
+      putQuiet(i, n);
+      putPositions(x, n, *t.record);
+    }
   }
 
   void step() {
@@ -191,11 +218,14 @@ class GroupRun {
     for (std::size_t i = 0; i < tracks_.size(); ++i) {
       Track& t = tracks_[i];
       const int n = t.quiet + k - 1, named = skeleton().named;
+      const bool asleep = batch_.state().asleep[i] != 0;
+      if (n < samples_ && asleep && t.asleep) putQuiet(static_cast<int>(i), n);
+      t.asleep = asleep;
       if (n >= samples_) continue;
       const auto x = batch_.state().x.middleCols(column(static_cast<int>(i)), named);
       putPositions(x, n, *t.record);
       t.judge->look((n + 1) / options_.rate, x, batch_.state().v.middleCols(column(static_cast<int>(i)), named));
-      t.record->at_rest = batch_.state().asleep[i] != 0;
+      t.record->at_rest = asleep;
     }
   }
 
