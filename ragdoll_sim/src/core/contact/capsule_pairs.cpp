@@ -61,7 +61,7 @@ bool flatEnds(const CapsuleAxis& a, const CapsuleAxis& b, std::array<AxisPoints,
   const double scale = u.squaredNorm() * w.squaredNorm();
   if (!(scale > 0) || u.cross(w).squaredNorm() > kParallel * scale) return false;
   const double s0 = project(a, b.a), s1 = project(a, b.b);
-  if (std::abs(s1 - s0) < kFlatShare) return false;
+  if (std::abs(s1 - s0) < kStickEnd) return false;
   ends[0] = {s0, project(b, a.at(s0))};
   ends[1] = {s1, project(b, a.at(s1))};
   return true;

@@ -15,15 +15,16 @@ namespace {
 
 constexpr int kMaxAdvances = 64;    ///< of one sweep; grazing paths converge slowly
 constexpr double kRounding = 1e-9;  ///< of a place along a stick
+constexpr double kAlong = 0.9;      ///< cosine: a normal along the stick cannot push it out
 constexpr int kSectionSteps = 32;   ///< golden-section steps along a stick: 1e-7 of its length
 
 Vec3 halfExtent(const Obstacle& o, const Eigen::Matrix3d& R) {
   return (R.cwiseAbs() * o.half).array() + o.radius;
 }
 
-/// Contact with the tangent plane at `p` (a point of the body's axis, in the obstacle's frame).
-Contact tangentAt(const SweptObstacle& m, const Vec3& p, double radius) {
-  const Distance d = signedDistance(*m.obstacle, p);
+/// Contact with the plane at the distance d from `p` (a point of the body's axis, in the obstacle's
+/// frame).
+Contact planeAt(const SweptObstacle& m, const Vec3& p, const Distance& d, double radius) {
   const Vec3 surface = p - d.value * d.normal;
   Contact c;
   c.normal = m.R1 * d.normal;
@@ -34,6 +35,11 @@ Contact tangentAt(const SweptObstacle& m, const Vec3& p, double radius) {
   c.restitution = m.obstacle->restitution;
   c.obstacle = m.index;
   return c;
+}
+
+/// With the tangent plane at the nearest point of the surface.
+Contact tangentAt(const SweptObstacle& m, const Vec3& p, double radius) {
+  return planeAt(m, p, signedDistance(*m.obstacle, p), radius);
 }
 
 /// Where the sphere is first in touch on its way, or would be at the end; false: it stays clear.
@@ -191,6 +197,17 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double ma
   return axisAt(closes ? firstTouch(gapAt, 0, start, 1, end) : 1);
 }
 
+/// The same of a capsule at its nearest place t. Where its axis runs through the middle of the
+/// obstacle, the nearest face may lie along it; then it goes out across itself.
+Contact tangentAt(const SweptObstacle& m, const Axis& axis, double t) {
+  const Vec3 p = axis.at(t), along = (axis.b - axis.a).normalized();
+  Distance d = signedDistance(*m.obstacle, p);
+  const bool between = t > kStickEnd && t < 1 - kStickEnd;
+  if (between && d.value < 0 && std::abs(d.normal.dot(along)) > kAlong)
+    d = lineDistance(*m.obstacle, p, along);
+  return planeAt(m, p, d, axis.radius(t));
+}
+
 /// Contacts of a capsule between its ends, at the instant of `axis`: where it is nearest, or both
 /// ends of where it lies flat.
 void stickContacts(const SweptObstacle& m, const Axis& axis, double start, int a, int b,
@@ -200,7 +217,7 @@ void stickContacts(const SweptObstacle& m, const Axis& axis, double start, int a
   const double lo = box ? extent(axis, t, 0, kFlatStick) : t;
   const double hi = box ? extent(axis, t, 1, kFlatStick) : t;
   const bool flat = hi - lo > kStickEnd;
-  Contact c = tangentAt(m, axis.at(t), axis.radius(t));
+  Contact c = tangentAt(m, axis, t);
   c.gap_start = start;
   c.particle = {a, b, 0, 0};
   c.count = 2;

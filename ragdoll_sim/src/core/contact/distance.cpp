@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ragdoll {
 namespace {
@@ -46,6 +47,25 @@ Distance signedDistance(const Obstacle& o, const Vec3& p) {
                      Vec3::UnitX());
   }
   return {};
+}
+
+Distance lineDistance(const Obstacle& o, const Vec3& p, const Vec3& along) {
+  const Vec3 across = p - along.dot(p) * along;
+  Distance best{-std::numeric_limits<double>::infinity(), along.unitOrthogonal()};
+  const double radius = o.type == Type::kBox ? 0 : o.radius;
+  const auto consider = [&](const Vec3& direction) {
+    const double length = direction.norm();
+    if (length < kMinLength) return;
+    const Vec3 n = (direction.dot(p) < 0 ? -direction : direction) / length;
+    const double reach = n.cwiseAbs().dot(o.half) + radius;  // of the solid along n
+    const double value = n.dot(p) - reach;
+    if (value > best.value) best = {value, n};
+  };
+  for (int k = 0; k < 3; ++k)
+    if (o.half[k] > 0) consider(along.cross(Vec3::Unit(k)));
+  if (std::isinf(best.value)) consider(across);
+  if (std::isinf(best.value)) consider(best.normal);
+  return best;
 }
 
 double signedDistanceValue(const Obstacle& o, const Vec3& p) {

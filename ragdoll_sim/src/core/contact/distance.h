@@ -14,6 +14,10 @@ struct Distance {
 /// p: [m] in the obstacle's frame (plane: z is the normal; capsule: z is the axis).
 Distance signedDistance(const Obstacle& obstacle, const Vec3& p);
 
+/// The same of an endless line through p along a unit vector: how far it is from leaving the core's
+/// solid across itself by the shortest way. Not for planes.
+Distance lineDistance(const Obstacle& obstacle, const Vec3& p, const Vec3& along);
+
 /// The value alone, for searches.
 double signedDistanceValue(const Obstacle& obstacle, const Vec3& p);
 

@@ -83,11 +83,11 @@ void findCandidates(Body& body, double h) {
     return;
   const Points& after = poseAfter(body);
   if (!step.ws.obstacles.empty())
-    appendContacts(step.model, step.ws.obstacles, step.state.x, after, body.index, kContactMargin,
+    appendContacts(step.model, step.ws.obstacles, step.state.x, after, body.index, kNearBody,
                    set.contacts);
   if (step.model.self_collision)
     body.detector.appendSelf(step.model, step.state.x, after, body.index,
-                             PairSearch::touches(kContactMargin), set.contacts);
+                             PairSearch::touches(kNearBody), set.contacts);
   if (body.overlaps == OverlapPolicy::kPassThrough) passThrough(body);
   set.overlap = 0;
   for (Contact& c : set.contacts) {

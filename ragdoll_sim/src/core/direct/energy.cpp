@@ -4,8 +4,7 @@
 #include <cmath>
 
 #include "core/direct/constants.h"
-#include "core/mechanics/joint_damping.h"
-#include "core/mechanics/pair_energy.h"
+#include "core/mechanics/energy_removal.h"
 
 namespace ragdoll {
 namespace {
@@ -35,41 +34,32 @@ bool isSmooth(const Body& body) {
          std::all_of(impulses.begin(), impulses.end(), touches);
 }
 
-bool pressesObstacle(const Body& body) {
+/// Whether an obstacle touches the body or presses it.
+bool meetsObstacle(const Body& body) {
+  const auto isObstacle = [](const auto& c) { return c.obstacle >= 0; };
   const std::vector<CachedImpulse>& impulses = body.cache.impulses();
-  return std::any_of(impulses.begin(), impulses.end(),
-                     [](const CachedImpulse& impulse) { return impulse.obstacle >= 0; });
+  const std::vector<Contact>& contacts = body.touching.contacts;
+  return std::any_of(impulses.begin(), impulses.end(), isObstacle) ||
+         std::any_of(contacts.begin(), contacts.end(), isObstacle);
 }
 
-/// Whether something takes the body's momentum.
-bool isHeld(const Body& body) {
-  return !body.pinned->pins.empty() || pressesObstacle(body) ||
-         std::any_of(body.touching.contacts.begin(), body.touching.contacts.end(),
-                     [](const Contact& contact) { return contact.obstacle >= 0; });
-}
-
+/// Whether something takes the bodies' momentum.
 bool isHeld(const Island& island) {
   for (const Body* body : island.bodies)
-    if (!body->pinned->pins.empty() || pressesObstacle(*body)) return true;
+    if (!body->pinned->pins.empty() || meetsObstacle(*body)) return true;
   return std::any_of(island.pairs.pressing.begin(), island.pairs.pressing.end(),
                      [&island](const BodyPair& pair) {  // a sleeper
                        return island.placeOf(pair.first) < 0 || island.placeOf(pair.second) < 0;
                      });
 }
 
-bool removeFromBody(Body& body, double gain) {
-  const double before = kineticEnergy(body);
-  body.kept = body.v();
-  dampInnerMotion(massOf(body), body.pinned->pins, 0, body.x(), body.v());
-  const double rigid = kineticEnergy(body);
-  const double inner = before - rigid;
-  const bool held = isHeld(body);
-  if (inner > gain) {
-    body.v() += std::sqrt(1 - gain / inner) * (body.kept - body.v());
-  } else if (held) {
-    body.v() *= rigid > 0 ? std::sqrt(std::max(0.0, (before - gain) / rigid)) : 0;
-  }  // else v() is the rigid motion now, whose momentum is nobody's to take
-  return inner > gain || held || gain - inner <= kRedoRise * before;
+/// Pins go on as they did (`kept`), and carry what is rigid with them.
+void restorePins(Body& body) {
+  const std::vector<int>& pins = body.pinned->pins;
+  for (std::size_t p = 0; p < pins.size(); ++p) {
+    const Vec3 change = body.kept.col(pins[p]) - body.v().col(pins[p]);
+    body.v().noalias() += change * body.system->pin_motion.row(static_cast<Eigen::Index>(p));
+  }
 }
 
 }  // namespace
@@ -122,10 +112,10 @@ double explicitGain(Island& island, bool smooth) {
 }
 
 bool isLargeGain(Island& island, double gain, bool smooth) {
-  if (smooth ? gain == 0 : gain <= kRedoRise) return false;
+  if (smooth ? gain == 0 : gain <= kRedoGain) return false;
   double energy = 0;
   for (Body* body : island.bodies) energy += smooth ? swingScale(*body) : kineticEnergy(*body);
-  return smooth ? std::abs(gain) > kRedoSwing * energy : gain > kRedoRise * energy;
+  return smooth ? std::abs(gain) > kRedoGain * energy : gain > kRedoGain * energy;
 }
 
 double implicitGain(Island& island) {
@@ -144,11 +134,17 @@ double wildGain(Island& island) {
 
 bool removeEnergy(Island& island, double gain) {
   if (!(gain > 0)) return true;
-  for (Body* body : island.bodies) body->limited = body->limited || gain > kReportedGain;
-  if (island.isLone()) return removeFromBody(*island.bodies[0], gain);
-  takeOutOfGroup(island.context.model, island.s.ragdolls, isHeld(island), gain,
-                 island.context.state, island.s.group);
-  return true;
+  double before = 0;
+  for (Body* body : island.bodies) {
+    body->limited = body->limited || gain > kReportedGain;
+    before += kineticEnergy(*body);
+    if (body->pin_speed > 0) body->kept = body->v();
+  }
+  const double left = takeEnergyOut(island.context.model, island.s.ragdolls, isHeld(island), gain,
+                                    island.context.state, island.s.removal);
+  for (Body* body : island.bodies)
+    if (body->pin_speed > 0) restorePins(*body);
+  return left <= kRedoGain * before;
 }
 
 }  // namespace ragdoll

@@ -32,9 +32,7 @@ bool isLargeGain(Island& island, double gain, bool smooth);
 double implicitGain(Island& island);
 double wildGain(Island& island);
 
-/// Takes the gain out of the motion within the bodies, which leaves their momentum; out of the
-/// whole motion only where that is not enough and something presses that takes momentum. Whether
-/// all of it is out, or nearly.
+/// Takes the gain out of the motion (energy_removal.h). Whether all of it is out, or nearly.
 bool removeEnergy(Island& island, double gain);
 
 }  // namespace ragdoll

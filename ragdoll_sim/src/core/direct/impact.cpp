@@ -40,7 +40,7 @@ bool isComing(const Body& body, const LimitRow& limit, double h) {
                           ? rateOf(body, limit)
                           : (limit.value - limit.before) / h;
   const double pull = std::max(kLeastPull, body.context->model.gravity.norm());
-  return -rate > kSlowSteps * body.context->h * pull / kLimb;
+  return -rate > kRestSteps * body.context->h * pull / kLimb;
 }
 
 bool reachesComing(const Body& body) {
@@ -88,7 +88,7 @@ Impact firstImpact(Body& body, double h) {
 
 double comingSpeed(const StepContext& step, const Contact& c) {
   const double pull = std::abs(c.normal.dot(step.model.gravity));
-  return kSlowSteps * step.h * std::max(kLeastPull, pull);
+  return kRestSteps * step.h * std::max(kLeastPull, pull);
 }
 
 double timeOfZero(double start, double rate, double end, double h) {

@@ -68,13 +68,12 @@ void findStep(const Body& body, ImplicitScratch& s) {
 
 /// How much of the step is taken, so that no stick turns too far.
 double shareOf(const Body& body, double reach, double shortest, ImplicitScratch& s) {
-  if (reach * std::sqrt(s.step.colwise().squaredNorm().maxCoeff()) <
-      0.98 * kLargestShare * shortest)
+  if (reach * std::sqrt(s.step.colwise().squaredNorm().maxCoeff()) < 0.98 * kLargestTurn * shortest)
     return 1;
   double share = 1;
   s.turn.noalias() = s.step * body.system->B.transpose();
   for (int k = 0; k < body.rows->s; ++k)
-    share = std::min(share, kLargestShare * std::sqrt(body.lengths.length2[k]) /
+    share = std::min(share, kLargestTurn * std::sqrt(body.lengths.length2[k]) /
                                 std::max(1e-300, s.turn.col(k).norm()));
   return share;
 }

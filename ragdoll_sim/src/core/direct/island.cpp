@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/contact/constants.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/contact_log.h"
@@ -112,7 +113,7 @@ void findCandidates(Island& island, double h) {
   if (island.isLone()) return;
   island.s.detector.appendBetween(island.context.model, island.context.state, island.s.all,
                                   island.context.state.x, posesAfter(island),
-                                  PairSearch::touches(kContactMargin), pairs.contacts);
+                                  PairSearch::touches(kNearBody), pairs.contacts);
   for (Contact& c : pairs.contacts) startPair(island, c, h);
 }
 

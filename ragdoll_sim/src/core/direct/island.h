@@ -12,7 +12,7 @@
 #include "core/contact/pair_detect.h"
 #include "core/direct/body.h"
 #include "core/linear/joint_schur.h"
-#include "core/mechanics/pair_energy.h"
+#include "core/mechanics/energy_removal.h"
 
 namespace ragdoll {
 
@@ -35,7 +35,7 @@ struct IslandScratch {
   PairSet pairs;
   PairDetector detector;
   JointSchur joint;
-  GroupScratch group;
+  RemovalScratch removal;
   RowValues b, p, total, change;
   RowValues rates;         ///< [m/s] where contacts are logged: before the velocity stage
   std::size_t logged = 0;  ///< entries of the contact log before the present substep

@@ -11,6 +11,8 @@ namespace ragdoll {
 namespace {
 
 constexpr double kPositionRounding = 4e-15;  ///< relative, with some room
+/// Of a stick's length: shorter, it has no direction; of the rest pose, what gives it one.
+constexpr double kNoLength = 0.02;
 constexpr double kWhole = 1e-6;      ///< relative error of a squared length: none to restore
 constexpr int kRecoverySweeps = 60;  ///< of relaxation, where Newton's method fails
 
@@ -35,7 +37,7 @@ void spreadCollapsed(Body& body) {
   const Points& rest = body.skeleton->rest;
   const Vec3 middle = rest.rowwise().mean();
   for (int i = 0; i < body.n; ++i)
-    if (body.system->W(i, i) > 0) body.x().col(i) += kSpread * (rest.col(i) - middle);
+    if (body.system->W(i, i) > 0) body.x().col(i) += kNoLength * (rest.col(i) - middle);
 }
 
 /// One stick after the other, where Newton's method fails.

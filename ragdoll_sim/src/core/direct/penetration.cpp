@@ -25,7 +25,7 @@ double allowedOffset(const Contact& c, const MotionSpan& span) {
 double allowedViolation(const LimitRow& limit, const MotionSpan& span, OverlapPolicy policy) {
   const double least = std::max(0.0, -limit.before) * (1 - span.over / span.step);
   const double turn = policy == OverlapPolicy::kResolve ? kRecoveryTurn * span.over : 0;
-  const double stays = limit.value < -kFarBeyond ? -limit.before - turn : 0;
+  const double stays = limit.value < -kClose / kLever ? -limit.before - turn : 0;
   return std::max({0.0, least, stays});
 }
 

@@ -109,8 +109,8 @@ void judge(Island& island, AdaptiveStep& step, double sub, bool whole, StepRepor
   }
   // The estimate is of fourth order, so that its rate falls with the fourth power of the substep.
   const double growth =
-      ok ? kSafety * std::pow(std::max(rate / tolerance, 1e-12), -0.25) : kFailedGrowth;
-  step.next = sub * std::clamp(growth, kSmallestGrowth, kLargestGrowth);
+      ok ? kSafety * std::pow(std::max(rate / tolerance, 1e-12), -0.25) : 1 / kLargestGrowth;
+  step.next = sub * std::clamp(growth, 1 / kLargestGrowth, kLargestGrowth);
   if (!ok || (rate > tolerance && !least)) return restore(island);
   report.unresolved += rate > tolerance;
   step.accept(sub);

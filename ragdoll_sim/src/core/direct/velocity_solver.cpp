@@ -81,7 +81,7 @@ void lockComing(Body& body) {
 
 /// [m/s] approach above which a contact bounces: slower is rest.
 double bounceSpeed(const StepContext& step, const Contact& c) {
-  return kBounceSteps * step.h * std::abs(c.normal.dot(step.model.gravity));
+  return kRestSteps * step.h * std::abs(c.normal.dot(step.model.gravity));
 }
 
 /// Newton's impact law: rates after the impact, and all rows free but those of springs.
@@ -91,7 +91,7 @@ void evaluateImpact(Body& body) {
   for (int i = 0; i < body.constraints.own_rows; ++i) {
     const Schur::Row& row = schur.row(i);
     schur.lock(i, row.compliance > 0);
-    if (row.kind != Kind::kNormal || body.located > kMaxBounces) continue;
+    if (row.kind != Kind::kNormal || body.located > kMaxLocated) continue;
     const Contact& c = body.touching.contacts[row.source];
     if (-body.b[i] > bounceSpeed(*body.context, c)) body.b[i] *= 1 + c.restitution;
   }

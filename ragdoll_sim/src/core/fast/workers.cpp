@@ -1,6 +1,8 @@
 #include "core/fast/workers.h"
 
 #ifdef RAGDOLL_WITH_TBB
+#define TBB_PREVIEW_GLOBAL_CONTROL 1  // TBB 2020, of Ubuntu 20.04
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -13,8 +15,12 @@ namespace ragdoll::fast {
 #ifdef RAGDOLL_WITH_TBB
 
 struct Workers::Arena {
-  explicit Arena(int threads) : size(threads), arena(threads) {}
+  explicit Arena(int threads)
+      : size(threads),
+        allowed(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)),
+        arena(threads) {}
   int size;
+  tbb::global_control allowed;  ///< more than there are cores, if asked for
   tbb::task_arena arena;
 };
 

@@ -1,5 +1,7 @@
 // What limits are looked at by.
-// Not here, since not tuned: sizes, guards against rounding, and caps of loops that converge.
+// Not tuned: sizes, guards against rounding, caps of loops that converge, and what is made of
+// another constant. Unless it says more, half and double of a constant break no law of 60 random
+// scenes and 12 piles (ragdoll_lab extremes --random-only) and cost the same within 10 %.
 #pragma once
 
 namespace ragdoll {

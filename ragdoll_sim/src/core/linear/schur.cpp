@@ -186,7 +186,9 @@ bool Schur::sweepFrom(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eig
 }
 
 bool Schur::solveOn(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p) {
+  constexpr int kBatches = 20;
   constexpr double kNoChange = 1e-6;  // share by which changes of no end differ
+  constexpr double kMost = 1e4;       // times as large: of rows that contradict each other, no use
   const int m = size();
   const Eigen::VectorXd start = p;
   // Impulses in units in which all rows yield alike.
@@ -199,14 +201,12 @@ bool Schur::solveOn(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen
     if (sweepFrom(b, p, true)) return true;
     result = scale.cwiseProduct(p);
     change = result - scale.cwiseProduct(before);
-    if (batch > 0 && change.norm() <= kWorse * last_change.norm()) {
+    if (batch > 0) {
       changes.col(next) = change - last_change;
       if (changes.col(next).norm() < kNoChange * change.norm()) break;
       results.col(next) = result - last_result;
       next = (next + 1) % kMemory;
       known = std::min(known + 1, kMemory);
-    } else {
-      known = next = 0;
     }
     last_change = change;
     last_result = result;

@@ -54,11 +54,12 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
 template <class Rows>
 RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& blocks, double* p,
                                          bool batch = false) {
+  constexpr int kMaxSweeps = 100;  // most end after 5 to 15
   const int m = rows.size();
   for (int i = 0; i < m; ++i)
     if (p[i] != 0) rows.push(i, 1, p + i);
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
-  double earlier = kUnknown, last_change = kUnknown, last_ratio = 0;
+  double last_change = kUnknown, last_ratio = 0;
   int endless = 0;
   const int most = batch ? kBatch : kMaxSweeps;
   for (int iteration = 0; iteration < most; ++iteration) {
@@ -99,10 +100,6 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& bl
     const double ratio = change / last_change;
     endless = std::abs(ratio - 1) < kEndless ? endless + 1 : 0;
     if (endless == kEndlessSweeps) return false;
-    if (iteration % kPatience == kPatience - 1) {
-      if (change > kShrinkage * earlier) return false;
-      earlier = change;
-    }
     last_change = change;
     const bool constant = std::abs(ratio - last_ratio) < kConstant * (1 - ratio);
     last_ratio = ratio;

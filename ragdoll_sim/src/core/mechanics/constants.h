@@ -1,5 +1,6 @@
 // What sleep and findings go by; the speeds and times of sleep are public (sleep.h).
-// Not here, since not tuned: sizes, guards against rounding, and caps of loops that converge.
+// Not tuned: sizes, guards against rounding, caps of loops that converge, and what is made of
+// another constant.
 #pragma once
 
 namespace ragdoll {

@@ -27,6 +27,18 @@ struct MassMatrix {
   const Eigen::VectorXd& sums;  ///< n, of its rows
 };
 
+/// Inertia [kg m^2] and angular momentum [kg m^2/s] about a point.
+struct Turning {
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();
+  Vec3 angular = Vec3::Zero();
+
+  /// Of a body about the motion's centre, as seen from its drift.
+  void add(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+           const Eigen::Ref<const Points>& v, const RigidMotion& motion);
+  /// [rad/s] Of what turns as one.
+  Vec3 spin() const;
+};
+
 /// The rigid motion with the momentum and angular momentum of velocities v: what the body would do
 /// if its joints froze. Pinned: about the pin; by two pins: none.
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,

@@ -58,7 +58,7 @@ void ContactProjection::prepare(const Model& model, const std::vector<Contact>& 
     const double gravity = -n.dot(model.gravity);
     const double speed = -n.dot(pointOf(c, v1) - c.surface_motion / h);
     if (c.restitution > 0 && gap < 0 && c.gap_start > gap &&
-        speed > kBounceSteps * std::max(gravity, 0.0) * h) {
+        speed > kRestSteps * std::max(gravity, 0.0) * h) {
       const double before = std::clamp(c.gap_start / (c.gap_start - gap), 0.0, 1.0);  // share of h
       const double out = c.restitution * speed - (1 + c.restitution) * gravity * (1 - before) * h;
       p.contact.offset += c.restitution * -gap;

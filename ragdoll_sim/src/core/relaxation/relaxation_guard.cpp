@@ -8,7 +8,7 @@
 #include "core/direct/constants.h"
 #include "core/direct/direct_step.h"
 #include "core/mechanics/energy_gain.h"
-#include "core/mechanics/pair_energy.h"
+#include "core/mechanics/energy_removal.h"
 #include "core/relaxation/constants.h"
 
 namespace ragdoll {
@@ -50,8 +50,8 @@ class RelaxationGuard {
 
  private:
   bool stretched(int i) const {
-    constexpr double kLongest = (1 + kMostStretch) * (1 + kMostStretch);
-    constexpr double kShortest = (1 - kMostStretch) * (1 - kMostStretch);
+    constexpr double kLongest = (1 + kFailed) * (1 + kFailed);
+    constexpr double kShortest = (1 - kFailed) * (1 - kFailed);
     const Ragdoll& r = model_.ragdolls[i];
     const System& s = model_.systemOf(r);
     const auto far = [&](int a, int b, double length) {
@@ -133,8 +133,7 @@ class RelaxationGuard {
     const Ragdoll& r = model_.ragdolls[i];
     const StickRows& rows = *model_.systemOf(r).direct.rows;
     if (gain < 0.5 * rows.mass.sum() * kFreeSpeed * kFreeSpeed * rows.scale) return false;
-    return !(gain <=
-             kMostGain * kineticEnergy(rows, ws_.v0.middleCols(r.first, rows.n), ws_.energy));
+    return !(gain <= kFailed * kineticEnergy(rows, ws_.v0.middleCols(r.first, rows.n), ws_.energy));
   }
 
   const Model& model_;
@@ -238,7 +237,7 @@ void limitPairEnergy(const StepContext& context, RelaxationWorkspace& ws, StepRe
   double rise = 0;
   for (const int i : bodies) rise += guard.rise(i);
   if (!(rise > 0)) return;
-  takeOutOfGroup(context.model, bodies, held, rise, context.state, ws.group);
+  takeEnergyOut(context.model, bodies, held, rise, context.state, ws.removal);
   if (rise > kReportedGain) report.limited += static_cast<int>(bodies.size());
 }
 

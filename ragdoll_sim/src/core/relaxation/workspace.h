@@ -7,7 +7,7 @@
 #include "core/contact/pair_detect.h"
 #include "core/limits/limit_projection.h"
 #include "core/mechanics/energy_gain.h"
-#include "core/mechanics/pair_energy.h"
+#include "core/mechanics/energy_removal.h"
 #include "core/relaxation/projection.h"
 
 namespace ragdoll {
@@ -23,7 +23,7 @@ struct RelaxationWorkspace {
   // Of its guard.
   Points moved, force;
   EnergyScratch energy;
-  GroupScratch group;
+  RemovalScratch removal;
   std::vector<Contact> passed;
   std::vector<SweptObstacle> obstacles;
   std::vector<int> bodies;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/linear/constants.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -16,7 +17,7 @@ struct Turned {
   World world{sceneOf(oneStick())};
   const DirectSystem& system = world.model.systems[0].direct;
   StickLengths lengths{system.rows->length2.data(), system.rows->inverse_length2.data(),
-                       BodyResponse::kTolerance};
+                       kLengthTolerance};
   BodyResponse response;
   Points dx = Points::Zero(3, 2);
   Eigen::VectorXd lambda = Eigen::VectorXd::Zero(system.rows->width);

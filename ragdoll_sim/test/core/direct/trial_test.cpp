@@ -1,0 +1,55 @@
+#include "core/direct/trial.h"
+
+#include <gtest/gtest.h>
+
+#include "core/direct/constants.h"
+#include "support/direct_island.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+Scene fallOnto(double gap) {
+  Scene scene = weightless(oneStick(1, 1, 0.05), Vec3(0, 0, -6));
+  scene.ragdolls[0].pose.position.z() = 0.05 + gap;
+  scene.obstacles = {floorPlane(0, 0.5)};
+  return scene;
+}
+
+TEST(Trial, TakesTheWholeStepInTheAir) {
+  DirectIsland one(fallOnto(1));
+  const Trial trial = takeExplicitTrial(one.island, one.h, 0);
+  EXPECT_TRUE(trial.ok);
+  EXPECT_DOUBLE_EQ(trial.took, one.h);
+  EXPECT_NEAR(one.world.x(0).z(), 1.05 - 6 * one.h, 1e-12);
+}
+
+TEST(Trial, EndsAtTheImpact) {
+  DirectIsland one(fallOnto(0.03));
+  const Trial trial = takeExplicitTrial(one.island, one.h, 0);
+  EXPECT_TRUE(trial.ok);
+  EXPECT_NEAR(trial.took, 0.005, 1e-9);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_NEAR(one.world.x(i).z(), 0.05, 1e-8);
+    EXPECT_NEAR(one.world.v(i).z(), 3, 1e-8);
+  }
+}
+
+TEST(Trial, IsTakenTheWayTheControlSays) {
+  DirectIsland one(fallOnto(1));
+  SubstepControl control(one.island, one.h);
+  const auto countImplicit = [&] {
+    one.report.implicit = 0;
+    save(one.island);
+    takeTrial(one.island, control, one.report);
+    restore(one.island);
+    return one.report.implicit;
+  };
+  EXPECT_EQ(countImplicit(), 0);
+  while (control.way() == SubstepControl::Way::kExplicit) control.retry();
+  EXPECT_EQ(countImplicit(), 1);
+}
+
+}  // namespace
+}  // namespace ragdoll
