@@ -138,16 +138,16 @@ def lab_options(arguments):
 
 
 def check_folder(folder, options):
-    """The folder is of these options, or new."""
+    """The folder is of these options, or has no shards yet."""
     os.makedirs(folder, exist_ok=True)
     path = os.path.join(folder, 'options.json')
-    if os.path.exists(path):
+    made = any(name.startswith('falls_') and name.endswith('.h5') for name in os.listdir(folder))
+    if made and os.path.exists(path):
         with open(path) as file:
             before = json.load(file)
         if before != options:
             complain('%s holds falls of other options (%s): name another folder' % (
                 folder, ' '.join(before)))
-        return
     with open(path + '.part', 'w') as file:
         json.dump(options, file)
     os.replace(path + '.part', path)
@@ -182,7 +182,7 @@ class Run:
 
     def submit(self, shard):
         return self.client.submit(make_shard, self.lab, self.folder, shard[0], shard[1],
-                                  self.options, pure=False, retries=ATTEMPTS)
+                                  self.options, pure=False)
 
     def missing(self, shards):
         return [s for s in shards if not os.path.exists(

@@ -173,7 +173,8 @@ class ClusterTest(unittest.TestCase):
                             (['--count', 1, '--scheduler-file', 'nothing.json'], 'nothing.json'),
                             (['--count', 0], '--count'),
                             (['--count', 100, '--first', 99999990], '99999999'),
-                            (['--count', 1, '--workers', 1, '--rate', 60], '66.6667 Hz')):
+                            (['--count', 1, '--workers', 1, '--rate', 60], '66.6667 Hz'),
+                            (['--count', 1, '--workers', 1, '--lab', '/bin/false'], 'ended with 1')):
             run = self.cluster(*words)
             run.wait(LIMIT)
             self.assertNotEqual(run.returncode, 0)
