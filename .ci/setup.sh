@@ -13,7 +13,8 @@ needed_packages() {
   local package
   echo build-essential clang cmake ninja-build python3 libeigen3-dev libyaml-cpp-dev \
     nlohmann-json3-dev libboost-program-options-dev libgtest-dev libgmock-dev gnuplot-nox \
-    qtbase5-dev xvfb
+    qtbase5-dev xvfb pybind11-dev python3-dev python3-numpy \
+    libhdf5-dev python3-h5py python3-distributed
   if is_noetic; then
     for package in catkin diagnostic-msgs diagnostic-updater dynamic-reconfigure geometry-msgs \
         interactive-markers message-generation message-runtime rosbag rosbag-storage rosbash \

@@ -16,6 +16,7 @@ using Words = std::vector<std::string>;  ///< what the command line has after th
 
 int crowdCommand(const Words& words);
 int extremesCommand(const Words& words);
+int fallsCommand(const Words& words);
 int featuresCommand(const Words& words);
 int replayCommand(const Words& words);  ///< only where ROS is
 int runCommand(const Words& words);

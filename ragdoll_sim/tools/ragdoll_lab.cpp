@@ -20,6 +20,7 @@ constexpr Command kCommands[] = {
     {"trade", "Measure speed against accuracy on a scene", tradeCommand},
     {"tune", "Find the solver setting for an error or a cost", tuneCommand},
     {"crowd", "Measure what many bodies cost", crowdCommand},
+    {"falls", "Write labelled falls with IMUs, without ROS", fallsCommand},
     {"features", "Measure what each feature of a scene costs", featuresCommand},
     {"extremes", "Run the stability matrix", extremesCommand},
 #ifdef RAGDOLL_WITH_ROS

@@ -20,7 +20,7 @@ const Strings kRooms{"base",      "model",  "limits",     "contact", "linear", "
                      "mechanics", "direct", "relaxation", "fast",    "step"};
 
 /// Likewise the folders of src/ and include/ragdoll_sim/; tools/ comes after them.
-const Strings kFolders{"core", "io", "body", "world", "ros"};
+const Strings kFolders{"core", "io", "body", "world", "falls", "ros"};
 
 /// Public headers lie flat; one with a source of the same name is of its room, the rest are here.
 const std::map<std::string, std::string> kHeaderOnly{

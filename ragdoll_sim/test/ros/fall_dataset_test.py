@@ -11,6 +11,7 @@ import sys
 import tempfile
 import unittest
 
+import ragdoll
 import rosbag
 import roslib.packages
 import rospy
@@ -60,7 +61,7 @@ class FallDatasetTest(unittest.TestCase):
         self.assertEqual(self.rows(third), self.rows(first)[1:])
         self.assertEqual(contents(os.path.join(third, 'fall_000008.bag')),
                          contents(os.path.join(first, 'fall_000008.bag')))
-        self.assertNotEqual(self.rows(first)[0]['push_x'], self.rows(first)[1]['push_x'])
+        self.assertNotEqual(self.rows(first)[0]['kind'], self.rows(first)[1]['kind'])
 
     def test_a_bag_holds_its_fall_and_its_labels(self):
         out, _ = self.record('labels', 1, 3)
@@ -91,10 +92,42 @@ class FallDatasetTest(unittest.TestCase):
                                (fall.x ** 2 + fall.y ** 2 + fall.z ** 2) ** 0.5)
         self.assertAlmostEqual(float(row['end_head_height']),
                                states[-1].ragdolls[0].positions[names.index('head')].z)
+        self.assert_replays(path)
+
+    def assert_replays(self, path):
         lab = roslib.packages.find_node('ragdoll_sim', 'ragdoll_lab')[0]
         replayed = subprocess.run([lab, 'replay', path], stdout=subprocess.PIPE, timeout=2 * LIMIT,
                                   universal_newlines=True)
         self.assertEqual(replayed.returncode, 0, replayed.stdout)
+
+    def test_a_foot_that_is_held_is_let_go_and_replays(self):
+        out, _ = self.record('trip', 1, 1)
+        row = self.rows(out)[0]
+        self.assertEqual(row['kind'], 'trip')
+        with rosbag.Bag(os.path.join(out, row['bag'])) as bag:
+            messages = [(topic, m) for topic, m, _ in bag.read_messages()]
+        models = [m for topic, m in messages if topic == '/ragdoll/model']
+        self.assertEqual([m.run for m in models], [0, 1])
+        foot = models[0].ragdolls[0].particles.index(row['foot'])
+        states = [m for topic, m in messages if topic == '/ragdoll/state']
+        held = [s.ragdolls[0].positions[foot] for s in states if s.time < float(row['foot_hold']) - 1e-2]
+        for position in held:
+            self.assertEqual(position, held[0])
+        self.assertNotEqual(states[-1].ragdolls[0].positions[foot], held[0])
+        self.assert_replays(os.path.join(out, row['bag']))
+
+    def test_the_states_are_those_of_the_labs_falls(self):
+        out = os.path.join(self.folder, 'same')
+        subprocess.run([sys.executable, SCRIPT, '--falls', '2', '--seed', '3', '--seconds', '1', '--rate', '100',
+                        '--step', '0.005', '--out', out], timeout=4 * LIMIT, check=True)
+        for seed in (3, 4):
+            world = ragdoll.World(ragdoll.Fall(seed, step=0.005).scene)
+            with rosbag.Bag(os.path.join(out, 'fall_%06d.bag' % seed)) as bag:
+                states = [m for _, m, _ in bag.read_messages(topics=['/ragdoll/state'])]
+            for state in states:
+                world.step(int(round((state.time - world.time) / 0.005)))
+                self.assertEqual([(p.x, p.y, p.z) for p in state.ragdolls[0].positions],
+                                 [tuple(p) for p in world.positions])
 
     def test_what_is_there_is_not_overwritten(self):
         out, _ = self.record('again', 1, 5)
