@@ -12,7 +12,7 @@ die() { say "$@"; exit 1; }
 needed_packages() {
   local package
   echo build-essential clang cmake ninja-build python3 libeigen3-dev libyaml-cpp-dev \
-    nlohmann-json3-dev libboost-program-options-dev libgtest-dev libgmock-dev gnuplot-nox \
+    nlohmann-json3-dev libtbb-dev libboost-program-options-dev libgtest-dev libgmock-dev gnuplot-nox \
     qtbase5-dev xvfb pybind11-dev python3-dev python3-numpy \
     libhdf5-dev python3-h5py python3-distributed
   if is_noetic; then
