@@ -135,7 +135,7 @@ void RagdollsDisplay::unsubscribe() { subscribers_.clear(); }
 void RagdollsDisplay::forgetBodies() {
   batches_.clear();
   tracker_.reset();
-  model_.reset();
+  world_.reset();
   scene_.reset();
   heard_ = false;
   count_.clear();
@@ -154,25 +154,25 @@ void RagdollsDisplay::hearModel(const ros::MessageEvent<ragdoll::AnyModel const>
     auto model = std::make_unique<ragdoll::Model>(ragdoll::buildModel(*scene));
     forgetBodies();
     scene_ = std::move(scene);
-    model_ = std::move(model);
+    world_ = std::move(model);
   } catch (const ragdoll::Error& e) {
     forgetBodies();
     setStatus(StatusProperty::Error, "Bodies", QString("~model: %1").arg(e.what()));
     return;
   }
-  state_ = ragdoll::startState(*model_);
-  tracker_.emplace(*model_);
+  state_ = ragdoll::startState(*world_);
+  tracker_.emplace(*world_);
 }
 
 void RagdollsDisplay::hearState(const ragdoll_msgs::State& message) {
-  if (!model_) return;
-  if (!ragdoll::fits(*model_, message)) {
+  if (!world_) return;
+  if (!ragdoll::fits(*world_, message)) {
     setStatus(StatusProperty::Warn, "Bodies", "~state is not of the scene that ~model told");
     return;
   }
   const double passed = message.time - state_.time;
   const bool jump = !heard_ || message.run != run_ || passed < 0 || passed > kMaxGap;
-  ragdoll::putState(*model_, message, state_);
+  ragdoll::putState(*world_, message, state_);
   if (jump)
     tracker_->reset(state_);
   else if (passed > 0)
@@ -245,11 +245,11 @@ CoatKind RagdollsDisplay::coat() const {
 
 /// Bodies of one skeleton share their batches.
 void RagdollsDisplay::dress() {
-  batches_.resize(model_->skeletons.size());
-  for (std::size_t i = 0; i < model_->ragdolls.size(); ++i) {
-    auto& levels = batches_[static_cast<std::size_t>(model_->ragdolls[i].skeleton)];
+  batches_.resize(world_->skeletons.size());
+  for (std::size_t i = 0; i < world_->ragdolls.size(); ++i) {
+    auto& levels = batches_[static_cast<std::size_t>(world_->ragdolls[i].skeleton)];
     if (!levels.empty()) continue;
-    const ragdoll::Skeleton& skeleton = model_->skeletonOf(model_->ragdolls[i]);
+    const ragdoll::Skeleton& skeleton = world_->skeletonOf(world_->ragdolls[i]);
     for (const double loss : kLosses) {
       levels.push_back(std::make_unique<BodyBatch>(
           ragdoll::CoatMesh(coat(), skeleton, tracker_->tree(static_cast<int>(i)), loss), material_));
@@ -314,11 +314,11 @@ void RagdollsDisplay::draw(const View& view) {
                  static_cast<float>(all.blueF()), 1};
   const ragdoll::Posture& posture = tracker_->now();
   for (int i = 0; i < tracker_->ragdolls(); ++i) {
-    const ragdoll::Ragdoll& ragdoll = model_->ragdolls[static_cast<std::size_t>(i)];
+    const ragdoll::Ragdoll& ragdoll = world_->ragdolls[static_cast<std::size_t>(i)];
     const double* x = posture.x.data() + 3 * ragdoll.first;
     const Ogre::Vector3 place(static_cast<float>(x[0]), static_cast<float>(x[1]),
                               static_cast<float>(x[2]));
-    BodyBatch::Body body{x, model_->skeletonOf(ragdoll).size(),
+    BodyBatch::Body body{x, world_->skeletonOf(ragdoll).size(),
                          posture.parts.data() + tracker_->firstPart(i), std::nullopt};
     if (colors_->getOptionInt() == kOneColor) body.color = one;
     if (colors_->getOptionInt() == kColorEach) body.color = colorOf(i);

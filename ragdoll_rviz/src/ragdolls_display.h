@@ -89,7 +89,7 @@ class RagdollsDisplay : public rviz::Display {
   std::string node_coat_;  ///< ~coat; empty: the scene's
   std::string world_frame_;
   std::shared_ptr<const ragdoll::Scene> scene_;
-  std::unique_ptr<ragdoll::Model> model_;
+  std::unique_ptr<ragdoll::Model> world_;
   ragdoll::State state_;
   std::uint32_t run_ = 0;
   bool heard_ = false;    ///< a state of the present model
