@@ -74,8 +74,8 @@ class Felt : public Follower {
 
 std::vector<Feature> senses() {
   const std::string plane = on("type: plane, friction: 0.6");
-  const std::string imu = "sensors: [{name: imu, type: imu, segment: left_forearm}]\n";
-  return {{"senses", "imu, one", body("human") + imu, false,
+  const std::string imu = "sensors: [{name: imu, type: imu, segment: left_forearm, rate: 10}]\n";
+  return {{"senses", "imu, one", bareScene() + imu, false,
            [](const Model& model, const State& state) {
              return std::make_unique<Sensed>(model, state);
            }},

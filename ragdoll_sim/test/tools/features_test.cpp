@@ -40,10 +40,12 @@ TEST(Features, EachIsOnAloneAndDoesSomething) {
     EXPECT_EQ(model.skeletons[0].lumped, feature.group != "inertia" && !together);
     EXPECT_EQ(model.pins.size(), feature.group == "pin" ? 1u : 0u);
     EXPECT_EQ(model.solver.joint_damping > 0, feature.name == "damping");
-    EXPECT_EQ(model.obstacles.size(), feature.group == "obstacle" || together ? 1u : 0u);
+    const bool senses = feature.group == "senses", touches = feature.name == "contacts, on a plane";
+    EXPECT_EQ(model.obstacles.size(), feature.group == "obstacle" || together || touches ? 1u : 0u);
+    EXPECT_EQ(model.sensors.size(), senses && !touches ? 1u : 0u);
     EXPECT_EQ(model.ragdolls.size(), model.ragdoll_collision ? 2u : 1u);
-    EXPECT_EQ(feature.follower != nullptr,
-              feature.group == "frames and coat" || feature.group == "publishing at 60 Hz");
+    EXPECT_EQ(feature.follower != nullptr, feature.group == "frames and coat" ||
+                                               feature.group == "publishing at 60 Hz" || senses);
     if (!model.obstacles.empty()) {
       EXPECT_EQ(model.obstacles[0].friction > 0, feature.name != "plane without friction");
       EXPECT_EQ(contactsOf(feature) > 0, feature.name != "plane, out of reach");
