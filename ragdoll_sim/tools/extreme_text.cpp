@@ -70,11 +70,11 @@ std::string toTable(const Matrix& matrix) {
                      guardText(v->guard).c_str());
     text += "\n";
   }
-  for (const RandomGroup& group : matrix.random) {
-    if (group.scenes == 0) continue;
-    text += "\n" + group.name + "\n";
+  for (const RandomGroup& random : matrix.random) {
+    if (random.scenes == 0) continue;
+    text += "\n" + random.name + "\n";
     for (std::size_t m = 0; m < matrix.methods.size(); ++m) {
-      const RandomTally& t = group.tallies[m];
+      const RandomTally& t = random.tallies[m];
       const std::string laws = t.broken.empty() ? "" : " (" + lawCounts(t) + ")";
       text +=
           format("  %-10s %zu of %d break a law%s; worst: stretch %.1e, rise %.1e, depth %.1e m",
@@ -110,14 +110,14 @@ std::string toMarkdown(const Matrix& matrix) {
       text += " | | | | |\n";
     }
   }
-  for (const RandomGroup& group : matrix.random) {
-    if (group.scenes == 0) continue;
+  for (const RandomGroup& random : matrix.random) {
+    if (random.scenes == 0) continue;
     text +=
-        "\n### " + group.name +
+        "\n### " + random.name +
         "\n\n| method | scenes | that break a law | laws | worst stretch | energy rise | depth m "
         "|\n|---|---|---|---|---|---|---|\n";
     for (std::size_t m = 0; m < matrix.methods.size(); ++m) {
-      const RandomTally& t = group.tallies[m];
+      const RandomTally& t = random.tallies[m];
       text += format("| %s | %d | %zu | %s | %.1e | %.1e | %.1e |\n",
                      matrix.methods[m].name.c_str(), t.scenes, t.broken.size(),
                      lawCounts(t).c_str(), t.worst.stick_error, t.worst.energy_rise, t.worst.depth);

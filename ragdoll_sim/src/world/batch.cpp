@@ -9,6 +9,7 @@
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/sleep.h"
+#include "ragdoll_sim/core/start_state.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
 namespace ragdoll {
@@ -98,6 +99,7 @@ void Batch::advance() { report_ = step(model_, inputs_, workspace_, state_); }
 void Batch::letGo() {
   for (const Pin& pin : model_.pins) state_.v.col(pin.particle).setZero();
   setPins(model_, {});
+  settlePins(model_, state_);
   // Multipliers belong to the sticks that can move, and those are others now.
   state_.multipliers = startState(model_).multipliers;
   wakeAll(state_);

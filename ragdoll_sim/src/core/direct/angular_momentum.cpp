@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/direct/energy.h"
 #include "core/mechanics/joint_damping.h"
 
 namespace ragdoll {
@@ -68,6 +69,18 @@ Vec3 givenByPokes(const Island& island, const Vec3& middle, double took) {
   return given;
 }
 
+/// How much of a spin can be added without giving more energy than gravity and pokes did: after a
+/// poke that turns a limb right round in a step the lost momentum belongs to a motion that no step
+/// can follow.
+double shareWithoutGain(Island& island, const Vec3& spin, const Rotation& now) {
+  const double given = spin.dot(now.angular), square = spin.dot(now.inertia * spin);
+  double spare = 0;  // [J] that the trial has lost
+  for (Body* body : island.bodies) spare -= gainedEnergy(*body, 0);
+  spare = std::max(0.0, spare);
+  if (!(given + 0.5 * square > spare)) return 1;
+  return (std::sqrt(given * given + 2 * square * spare) - given) / square;
+}
+
 }  // namespace
 
 bool pressesItself(const Island& island) {
@@ -95,6 +108,7 @@ void restoreAngularMomentum(Island& island, double took) {
   const Vec3 lost = wanted - now.angular;
   Vec3 spin = spinOf(now.inertia, lost);
   spin += spinOf(now.inertia, lost - now.inertia * spin);  // it is exact but for its guard
+  spin *= shareWithoutGain(island, spin, now);
   for (Body* body : island.bodies)
     for (int i = 0; i < body->n; ++i)
       body->v().col(i) += spin.cross(Vec3(body->x().col(i) - after.centre));

@@ -29,6 +29,7 @@ constexpr double kWildSpeed = 5 * kRecoverySpeed;  ///< [m/s] that no overlap op
 // --- Position and velocity stages.
 /// Of contacts and sticks in turn. Half: nothing but 7 % less cost; double: 3 % more.
 constexpr int kMaxRounds = 6;
+constexpr int kImplicitRounds = 2 * kMaxRounds;  ///< of implicit steps, which start farther off
 constexpr double kProgress = 0.9;  ///< of the last round's violation: more is no progress
 constexpr int kMaxSearches = 3;    ///< for contacts that others push the body into
 

@@ -64,7 +64,7 @@ double drive(Body& body, const double* x, const double* v, Points& free) {
   for (std::size_t p = 0; p < pins.size(); ++p)
     decay.noalias() -= held.col(pins[p]) * body.system->pin_motion.row(p);
   free -= decay;
-  power -= (velocity * body.skeleton->M).cwiseProduct(decay).sum();
+  power -= velocity.lazyProduct(body.skeleton->M).cwiseProduct(decay).sum();
   return power;
 }
 

@@ -151,7 +151,7 @@ bool solvePositionsImplicitly(Island& island, double h) {
       island.bodies[0]->overlaps == OverlapPolicy::kResolve && !island.context.relaxed;
   double violation = worst(island);
   bool done = violation < island.bodies[0]->tolerances.contact;
-  for (int round = 0; round < kMaxRounds && !done; ++round) {
+  for (int round = 0; round < kImplicitRounds && !done; ++round) {
     buildRows(island, h, false);
     if (s.total.size() != s.joint.size()) startTotals(island);  // other rows
     assemble(island, true);

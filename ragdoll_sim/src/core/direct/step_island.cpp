@@ -87,10 +87,8 @@ void takeSubsteps(Island& island, double h, StepReport& report) {
       control.retry();
       continue;
     }
-    if (verdict.gain > 0) {
+    if (verdict.gain > 0)
       for (Body* body : island.bodies) restorePins(*body, body->saved.v);
-      if (pressesItself(island)) restoreAngularMomentum(island, trial.took);
-    }
     control.accept(trial.took);
     report.contacts += trial.contacts;
   }

@@ -13,11 +13,14 @@ namespace {
 class Group {
  public:
   Group(const Model& model, const std::vector<int>& bodies, State& state, RemovalScratch& scratch)
-      : model_(model), bodies_(bodies), state_(state), scratch_(scratch) {}
+      : model_(model), bodies_(bodies), state_(state), scratch_(scratch) {
+    scratch_.energy.resize(model.skeletons.size());
+  }
 
   double kineticEnergy() {
     double energy = 0;
-    for (const int i : bodies_) energy += ragdoll::kineticEnergy(rows(i), v(i), scratch_.energy);
+    for (const int i : bodies_)
+      energy += ragdoll::kineticEnergy(rows(i), v(i), scratch_.energy[ragdoll(i).skeleton]);
     return energy;
   }
 

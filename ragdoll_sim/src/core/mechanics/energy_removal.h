@@ -17,7 +17,7 @@ namespace ragdoll {
 
 struct RemovalScratch {
   Points before;
-  EnergyScratch energy;
+  std::vector<EnergyScratch> energy;  ///< per skeleton, so that buffers keep their sizes
 };
 
 /// Takes `gain` [J] out of the motion of these bodies, one or more. held: something that takes

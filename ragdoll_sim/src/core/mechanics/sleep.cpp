@@ -90,10 +90,9 @@ bool wakeTouched(const std::vector<Contact>& contacts, const Points& x1, State& 
 
 namespace {
 
-/// Who stands on what does not move by contacts that stick.
-std::vector<std::uint8_t> findHeld(const Model& model, const Supports& supports,
-                                   const State& state) {
-  std::vector<std::uint8_t> held = supports.gripped;
+/// `gripped` becomes who stands, by contacts that stick, on what does not move.
+void findHeld(const Model& model, const State& state, Supports& supports) {
+  std::vector<std::uint8_t>& held = supports.gripped;
   for (std::size_t i = 0; i < held.size(); ++i)
     held[i] = held[i] || state.asleep[i] || isHung(model, static_cast<int>(i));
   for (bool changed = true; changed;) {
@@ -104,7 +103,6 @@ std::vector<std::uint8_t> findHeld(const Model& model, const Supports& supports,
       changed = true;
     }
   }
-  return held;
 }
 
 }  // namespace
@@ -112,7 +110,8 @@ std::vector<std::uint8_t> findHeld(const Model& model, const Supports& supports,
 void putToSleep(const Model& model, double h, Supports& all, State& state) {
   const std::vector<BodyPair>& pressing = all.pressing;
   std::vector<std::uint8_t>& pressed = all.pressed;
-  const std::vector<std::uint8_t> held = findHeld(model, all, state);
+  findHeld(model, state, all);
+  const std::vector<std::uint8_t>& held = all.gripped;
   const auto supports = [&](int i) { return pressed[i] || state.asleep[i] || isHung(model, i); };
   spread(pressing, [&](int i, int j) {
     if (supports(i) == supports(j)) return false;
