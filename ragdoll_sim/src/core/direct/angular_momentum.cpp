@@ -9,6 +9,9 @@
 namespace ragdoll {
 namespace {
 
+/// Of the kinetic energy: more than friction between limbs gives back in a step.
+constexpr double kMostGiven = 0.01;
+
 bool isOnObstacle(const CachedImpulse& impulse) { return impulse.obstacle >= 0; }
 
 bool isFree(const Body& body) {
@@ -69,14 +72,18 @@ Vec3 givenByPokes(const Island& island, const Vec3& middle, double took) {
   return given;
 }
 
-/// How much of a spin can be added without giving more energy than gravity and pokes did: after a
+/// How much of a spin can be added without giving more energy than can be taken out again: after a
 /// poke that turns a limb right round in a step the lost momentum belongs to a motion that no step
 /// can follow.
-double shareWithoutGain(Island& island, const Vec3& spin, const Rotation& now) {
+double shareToGive(Island& island, const Vec3& spin, const Rotation& now) {
   const double given = spin.dot(now.angular), square = spin.dot(now.inertia * spin);
-  double spare = 0;  // [J] that the trial has lost
-  for (Body* body : island.bodies) spare -= gainedEnergy(*body, 0);
-  spare = std::max(0.0, spare);
+  double lost = 0, energy = 0;
+  for (Body* body : island.bodies) {
+    lost -= gainedEnergy(*body, 0);
+    energy += kineticEnergy(*body);
+  }
+  double spare = std::max(0.0, lost);
+  if (!isSmooth(island)) spare += kMostGiven * energy;  // else no gain is taken out
   if (!(given + 0.5 * square > spare)) return 1;
   return (std::sqrt(given * given + 2 * square * spare) - given) / square;
 }
@@ -108,7 +115,7 @@ void restoreAngularMomentum(Island& island, double took) {
   const Vec3 lost = wanted - now.angular;
   Vec3 spin = spinOf(now.inertia, lost);
   spin += spinOf(now.inertia, lost - now.inertia * spin);  // it is exact but for its guard
-  spin *= shareWithoutGain(island, spin, now);
+  spin *= shareToGive(island, spin, now);
   for (Body* body : island.bodies)
     for (int i = 0; i < body->n; ++i)
       body->v().col(i) += spin.cross(Vec3(body->x().col(i) - after.centre));

@@ -17,7 +17,7 @@ namespace ragdoll {
 bool pressesItself(const Island& island);
 
 /// After a motion over `took` [s] since the bodies were saved; nothing where pins, obstacles or
-/// sleepers take part.
+/// sleepers take part. What energy that gives is to be taken out (energy.h), which leaves momentum.
 void restoreAngularMomentum(Island& island, double took);
 
 }  // namespace ragdoll
