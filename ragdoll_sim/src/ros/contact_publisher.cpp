@@ -4,6 +4,7 @@
 #include <ragdoll_msgs/ContactStates.h>
 #include <ragdoll_msgs/Impact.h>
 #include <ros/console.h>
+#include <ros/master.h>
 
 #include <algorithm>
 #include <utility>
@@ -81,6 +82,7 @@ void ContactPublisher::follow(const Snapshot& world, const std::vector<std::stri
     return;
   }
   if (names == names_) return;
+  if (!ros::master::check()) return;  // to advertise would wait for it; the next state tries again
   std::vector<ros::Publisher> topics;
   for (const std::string& name : names)
     topics.push_back(

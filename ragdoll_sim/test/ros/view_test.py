@@ -62,7 +62,7 @@ class ViewTest(unittest.TestCase):
                               os.path.join(FOLDER, 'closer.rviz')],
                              stderr=subprocess.PIPE, universal_newlines=True)
         self.assertEqual(run.returncode, 2)
-        self.assertIn('closer.rviz; there are crowd ragdoll tall', run.stderr)
+        self.assertIn('closer.rviz; there are crowd ragdoll rescue tall', run.stderr)
 
     def test_an_argument_that_is_not_there(self):
         run = subprocess.run([os.path.join(FOLDER, '..', 'run'), '--setup', 'scen:=fall'],
