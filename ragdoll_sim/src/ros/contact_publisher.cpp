@@ -82,7 +82,11 @@ void ContactPublisher::follow(const Snapshot& world, const std::vector<std::stri
     return;
   }
   if (names == names_) return;
-  if (!ros::master::check()) return;  // to advertise would wait for it; the next state tries again
+  if (!ros::master::check()) {  // to advertise would wait for it; nobody new finds the node anyway
+    wrenches_.clear();
+    names_ = std::move(names);
+    return;
+  }
   std::vector<ros::Publisher> topics;
   for (const std::string& name : names)
     topics.push_back(
