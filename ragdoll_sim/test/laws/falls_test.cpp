@@ -69,17 +69,23 @@ TEST_P(Falls, OfRelaxationAt240HzAnd40SweepsKeepJointsAndEndAtRest) {
   constexpr int kRelaxedFalls = samples(25);
   std::mt19937 random(2007);
   FallRecord record;
+  int deep = 0;  // falls in which something sank in by more than 10 mm
   for (int fall = 0; fall < kRelaxedFalls; ++fall) {
     Scene scene = randomFall(GetParam(), random);
     scene.solver.method = Method::kJakobsen;
     scene.solver.step = 1.0 / 240;
     scene.solver.sweeps = 40;
+    const double before = record.penetration_mm;
+    record.penetration_mm = 0;
     addFall(scene, kSeconds, record);
+    deep += record.penetration_mm > 10;
+    record.penetration_mm = std::max(record.penetration_mm, before);
   }
   tell(record);
   EXPECT_LT(record.limit_deg, 2);
   EXPECT_LT(record.stretch, 0.05);
-  EXPECT_LT(record.penetration_mm, 15);  // of 100 falls the worst 12, the next 8
+  EXPECT_LT(record.penetration_mm, 15);
+  EXPECT_LE(deep, kRelaxedFalls / 25);  // of 400 between objects 6
   EXPECT_LT(record.rise, 1e-2);
   EXPECT_GE(record.resting, 95 * kRelaxedFalls / 100);
 }

@@ -7,6 +7,7 @@
 
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/mass_matrix.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -39,16 +40,15 @@ TEST(JointDamping, InnerVelocityDecaysAtTheRate) {
   Points x(3, 3), v = Points::Zero(3, 3);
   x << -1, 0, 1, 0, 0, 0, 0, 0, 0;
   v.row(1) << 1, -2, 1;  // bends: no momentum, no spin
-  const Eigen::MatrixXd M = Eigen::MatrixXd::Identity(3, 3);
   const Points start = v;
-  const Eigen::VectorXd sums = M.rowwise().sum();
-  dampInnerMotion({M, sums}, {}, std::exp(-0.3), x, v);
+  LooseMasses masses(Eigen::MatrixXd::Identity(3, 3));
+  dampInnerMotion(masses.matrix(), {}, std::exp(-0.3), x, v);
   EXPECT_LT((v - std::exp(-0.3) * start).norm(), 1e-12);
   v.row(1) << -1, 0, 1;  // turns about the middle: nothing to damp
   const Points turning = v;
-  dampInnerMotion({M, sums}, {}, 0.5, x, v);
+  dampInnerMotion(masses.matrix(), {}, 0.5, x, v);
   EXPECT_LT((v - turning).norm(), 1e-8);
-  dampInnerMotion({M, sums}, {1}, 0.5, x, v);  // pinned in the middle: the same turn
+  dampInnerMotion(masses.matrix(), {1}, 0.5, x, v);  // pinned in the middle: the same turn
   EXPECT_LT((v - turning).norm(), 1e-8);
 }
 

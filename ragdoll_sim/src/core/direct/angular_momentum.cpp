@@ -11,6 +11,7 @@ namespace {
 
 /// Of the kinetic energy: more than friction between limbs gives back in a step.
 constexpr double kMostGiven = 0.01;
+constexpr double kRounding = 1e-15;  ///< of the angular momentum: less lost is nothing lost
 
 bool isOnObstacle(const CachedImpulse& impulse) { return impulse.obstacle >= 0; }
 
@@ -51,7 +52,7 @@ RigidMotion driftOf(const Island& island, const OfX& x, const OfV& v) {
 template <class OfX, class OfV>
 Rotation rotationOf(const Island& island, const RigidMotion& drift, const OfX& x, const OfV& v) {
   Rotation all;
-  for (const Body* body : island.bodies) {
+  for (Body* body : island.bodies) {
     const Rotation own = rotationOf(massOf(*body), x(*body), v(*body), drift);
     all.angular += own.angular;
     all.inertia += own.inertia;
@@ -113,6 +114,7 @@ void restoreAngularMomentum(Island& island, double took) {
   wanted += givenByPokes(island, 0.5 * (before.centre + after.centre), took);
   const Rotation now = rotationOf(island, after, x1, v1);
   const Vec3 lost = wanted - now.angular;
+  if (lost.norm() <= kRounding * now.angular.norm()) return;
   Vec3 spin = spinOf(now.inertia, lost);
   spin += spinOf(now.inertia, lost - now.inertia * spin);  // it is exact but for its guard
   spin *= shareToGive(island, spin, now);

@@ -114,7 +114,7 @@ struct Body {
 };
 
 /// [kg]
-inline MassMatrix massOf(const Body& body) { return {body.skeleton->M, body.rows->mass}; }
+inline MassMatrix massOf(Body& body) { return {*body.rows, body.energy}; }
 
 /// Values in State::multipliers of one body.
 inline int multiplierCount(const StickRows& rows) { return 2 * rows.s + 1; }

@@ -102,6 +102,32 @@ bool solveRows(Island& island, double h) {
   return true;
 }
 
+/// Solves for all candidates, along the directions at the end.
+bool solveRowsImplicitly(Island& island, double h) {
+  IslandScratch& s = island.s;
+  activateAll(island);
+  buildRows(island, h, false);
+  startTotals(island);
+  // Bodies that relaxation moves sank in more with it (test/laws/lying_start_test.cpp).
+  const bool on_and_on =
+      island.bodies[0]->overlaps == OverlapPolicy::kResolve && !island.context.relaxed;
+  double violation = worst(island);
+  bool done = violation < island.bodies[0]->tolerances.contact;
+  for (int round = 0; round < kImplicitRounds && !done; ++round) {
+    buildRows(island, h, false);
+    if (s.total.size() != s.joint.size()) startTotals(island);  // other rows
+    assemble(island, true);
+    evaluateGaps(island, h);
+    s.p = s.total;
+    if (!solveRound(island, {round == 0, false, on_and_on})) return false;
+    const double now = worst(island);
+    done = now < island.bodies[0]->tolerances.contact;
+    if (!done && round > 1 && now > kProgress * violation) break;
+    violation = now;
+  }
+  return worst(island) <= kSlop;
+}
+
 int countContacts(const Island& island) {
   int contacts = 0;
   for (int i = 0; i < island.s.joint.size(); ++i)
@@ -142,30 +168,17 @@ bool solvePositions(Island& island, double h, int& contacts) {
 
 bool solvePositionsImplicitly(Island& island, double h) {
   if (!hasCandidates(island)) return true;
-  IslandScratch& s = island.s;
-  activateAll(island);
-  buildRows(island, h, false);
-  startTotals(island);
-  // Bodies that relaxation moves sank in more with it (test/laws/lying_start_test.cpp).
-  const bool on_and_on =
-      island.bodies[0]->overlaps == OverlapPolicy::kResolve && !island.context.relaxed;
-  double violation = worst(island);
-  bool done = violation < island.bodies[0]->tolerances.contact;
-  for (int round = 0; round < kImplicitRounds && !done; ++round) {
-    buildRows(island, h, false);
-    if (s.total.size() != s.joint.size()) startTotals(island);  // other rows
-    assemble(island, true);
-    evaluateGaps(island, h);
-    s.p = s.total;
-    if (!solveRound(island, {round == 0, false, on_and_on})) return false;
-    const double now = worst(island);
-    done = now < island.bodies[0]->tolerances.contact;
-    if (!done && round > 1 && now > kProgress * violation) break;
-    violation = now;
+  for (Body* body : island.bodies) body->free = body->motion;
+  for (int search = 0; search < kMaxSearches; ++search) {
+    if (search > 0)
+      for (Body* body : island.bodies) body->motion = body->free;
+    if (!solveRowsImplicitly(island, h)) return false;
+    if (!findMissed(island, h)) {
+      rememberAll(island, h);
+      return true;
+    }
   }
-  if (worst(island) > kSlop || findMissed(island, h)) return false;
-  rememberAll(island, h);
-  return true;
+  return false;
 }
 
 }  // namespace ragdoll

@@ -61,6 +61,12 @@ Verdict judge(Island& island, const Trial& trial, const SubstepControl& control)
   return {true, 0};
 }
 
+/// Whether what a trial of that way lost of its angular momentum is given back. The last resort
+/// gives none back: what it would gain by that is not taken out.
+bool losesAngularMomentum(const Island& island, Way way) {
+  return way == Way::kImplicit || (way == Way::kExplicit && pressesItself(island));
+}
+
 bool isLimited(const Island& island) {
   return std::any_of(island.bodies.begin(), island.bodies.end(),
                      [](const Body* body) { return body->limited; });
@@ -79,7 +85,7 @@ void takeSubsteps(Island& island, double h, StepReport& report) {
   while (!control.done()) {
     save(island);
     const Trial trial = takeTrial(island, control, report);
-    if (trial.ok && (control.way() == Way::kImplicit || pressesItself(island)))
+    if (trial.ok && losesAngularMomentum(island, control.way()))
       restoreAngularMomentum(island, trial.took);
     const Verdict verdict = judge(island, trial, control);
     if (!verdict.accepted || !removeEnergy(island, verdict.gain)) {

@@ -43,7 +43,7 @@ class Group {
   const Ragdoll& ragdoll(int i) const { return model_.ragdolls[i]; }
   const StickRows& rows(int i) const { return *model_.systemOf(ragdoll(i)).direct.rows; }
   const std::vector<int>& pins(int i) const { return model_.systemOf(ragdoll(i)).pins; }
-  MassMatrix mass(int i) const { return {model_.skeletonOf(ragdoll(i)).M, rows(i).mass}; }
+  MassMatrix mass(int i) const { return {rows(i), scratch_.energy[ragdoll(i).skeleton]}; }
   Eigen::Ref<Points> at(Points& all, int i) const {
     return all.middleCols(ragdoll(i).first, rows(i).n);
   }

@@ -13,9 +13,10 @@ constexpr double kRigid = 1e-6;  ///< of their speeds: how far pins move as one 
 /// The motion of the centre of mass.
 RigidMotion driftOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
                     const Eigen::Ref<const Points>& v) {
+  const double total = mass.rows.mass.sum();
   RigidMotion motion;
-  motion.centre = x.lazyProduct(mass.sums) / mass.sums.sum();
-  motion.drift = v.lazyProduct(mass.sums) / mass.sums.sum();
+  motion.centre = x.lazyProduct(mass.rows.mass) / total;
+  motion.drift = v.lazyProduct(mass.rows.mass) / total;
   return motion;
 }
 
@@ -46,16 +47,17 @@ bool spinByPins(const std::vector<int>& pins, const Eigen::Ref<const Points>& x,
 
 Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
                     const Eigen::Ref<const Points>& v, const RigidMotion& motion) {
-  const Eigen::Index n = x.cols();
+  Points& arms = mass.scratch.change;
+  arms = x.colwise() - motion.centre;
+  const auto weighted = momentum(mass.rows, mass.scratch);  // arms times M
   Rotation rotation;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Vec3 r = x.col(i) - motion.centre;
-    Vec3 w = Vec3::Zero();
-    for (Eigen::Index j = 0; j < n; ++j)  // M is sparse
-      if (mass.M(j, i) != 0) w += mass.M(j, i) * (x.col(j) - motion.centre);
+  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    const Vec3 w = weighted.col(i);
     rotation.angular += w.cross(Vec3(v.col(i) - motion.drift));
-    rotation.inertia += r.dot(w) * Eigen::Matrix3d::Identity() - w * r.transpose();
+    second += w * arms.col(i).transpose();
   }
+  rotation.inertia = second.trace() * Eigen::Matrix3d::Identity() - second;
   return rotation;
 }
 

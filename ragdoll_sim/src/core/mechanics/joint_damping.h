@@ -8,6 +8,8 @@
 
 #include <vector>
 
+#include "core/linear/stick_solver.h"
+#include "core/mechanics/energy_gain.h"
 #include "ragdoll_sim/core/types.h"
 
 namespace ragdoll {
@@ -23,8 +25,8 @@ struct RigidMotion {
 
 /// [kg] Of one body.
 struct MassMatrix {
-  const Eigen::MatrixXd& M;     ///< n x n
-  const Eigen::VectorXd& sums;  ///< n, of its rows
+  const StickRows& rows;   ///< whose M and mass are used
+  EnergyScratch& scratch;  ///< of the kernels' products with it
 };
 
 /// The rigid motion with the momentum and angular momentum of velocities v: what the body would do

@@ -32,7 +32,7 @@ void integrate(const StepContext& context, RelaxationWorkspace& ws) {
     auto v = ws.v1.middleCols(r.first, n);
     if (decay != 1) v *= decay;
     if (model.solver.joint_damping > 0)
-      dampInnerMotion({model.skeletonOf(r).M, s.direct.rows->mass}, s.pins,
+      dampInnerMotion({*s.direct.rows, ws.energy}, s.pins,
                       std::exp(-model.solver.joint_damping * h), state.x.middleCols(r.first, n), v);
     integrateFree(model.solver.integrator, h, ws.acceleration, ws.x1.middleCols(r.first, n), v);
   }
