@@ -27,6 +27,19 @@ struct Contact {
   // Direct methods.
   double before = 0;  ///< [m] gap to the plane at the substep's start
   double found = 0;   ///< [m] offset, before what of an overlap may stay
+
+  /// sum_k w_k x_k of the points or velocities x (3 x N, the state's columns).
+  Vec3 of(const Points& x) const {
+    Vec3 sum = weight[0] * x.col(particle[0]);
+    for (int k = 1; k < count; ++k) sum += weight[k] * x.col(particle[k]);
+    return sum;
+  }
+  /// [m] at positions x.
+  double gapAt(const Points& x) const {
+    double gap = -offset;
+    for (int k = 0; k < count; ++k) gap += weight[k] * normal.dot(x.col(particle[k]));
+    return gap;
+  }
 };
 
 /// Two bodies that press on each other.

@@ -3,35 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/direct/constants.h"
 #include "core/direct/energy.h"
 #include "core/mechanics/joint_damping.h"
 
 namespace ragdoll {
 namespace {
 
-/// Of the kinetic energy: more than friction between limbs gives back in a step.
-constexpr double kMostGiven = 0.01;
 constexpr double kRounding = 1e-15;  ///< of the angular momentum: less lost is nothing lost
-
-bool isOnObstacle(const CachedImpulse& impulse) { return impulse.obstacle >= 0; }
-
-bool isFree(const Body& body) {
-  const std::vector<CachedImpulse>& impulses = body.cache.impulses();
-  const std::vector<Contact>& touching = body.touching.contacts;
-  return body.pinned->pins.empty() &&
-         std::none_of(impulses.begin(), impulses.end(), isOnObstacle) &&
-         std::none_of(touching.begin(), touching.end(),
-                      [](const Contact& contact) { return contact.obstacle >= 0; });
-}
-
-bool isFree(const Island& island) {
-  return std::all_of(island.bodies.begin(), island.bodies.end(),
-                     [](const Body* body) { return isFree(*body); }) &&
-         std::none_of(island.pairs.pressing.begin(), island.pairs.pressing.end(),
-                      [&](const BodyPair& pair) {  // a sleeper
-                        return island.placeOf(pair.first) < 0 || island.placeOf(pair.second) < 0;
-                      });
-}
 
 /// The motion of the bodies' common centre of mass, at x, v of each: of(body).
 template <class OfX, class OfV>
@@ -102,7 +81,7 @@ bool pressesItself(const Island& island) {
 }
 
 void restoreAngularMomentum(Island& island, double took) {
-  if (!isFree(island)) return;
+  if (isHeld(island)) return;
   const auto x0 = [](const Body& body) -> const Points& { return body.saved.x; };
   const auto v0 = [](const Body& body) -> const Points& { return body.saved.v; };
   const auto x1 = [](const Body& body) { return body.x(); };

@@ -26,6 +26,11 @@ constexpr double kRecoveryTurn = 5;     ///< [rad/s] of a violated limit
 constexpr double kRecoveryTime = 0.05;  ///< [s] in which gaps and overlaps shrink to 1 / e
 constexpr double kWildSpeed = 5 * kRecoverySpeed;  ///< [m/s] that no overlap opens at
 
+// --- Length recovery.
+/// Of a stick's length: shorter, it has no direction; of the rest pose, what gives it one.
+constexpr double kNoLength = 0.02;
+constexpr int kRecoverySweeps = 60;  ///< of relaxation, where Newton's method fails: a cap
+
 // --- Position and velocity stages.
 /// Of contacts and sticks in turn. Half: nothing but 7 % less cost; double: 3 % more.
 constexpr int kMaxRounds = 6;
@@ -58,6 +63,9 @@ constexpr int kMaxImplicitSubsteps = 4 * kMaxSubsteps;  ///< beyond: one rigid m
 /// together: limbs that turn back have none of the first. Half: energy of piles rises x0.6;
 /// double: x2.
 constexpr double kRedoGain = 3e-4;
+
+/// Of the kinetic energy: more than friction between limbs gives back in a step.
+constexpr double kMostGiven = 0.01;
 
 /// Of a stick's length, how far an iteration moves its ends; [rad] of a rigid motion: more is lost.
 constexpr double kLargestTurn = 0.5;

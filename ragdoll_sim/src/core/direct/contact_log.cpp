@@ -42,9 +42,7 @@ ContactImpulse entryOf(const Model& model, const State& state, const Contact& c)
 
 /// [m/s] against the surface.
 Vec3 rateOf(const StepContext& step, const Contact& c) {
-  Vec3 rate = -c.surface_motion / step.h;
-  for (int k = 0; k < c.count; ++k) rate += c.weight[k] * step.state.v.col(c.particle[k]);
-  return rate;
+  return c.of(step.state.v) - c.surface_motion / step.h;
 }
 
 double slipOf(const StepContext& step, const Contact& c) {

@@ -15,7 +15,7 @@ namespace ragdoll {
 void startDriving(Body& body);
 
 /// Whether the body is accelerated by more than constant forces within its motion.
-inline bool isDriven(const Body& body) { return body.pushed || body.damps_within; }
+inline bool forcesFollow(const Body& body) { return body.pushed || body.damps_within; }
 
 /// The forces and accelerations at the pose x (3 x n); nothing where no poke follows the pose.
 void driveAt(Body& body, const double* x);

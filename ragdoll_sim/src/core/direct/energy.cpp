@@ -43,7 +43,8 @@ bool meetsObstacle(const Body& body) {
          std::any_of(contacts.begin(), contacts.end(), isObstacle);
 }
 
-/// Whether something takes the bodies' momentum.
+}  // namespace
+
 bool isHeld(const Island& island) {
   for (const Body* body : island.bodies)
     if (!body->pinned->pins.empty() || meetsObstacle(*body)) return true;
@@ -52,8 +53,6 @@ bool isHeld(const Island& island) {
                        return island.placeOf(pair.first) < 0 || island.placeOf(pair.second) < 0;
                      });
 }
-
-}  // namespace
 
 double kineticEnergy(Body& body) { return kineticEnergy(*body.rows, body.v(), body.energy); }
 

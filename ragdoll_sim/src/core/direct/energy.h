@@ -32,6 +32,9 @@ bool isLargeGain(Island& island, double gain, bool smooth);
 double implicitGain(Island& island);
 double wildGain(Island& island);
 
+/// Whether something takes the bodies' momentum: a pin, an obstacle, a sleeper.
+bool isHeld(const Island& island);
+
 /// Takes the gain out of the motion (energy_removal.h). Whether all of it is out, or nearly.
 bool removeEnergy(Island& island, double gain);
 

@@ -86,9 +86,12 @@ Impact firstImpact(Body& body, double h) {
 
 }  // namespace
 
+double bounceSpeed(const StepContext& step, const Contact& c) {
+  return kRestSteps * step.h * std::abs(c.normal.dot(step.model.gravity));
+}
+
 double comingSpeed(const StepContext& step, const Contact& c) {
-  const double pull = std::abs(c.normal.dot(step.model.gravity));
-  return kRestSteps * step.h * std::max(kLeastPull, pull);
+  return std::max(kRestSteps * step.h * kLeastPull, bounceSpeed(step, c));
 }
 
 double timeOfZero(double start, double rate, double end, double h) {

@@ -15,7 +15,9 @@ struct Impact {
 /// Time at which start + rate t + q t^2 = 0, with q from the value `end` at h.
 double timeOfZero(double start, double rate, double end, double h);
 
-/// [m/s] approach above which a contact comes from afar: slower is rest.
+/// [m/s] approach above which a contact bounces: slower is rest. And above which it comes from
+/// afar: the same, but for weak gravity.
+double bounceSpeed(const StepContext& step, const Contact& contact);
 double comingSpeed(const StepContext& step, const Contact& contact);
 
 /// Marks as coming what the bodies come to from afar, faster than gravity would bring them there:

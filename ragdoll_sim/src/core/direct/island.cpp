@@ -27,10 +27,8 @@ const Points& posesAfter(const Island& island) {
 }
 
 void startPair(const Island& island, Contact& c, double h) {
-  const Points& x = island.context.state.x;
   c.found = c.offset;
-  c.before = -c.offset;
-  for (int k = 0; k < 4; ++k) c.before += c.weight[k] * c.normal.dot(x.col(c.particle[k]));
+  c.before = c.gapAt(island.context.state.x);
   limitDepenetration(island, c, h);
 }
 
@@ -66,10 +64,7 @@ void bindIsland(Island& island, const std::vector<int>& bodies, const std::vecto
     s.bodies.push_back(&takePlace(island.context.model, i, s));
     s.bodies.back()->bind(island.context, i);
   }
-  s.pairs.contacts.clear();
-  s.pairs.touching.clear();
-  s.pairs.cache.clear();
-  s.pairs.pressing.clear();
+  s.pairs.clear();
 }
 
 void bindLone(Island& island, Body& body) {
@@ -77,16 +72,11 @@ void bindLone(Island& island, Body& body) {
   s.ragdolls.assign(1, body.index);
   s.all = s.ragdolls;
   s.bodies.assign(1, &body);
-  s.pairs.contacts.clear();
-  s.pairs.touching.clear();
-  s.pairs.cache.clear();
-  s.pairs.pressing.clear();
+  s.pairs.clear();
 }
 
 double pairGapAfter(const Island& island, const Contact& c) {
-  const Points& x = island.context.state.x;
-  double gap = -c.offset;
-  for (int k = 0; k < 4; ++k) gap += c.weight[k] * c.normal.dot(x.col(c.particle[k]));
+  double gap = c.gapAt(island.context.state.x);
   for (int side = 0; side < 2; ++side) {
     const int place = island.placeOf(side == 0 ? c.ragdoll : c.other);
     if (place < 0) continue;
@@ -98,9 +88,7 @@ double pairGapAfter(const Island& island, const Contact& c) {
 }
 
 double pairRate(const State& state, const Contact& c) {
-  double rate = 0;
-  for (int k = 0; k < 4; ++k) rate += c.weight[k] * c.normal.dot(state.v.col(c.particle[k]));
-  return rate;
+  return c.normal.dot(c.of(state.v));
 }
 
 void limitDepenetration(const Island& island, Contact& pair, double h) {

@@ -25,6 +25,14 @@ struct PairSet {
   std::vector<double> warm;          ///< of their rows: the position stage's impulses over h
   ImpulseCache cache, saved;         ///< saved: before the present substep
   std::vector<BodyPair> pressing;    ///< in the last motion
+
+  /// No contacts; nothing pressed yet.
+  void clear() {
+    contacts.clear();
+    touching.clear();
+    cache.clear();
+    pressing.clear();
+  }
 };
 
 /// Memory of islands, as large as the largest.

@@ -35,9 +35,7 @@ void markPressedPairs(const StepContext& step, std::vector<std::uint8_t>& marked
 }
 
 double gapNow(const StepContext& step, const Contact& c) {
-  double gap = -c.offset + allowedPenetration(c, step.h, step.h);
-  for (int k = 0; k < 4; ++k) gap += c.weight[k] * c.normal.dot(step.state.x.col(c.particle[k]));
-  return gap;
+  return c.gapAt(step.state.x) + allowedPenetration(c, step.h, step.h);
 }
 
 }  // namespace

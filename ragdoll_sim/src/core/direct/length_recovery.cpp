@@ -11,10 +11,7 @@ namespace ragdoll {
 namespace {
 
 constexpr double kPositionRounding = 4e-15;  ///< relative, with some room
-/// Of a stick's length: shorter, it has no direction; of the rest pose, what gives it one.
-constexpr double kNoLength = 0.02;
 constexpr double kWhole = 1e-6;      ///< relative error of a squared length: none to restore
-constexpr int kRecoverySweeps = 60;  ///< of relaxation, where Newton's method fails
 
 /// Relative error of the worst squared length.
 double lengthError(Body& body) {
@@ -43,7 +40,8 @@ void spreadCollapsed(Body& body) {
 /// One stick after the other, where Newton's method fails.
 void relaxInTurn(Body& body) {
   const DirectSystem& system = *body.system;
-  Points moved = body.x();
+  Points& moved = body.moved;
+  moved = body.x();
   for (int sweep = 0; sweep < kRecoverySweeps; ++sweep)
     for (int s = 0; s < body.rows->s; ++s) {
       const Vec3 d = moved * system.B.row(s).transpose();

@@ -1,8 +1,8 @@
 // A body's motion before it meets anything: leapfrog with the sticks solved directly.
 //
-//   v_half = v + h/2 a,  dx = h v_half + D0 diag(lambda) (B W)  with |d1| = L   (SHAKE,
-//   [Ryckaert1977]) v1 = dx / h + h/2 a + D1 diag(kappa) (B W)  with d1 . d1' = 0 (RATTLE,
-//   [Andersen1983])
+//   SHAKE [Ryckaert1977]:   v_half = v + h/2 a
+//                           dx = h v_half + D0 diag(lambda) (B W)         with |d1| = L
+//   RATTLE [Andersen1983]:  v1 = dx / h + h/2 a + D1 diag(kappa) (B W)    with d1 . d1' = 0
 // In increments dx, so that nothing is lost far from the origin (docs/equations.md#shake).
 #pragma once
 

@@ -15,27 +15,27 @@ constexpr double kEnergyRounding = 1e-9;  ///< of the energy: less is no rise
 constexpr int kMaxShortenings = 30;       ///< of a rigid motion that touches
 constexpr double kTouchDepth = 1e-7;      ///< [m] a rigid motion may end in an obstacle by that
 
-/// [m/s] of what several pins carry along, which need not be rigid.
-Points carriedVelocities(const Body& body) {
+/// [m/s] of what several pins carry along, which need not be rigid: into body.moved.
+void findCarried(Body& body) {
   const std::vector<int>& pins = body.pinned->pins;
-  Points carried = Points::Zero(3, body.n);
+  Points& carried = body.moved;
+  carried.setZero(3, body.n);
   if (pins.size() > 1)
     for (std::size_t p = 0; p < pins.size(); ++p)
-      carried += body.saved.v.col(pins[p]) * body.system->pin_motion.row(p);
-  return carried;
+      carried.noalias() += body.saved.v.col(pins[p]) * body.system->pin_motion.row(p);
 }
 
-/// The motion dx over t; motion.spin is shortened to what one motion can turn.
-void setRigidMotion(Body& body, const Points& start, const Points& carried, double t,
-                    RigidMotion& motion) {
+/// The motion dx over t from where the body is; motion.spin is shortened to what one motion can
+/// turn.
+void setRigidMotion(Body& body, double t, RigidMotion& motion) {
   const double angle = motion.spin.norm() * t;
   if (angle > kLargestTurn) motion.spin *= kLargestTurn / angle;
   Points& dx = body.motion.dx;
-  dx = t * carried;
+  dx = t * body.moved;
   if (angle > 0) {
     const Eigen::AngleAxisd turn(std::min(angle, kLargestTurn), motion.spin.normalized());
-    dx +=
-        (turn.toRotationMatrix() - Eigen::Matrix3d::Identity()) * (start.colwise() - motion.centre);
+    const Eigen::Matrix3d turned = turn.toRotationMatrix() - Eigen::Matrix3d::Identity();
+    for (int i = 0; i < body.n; ++i) dx.col(i) += turned * (body.x().col(i) - motion.centre);
   }
   dx.colwise() += t * motion.drift;
 }
@@ -50,20 +50,17 @@ double deepening(const Body& body) {
   return deepest;
 }
 
-}  // namespace
-
-void moveRigidly(Island& island, double h, StepReport& report) {
-  ++report.rigid;
-  Body& body = *island.bodies[0];
+/// body.motion.dx over t [s], which shrinks to the part of it before the first touch.
+RigidMotion findRigidMotion(Body& body, double& t) {
   const std::vector<int>& pins = body.pinned->pins;
-  const Points start = body.x(), v0 = body.v(), carried = carriedVelocities(body);
   RigidMotion motion;
-  double t = h;
+  const double h = t;
   for (int i = 0; i < kMaxShortenings; ++i, t *= 0.5) {
     if (i + 1 == kMaxShortenings) t = 0;
-    motion = rigidMotion(massOf(body), pins, start, v0 + t * body.acceleration);
+    body.v1 = body.v() + t * body.acceleration;
+    motion = rigidMotion(massOf(body), pins, body.x(), body.v1);
     if (pins.size() > 1) motion.drift.setZero();
-    setRigidMotion(body, start, carried, t, motion);
+    setRigidMotion(body, t, motion);
     if (!body.motion.dx.allFinite()) continue;
     findCandidates(body, h);
     if (deepening(body) < kTouchDepth) break;
@@ -72,13 +69,25 @@ void moveRigidly(Island& island, double h, StepReport& report) {
     body.motion.dx.setZero();
     findCandidates(body, h);  // those that are there may be another body's
   }
+  return motion;
+}
+
+}  // namespace
+
+void moveRigidly(Island& island, double h, StepReport& report) {
+  ++report.rigid;
+  Body& body = *island.bodies[0];
+  const std::vector<int>& pins = body.pinned->pins;
+  findCarried(body);
+  double t = h;
+  RigidMotion motion = findRigidMotion(body, t);
   body.cache.clear();
   std::fill(body.multipliers(), body.multipliers() + 2 * body.rows->s, 0.0);
   findTouching(body, 0);
   body.x() += body.motion.dx;
   motion.centre += t * motion.drift;
   for (int i = 0; i < body.n; ++i)
-    body.v().col(i) = motion.velocityAt(body.x().col(i)) + carried.col(i);
+    body.v().col(i) = motion.velocityAt(body.x().col(i)) + body.moved.col(i);
   BodyResponse& response = body.memory->response;
   response.setEnd(body.xData());
   response.projectAtEnd(body.vData());

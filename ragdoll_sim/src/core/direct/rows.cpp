@@ -94,12 +94,6 @@ void evaluateGaps(Body& body, double h) {
   }
 }
 
-bool anyCloses(const Body& body) {
-  for (int i = 0; i < body.constraints.own_rows; ++i)
-    if (body.memory->schur.row(i).kind != Kind::kTangent && body.b[i] < 0) return true;
-  return false;
-}
-
 double worstViolation(Body& body) {
   const ConstraintSet& set = body.constraints;
   double worst = 0;

@@ -12,9 +12,6 @@ void buildRows(Body& body, double h, bool leapfrog);
 /// body.b <- the gaps [m], angles [rad] and slips [m] of the body's own rows after the motion.
 void evaluateGaps(Body& body, double h);
 
-/// Whether any of those gaps is closed: else nothing presses.
-bool anyCloses(const Body& body);
-
 /// [m] the worst violation among the rows after the motion; of limits seen on kLever.
 double worstViolation(Body& body);
 

@@ -18,7 +18,7 @@ constexpr int kRefinements = 3;     ///< of the time at which rk arrives
 constexpr int kMaxAdaptive = 1024;  ///< substeps of one step; as small as they get
 
 Drive driveOf(Body& body) {
-  if (!isDriven(body)) return {};
+  if (!forcesFollow(body)) return {};
   return
       [&body](const double* x, const double* v, Points& free) { return drive(body, x, v, free); };
 }
@@ -59,7 +59,7 @@ void take(Body& body) {
 }
 
 /// After a motion over h that met something: moves to where that is reached and takes the impact.
-SmoothTrial moveToImpact(Island& island, double h) {
+SmoothTrial stopAtImpact(Island& island, double h) {
   Body& body = *island.bodies[0];
   findComing(body, h);
   if (touchesOther(body)) return {0, true};
@@ -93,7 +93,7 @@ struct AdaptiveStep {
 
 /// After a motion over sub that met something; whole: it was found.
 void meet(Island& island, AdaptiveStep& step, double sub, bool whole, StepReport& report) {
-  const SmoothTrial impact = whole ? moveToImpact(island, sub) : SmoothTrial{0, false};
+  const SmoothTrial impact = whole ? stopAtImpact(island, sub) : SmoothTrial{0, false};
   if (impact.ok && impact.took != 0) return step.accept(impact.took);
   restore(island);  // contacts and limits that press: the order is theirs
   takeSubsteps(island, sub, report);
@@ -134,7 +134,7 @@ SmoothTrial moveSmoothly(Island& island, double h) {
   const bool whole = integrate(body, h);
   findCandidates(body, h);
   if (!whole) return {h, false};
-  if (!isFree(body)) return moveToImpact(island, h);
+  if (!isFree(body)) return stopAtImpact(island, h);
   take(body);
   return {h, true};
 }

@@ -3,12 +3,13 @@
 //
 //   method    a failed trial is done again    down to          and then
 //   explicit  at half                         h / most         implicitly, over all that is left
-//   implicit  at a quarter                    h / (4 most)     with more overlaps ignored; then
+//   implicit  at a quarter                    h / (4 most)*    with more overlaps ignored; then
 //                                                              rigidly (alone, if there are others)
 //   rigid     cannot fail
 //
 // most: kMaxSubsteps; kMaxDriven while obstacles or pins move, which leave no solution sooner; 1
-// for a squeezed body, for which smaller steps find none.
+// for a squeezed body, for which smaller steps find none. *: h / most where that is less than
+// kMaxSubsteps.
 #pragma once
 
 #include "core/direct/island.h"
@@ -30,8 +31,9 @@ class SubstepControl {
   int taken() const { return taken_; }
   bool guarded() const { return guarded_; }  ///< some trial was not explicit
 
-  /// Whether the trial may be done again at half by the same method: at all; and so that what its
-  /// tension has become is halved once more.
+  /// Whether the trial may be done again for more exactness: at half (kMaxSubsteps of them at most,
+  /// 1 if squeezed; below h / most implicitly); and so that what its tension has become is halved
+  /// once more.
   bool canHalve() const;
   bool canHalveTwice() const;
 

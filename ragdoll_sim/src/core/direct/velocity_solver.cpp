@@ -79,11 +79,6 @@ void lockComing(Body& body) {
   }
 }
 
-/// [m/s] approach above which a contact bounces: slower is rest.
-double bounceSpeed(const StepContext& step, const Contact& c) {
-  return kRestSteps * step.h * std::abs(c.normal.dot(step.model.gravity));
-}
-
 /// Newton's impact law: rates after the impact, and all rows free but those of springs.
 void evaluateImpact(Body& body) {
   Schur& schur = body.memory->schur;
@@ -151,8 +146,7 @@ void evaluatePairRates(Island& island, int first, bool impact) {
   const Points& v = island.context.state.v;
   for (std::size_t i = 0; i < island.pairs.touching.size(); ++i) {
     const Contact& c = island.pairs.touching[i];
-    Vec3 rate = Vec3::Zero();
-    for (int k = 0; k < 4; ++k) rate += c.weight[k] * v.col(c.particle[k]);
+    const Vec3 rate = c.of(v);
     for (int d = 0; d < 3; ++d) {
       const int row = first + 3 * static_cast<int>(i) + d;
       s.b[row] = s.joint.row(row).direction.dot(rate);

@@ -1,5 +1,5 @@
-// Memory of the direct methods, sized by the first step; none of it carries a result from one step
-// to the next.
+// Memory of the direct methods, sized by the first step. What it keeps from step to step (BodyMemory)
+// saves work only: a step from the same state has the same bits with a fresh workspace.
 #pragma once
 
 #include <vector>

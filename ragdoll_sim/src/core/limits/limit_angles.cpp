@@ -18,31 +18,38 @@ void LimitAngles::Pose::evaluate(const Model& model, const Points& x, LimitRow& 
   std::copy_n(known.gradient.begin(), known.count, row.gradient.begin());
 }
 
+bool LimitAngles::Pose::is(const double* coordinates, std::size_t count) const {
+  return coordinates_.size() == count &&
+         std::memcmp(coordinates_.data(), coordinates, count * sizeof(double)) == 0;
+}
+
+void LimitAngles::Pose::set(const std::vector<Limit>& limits, const double* coordinates,
+                            std::size_t count) {
+  coordinates_.assign(coordinates, coordinates + count);
+  value_.resize(limits.size());
+  row_.resize(limits.size());
+  for (std::size_t k = 0; k < limits.size(); ++k) {
+    value_[k] = limitValue(limits[k], coordinates);
+    row_[k].count = 0;
+  }
+}
+
 LimitAngles::Pose& LimitAngles::at(const Model& model, const Points& x, int ragdoll) {
   const Skeleton& skeleton = model.skeletonOf(model.ragdolls[ragdoll]);
-  const std::vector<Limit>& limits = skeleton.limits;
   const double* body = x.data() + 3 * model.ragdolls[ragdoll].first;
   const std::size_t count = 3 * static_cast<std::size_t>(skeleton.size());
   ++calls_;
-  Pose* oldest = &poses_[0];
-  for (Pose& pose : poses_) {
-    if (pose.coordinates_.size() == count &&
-        std::memcmp(pose.coordinates_.data(), body, count * sizeof(double)) == 0) {
-      pose.last_call_ = calls_;
-      return pose;
+  std::size_t oldest = 0;
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    if (poses_[i].is(body, count)) {
+      last_call_[i] = calls_;
+      return poses_[i];
     }
-    if (pose.last_call_ < oldest->last_call_) oldest = &pose;
+    if (last_call_[i] < last_call_[oldest]) oldest = i;
   }
-  Pose& pose = *oldest;
-  pose.last_call_ = calls_;
-  pose.coordinates_.assign(body, body + count);
-  pose.value_.resize(limits.size());
-  pose.row_.resize(limits.size());
-  for (std::size_t k = 0; k < limits.size(); ++k) {
-    pose.value_[k] = limitValue(limits[k], body);
-    pose.row_[k].count = 0;
-  }
-  return pose;
+  last_call_[oldest] = calls_;
+  poses_[oldest].set(skeleton.limits, body, count);
+  return poses_[oldest];
 }
 
 }  // namespace ragdoll

@@ -20,11 +20,13 @@ class LimitAngles {
     /// Value and gradient; x: of this pose (3 x N).
     void evaluate(const Model& model, const Points& x, LimitRow& row);
 
+    /// Whether this is the pose of `count` coordinates, to the bit; becomes it.
+    bool is(const double* coordinates, std::size_t count) const;
+    void set(const std::vector<Limit>& limits, const double* coordinates, std::size_t count);
+
    private:
-    friend class LimitAngles;
     std::vector<double> coordinates_, value_;
     std::vector<LimitRow> row_;  ///< with their gradients, or count 0
-    std::uint64_t last_call_ = 0;
   };
 
   /// Valid until three other poses have been asked for. x: 3 x N.
@@ -32,6 +34,7 @@ class LimitAngles {
 
  private:
   std::array<Pose, 4> poses_;
+  std::array<std::uint64_t, 4> last_call_{};
   std::uint64_t calls_ = 0;
 };
 

@@ -13,22 +13,19 @@ struct JointSchur::View {
   const Schur::Row& row(int i) const { return joint.row(i); }
   double matrix(int i, int j) const {
     return sum(i, [&](const Schur& s, int side) {
-      return s.now_.A(joint.rows_[i].row[side], joint.rows_[j].row[side]);
+      return s.entry(joint.rows_[i].row[side], joint.rows_[j].row[side]);
     });
   }
   double free(int i) const {
-    return sum(i, [&](const Schur& s, int side) { return s.now_.free[joint.rows_[i].row[side]]; });
+    return sum(i, [&](const Schur& s, int side) { return s.free(joint.rows_[i].row[side]); });
   }
   double rate(int i) const {
-    return b[i] + sum(i, [&](const Schur& s, int side) { return s.w_[joint.rows_[i].row[side]]; });
+    return b[i] + sum(i, [&](const Schur& s, int side) { return s.rate(joint.rows_[i].row[side]); });
   }
   void push(int i, int count, const double* step) {
     for (int side = 0; side < 2; ++side) {
       const int body = joint.rows_[i].body[side];
-      if (body < 0) continue;
-      Schur& s = *joint.bodies_[body];
-      kernels::addWeighted(s.w_.data(), s.now_.A.data() + joint.rows_[i].row[side] * s.columns_,
-                           step, count, s.columns_, s.w_.data());
+      if (body >= 0) joint.bodies_[body]->addRates(joint.rows_[i].row[side], count, step);
     }
   }
 
@@ -69,7 +66,7 @@ const Schur::Row& JointSchur::row(int i) const {
 
 bool JointSchur::solve(const RowValues& b, RowValues& p) {
   if (isOneBody()) return bodies_[0]->solve(b, p);
-  for (Schur* s : bodies_) s->w_.setZero(s->columns_);
+  for (Schur* s : bodies_) s->clearRates();
   View rows{*this, b};
   findBlocks(rows, blocks_);
   return projectedGaussSeidel(rows, blocks_, p.data());
@@ -88,16 +85,17 @@ void JointSchur::split(const RowValues& p, std::vector<RowValues>& parts) const 
 }
 
 void JointSchur::addAnswer(double share, const std::vector<RowValues>& parts,
-                           RowValues& sum) const {
+                           RowValues& sum) {
+  if (answers_.size() < bodies_.size()) answers_.resize(bodies_.size());
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     if (bodies_[k]->empty()) continue;
-    bodies_[k]->w_.resize(bodies_[k]->size());
-    bodies_[k]->w_.noalias() = bodies_[k]->matrix() * parts[k];
+    answers_[k].resize(bodies_[k]->size());
+    answers_[k].noalias() = bodies_[k]->matrix() * parts[k];
   }
   for (int i = 0; i < size(); ++i)
     for (int side = 0; side < 2; ++side)
       if (rows_[i].body[side] >= 0)
-        sum[i] += share * bodies_[rows_[i].body[side]]->w_[rows_[i].row[side]];
+        sum[i] += share * answers_[rows_[i].body[side]][rows_[i].row[side]];
 }
 
 }  // namespace ragdoll

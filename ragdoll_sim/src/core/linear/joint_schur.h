@@ -34,7 +34,7 @@ class JointSchur {
   void split(const RowValues& p, std::vector<RowValues>& parts) const;
 
   /// sum += share A p, with p's parts.
-  void addAnswer(double share, const std::vector<RowValues>& parts, RowValues& sum) const;
+  void addAnswer(double share, const std::vector<RowValues>& parts, RowValues& sum);
 
  private:
   struct Row {
@@ -49,6 +49,7 @@ class JointSchur {
   std::vector<int> first_;
   std::vector<Row> rows_;
   std::vector<SchurBlock> blocks_;
+  std::vector<RowValues> answers_;  ///< per body
 };
 
 }  // namespace ragdoll

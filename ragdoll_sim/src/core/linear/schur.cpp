@@ -185,6 +185,11 @@ bool Schur::sweepFrom(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eig
   return sweep(rows, blocks_, p.data(), batch);
 }
 
+void Schur::addRates(int i, int count, const double* impulses) {
+  kernels::addWeighted(w_.data(), now_.A.data() + i * columns_, impulses, count, columns_,
+                       w_.data());
+}
+
 bool Schur::solveOn(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p) {
   constexpr int kBatches = 20;
   constexpr double kNoChange = 1e-6;  // share by which changes of no end differ

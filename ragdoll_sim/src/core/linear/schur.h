@@ -91,9 +91,15 @@ class Schur {
 
   double along(int i, const double* x) const { return now_.rows[i].along(x); }
 
- private:
-  friend class JointSchur;
+  // For rows that several bodies share (joint_schur.h).
+  double entry(int i, int j) const { return now_.A(i, j); }
+  double free(int i) const { return now_.free[i]; }  ///< A(i, i) without the sticks' answer
+  void clearRates() { w_.setZero(columns_); }
+  double rate(int i) const { return w_[i]; }  ///< by the impulses since then
+  /// Of all rows, by `count` impulses that begin at row i.
+  void addRates(int i, int count, const double* impulses);
 
+ private:
   struct Assembly {
     std::vector<Row> rows;
     Eigen::VectorXd pose;

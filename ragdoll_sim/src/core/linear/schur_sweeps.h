@@ -1,5 +1,6 @@
-// Projected Gauss-Seidel [Moreau1988], [Cottle1992, ch. 5] on the rows of one body or of several.
-// Private to the core.
+// Projected Gauss-Seidel [Moreau1988], [Cottle1992, ch. 5] on the rows of one body or of several: a
+// contact's friction of the direct methods is here, two rows beside its normal one that are put
+// back into the cone together.
 #pragma once
 
 #include <algorithm>

@@ -79,9 +79,7 @@ bool wakeTouched(const std::vector<Contact>& contacts, const Points& x1, State& 
     if (c.other < 0 || c.moves[0] == c.moves[1]) continue;
     const int sleeper = c.moves[0] ? c.other : c.ragdoll, mover = c.moves[0] ? c.ragdoll : c.other;
     if (!state.asleep[sleeper] || state.quiet[mover] > 0) continue;
-    double gap = -c.offset;
-    for (int k = 0; k < c.count; ++k) gap += c.weight[k] * c.normal.dot(x1.col(c.particle[k]));
-    if (std::min(gap, c.gap_start) > kNearBody) continue;
+    if (std::min(c.gapAt(x1), c.gap_start) > kNearBody) continue;
     wake(state, sleeper);
     woke = true;
   }

@@ -6,16 +6,6 @@
 #include "core/direct/constants.h"
 
 namespace ragdoll {
-namespace {
-
-Vec3 pointOf(const Contact& c, const Points& x) {
-  Vec3 p = c.weight[0] * x.col(c.particle[0]);
-  for (int k = 1; k < c.count; ++k) p += c.weight[k] * x.col(c.particle[k]);
-  return p;
-}
-
-}  // namespace
-
 void ContactProjection::addResponse(const Model& model, int ragdoll, const Contact& c) {
   const Ragdoll& r = model.ragdolls[ragdoll];
   const System& s = model.systemOf(r);
@@ -54,9 +44,9 @@ void ContactProjection::prepare(const Model& model, const std::vector<Contact>& 
     if (c.gap_start < 0) p.contact.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * h);
 
     const Vec3& n = c.normal;
-    const double gap = n.dot(pointOf(c, x1)) - c.offset;
+    const double gap = n.dot(c.of(x1)) - c.offset;
     const double gravity = -n.dot(model.gravity);
-    const double speed = -n.dot(pointOf(c, v1) - c.surface_motion / h);
+    const double speed = -n.dot(c.of(v1) - c.surface_motion / h);
     double free_share = 0;  // of the step, before it touches
     if (c.restitution > 0 && gap < 0 && c.gap_start > gap &&
         speed > kRestSteps * std::max(gravity, 0.0) * h) {
@@ -67,8 +57,8 @@ void ContactProjection::prepare(const Model& model, const std::vector<Contact>& 
       p.bounce_speed = std::max(0.0, out) + n.dot(c.surface_motion) / h;
     }
     p.inverse_w = 1 / p.w;
-    p.held = pointOf(c, x0) + c.surface_motion;
-    p.held += free_share * (pointOf(c, x1) - p.held);
+    p.held = c.of(x0) + c.surface_motion;
+    p.held += free_share * (c.of(x1) - p.held);
     contacts_.push_back(p);
   }
 }
@@ -102,7 +92,7 @@ void ContactProjection::sweep(Points& x) {
       if (p.lambda_n == 0 && c.normal.dot(position) >= c.offset) continue;
       position += responses_[p.begin].weight * impulse(p, position);
     } else {
-      const Vec3 point = pointOf(c, x);
+      const Vec3 point = c.of(x);
       if (p.lambda_n == 0 && c.normal.dot(point) >= c.offset) continue;
       apply(p, impulse(p, point), x);
     }
@@ -112,7 +102,7 @@ void ContactProjection::sweep(Points& x) {
 void ContactProjection::bounce(double h, Points& v) const {
   for (const ProjectedContact& p : contacts_) {
     if (p.bounce_speed <= 0 || p.lambda_n <= 0) continue;
-    const Vec3 &n = p.contact.normal, velocity = pointOf(p.contact, v);
+    const Vec3 &n = p.contact.normal, velocity = p.contact.of(v);
     const double blow = (p.bounce_speed - n.dot(velocity)) / p.w;  // [N s] beside the sweeps'
     Vec3 impulse = blow * n;
     if (p.contact.friction > 0) {

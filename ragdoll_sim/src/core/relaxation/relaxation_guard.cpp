@@ -68,12 +68,9 @@ class RelaxationGuard {
   }
 
   bool deep(const Contact& c) const {
-    double gap = -c.offset, radius = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < c.count; ++k) {
-      gap += c.weight[k] * c.normal.dot(state_.x.col(c.particle[k]));
-      radius = std::min(radius, model_.radius[c.particle[k]]);
-    }
-    return gap < std::min(-kMostDepth * radius, c.gap_start);
+    double radius = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < c.count; ++k) radius = std::min(radius, model_.radius[c.particle[k]]);
+    return c.gapAt(state_.x) < std::min(-kMostDepth * radius, c.gap_start);
   }
 
   /// Deep in an obstacle, or beyond one that the sweeps carried it through.
