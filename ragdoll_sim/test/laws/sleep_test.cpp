@@ -92,7 +92,7 @@ TEST_P(Sleep, CostsNothing) {
   Workspace fresh;
   const auto computed = [&] {
     const Workspace::Impl& ws = fresh.impl();
-    const std::vector<std::vector<Body>>& places = ws.direct.island.places;
+    const std::vector<std::vector<Body>>& places = ws.direct.scratch[0].island.places;
     const bool moved = ws.relaxation.acceleration.cols() > 0 || !places.empty();
     const bool sought = !ws.relaxation.contacts.empty() ||
                         (!places.empty() && !places[0][0].constraints.contacts.empty());

@@ -25,7 +25,7 @@ struct DirectIsland {
         context{world.model, world.inputs, world.model.solver.step,
                 nullptr,     true,         false,
                 world.state, ws,           supports},
-        island(context, ws.island),
+        island(context, scratchOf(context).island),
         h(context.h) {
     supports.pressed.assign(world.model.ragdolls.size(), 0);
     supports.gripped = supports.pressed;

@@ -21,6 +21,7 @@
 
 namespace ragdoll {
 
+struct ContactLog;
 struct DirectWorkspace;
 
 /// What all bodies of a step share.
@@ -36,6 +37,8 @@ struct StepContext {
   State& state;
   DirectWorkspace& ws;
   Supports& supports;
+  ContactLog* log = nullptr;  ///< of this step; null: nobody asks
+  int worker = 0;             ///< which thread takes the step: whose scratch it uses
 };
 
 /// Of one body, kept from step to step: what is known of a step's end serves at the next start.

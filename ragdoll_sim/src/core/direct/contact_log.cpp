@@ -56,7 +56,7 @@ void addPosition(const Island& island, const Contact& c, const Vec3& impulse) {
   ContactImpulse e = entryOf(step.model, step.state, c);
   e.impulse = impulse;
   e.approach = std::max(0.0, -c.normal.dot(rateOf(step, c)));
-  step.ws.log->impulses.push_back(e);
+  step.log->impulses.push_back(e);
 }
 
 /// [1/kg] that the rows of one body answer to a push along the first row of a pair.
@@ -127,11 +127,11 @@ Vec3 lockedFriction(const StepContext& step, const Body& body, const Contact& c,
   return -(c.friction * normal + impulse.dot(slip)) * slip;
 }
 
-ContactLog& logOf(const Island& island) { return *island.context.ws.log; }
+ContactLog& logOf(const Island& island) { return *island.context.log; }
 
 }  // namespace
 
-bool isLogged(const Island& island) { return island.context.ws.log != nullptr; }
+bool isLogged(const Island& island) { return island.context.log != nullptr; }
 
 std::size_t logSize(const Island& island) {
   return isLogged(island) ? logOf(island).impulses.size() : 0;
@@ -139,14 +139,6 @@ std::size_t logSize(const Island& island) {
 
 void cutLog(Island& island, std::size_t size) {
   if (isLogged(island)) logOf(island).impulses.resize(size);
-}
-
-void forgetLogged(ContactLog& log, int ragdoll) {
-  const auto has = [&](const ContactImpulse& e) {
-    return e.ragdoll == ragdoll || e.other == ragdoll;
-  };
-  log.impulses.erase(std::remove_if(log.impulses.begin(), log.impulses.end(), has),
-                     log.impulses.end());
 }
 
 void logPositions(Island& island, double h) {

@@ -21,7 +21,4 @@ bool isLogged(const Island& island);
 std::size_t logSize(const Island& island);
 void cutLog(Island& island, std::size_t size);
 
-/// Crosses out what a ragdoll has in it.
-void forgetLogged(ContactLog& log, int ragdoll);
-
 }  // namespace ragdoll

@@ -42,7 +42,7 @@ void prepareDirect(const StepContext& context) {
 void stepBodies(const StepContext& context, const std::vector<int>& bodies,
                 const std::vector<int>& sleepers, std::vector<CachedImpulse>& impulses,
                 std::vector<BodyPair>& pressing, StepReport& report) {
-  Island island(context, context.ws.island);
+  Island island(context, scratchOf(context).island);
   bindIsland(island, bodies, sleepers);
   stepIsland(island, report);
   for (const Body* body : island.bodies) {
@@ -50,15 +50,43 @@ void stepBodies(const StepContext& context, const std::vector<int>& bodies,
     for (const CachedImpulse& impulse : own)
       if (impulse.obstacle >= 0) context.supports.pressed[body->index] = 1;
     context.supports.gripped[body->index] = body->gripped;
-    impulses.insert(impulses.end(), own.begin(), own.end());
+    append(own, impulses);
   }
   const std::vector<CachedImpulse>& shared = island.pairs.cache.impulses();
-  impulses.insert(impulses.end(), shared.begin(), shared.end());
-  pressing.insert(pressing.end(), island.pairs.pressing.begin(), island.pairs.pressing.end());
+  append(shared, impulses);
+  append(island.pairs.pressing, pressing);
+}
+
+void stepApart(const StepContext& context, const std::vector<int>& bodies, StepReport& report) {
+  DirectWorkspace& ws = context.ws;
+  std::vector<BodyPair>& pressing = context.supports.pressing;
+  const int count = static_cast<int>(bodies.size());
+  if (count < 2 || Workers::count(context.model.solver.threads) < 2) {
+    for (const int i : bodies) {
+      ws.scratch[0].lone_body.assign(1, i);
+      stepBodies(context, ws.scratch[0].lone_body, ws.no_bodies, ws.impulses, pressing, report);
+    }
+    return;
+  }
+  if (static_cast<int>(ws.outcomes.size()) < count) ws.outcomes.resize(count);
+  forEachPart(context, count, [&](StepContext& own, int k) {
+    Outcome& outcome = ws.outcomes[k];
+    outcome.clear();
+    if (own.log) own.log = &outcome.log;
+    std::vector<int>& body = scratchOf(own).lone_body;
+    body.assign(1, bodies[k]);
+    stepBodies(own, body, ws.no_bodies, outcome.impulses, outcome.pressing, outcome.report);
+  });
+  for (int k = 0; k < count; ++k) {
+    append(ws.outcomes[k].impulses, ws.impulses);
+    append(ws.outcomes[k].pressing, pressing);
+    if (context.log) append(ws.outcomes[k].log.impulses, context.log->impulses);
+    report += ws.outcomes[k].report;
+  }
 }
 
 void predictFreely(const StepContext& context, int ragdoll) {
-  IslandScratch& scratch = context.ws.island;
+  IslandScratch& scratch = scratchOf(context).island;
   scratch.ragdolls.assign(1, ragdoll);
   makePlaces(context.model, scratch.ragdolls, scratch);
   Body& body = takePlace(context.model, ragdoll, scratch);
@@ -74,15 +102,14 @@ void stepDirect(const StepContext& context, StepReport& report) {
   prepareDirect(context);
   DirectWorkspace& ws = context.ws;
   State& state = context.state;
-  if (context.model.ragdoll_collision)
+  if (context.model.ragdoll_collision) {
     ws.builder.step(context, report);
-  else
-    for (std::size_t i = 0; i < context.model.ragdolls.size(); ++i) {
-      if (state.asleep[i]) continue;
-      ws.lone_body.assign(1, static_cast<int>(i));
-      stepBodies(context, ws.lone_body, ws.no_bodies, ws.impulses, context.supports.pressing,
-                 report);
-    }
+  } else {
+    ws.awake.clear();
+    for (std::size_t i = 0; i < context.model.ragdolls.size(); ++i)
+      if (!state.asleep[i]) ws.awake.push_back(static_cast<int>(i));
+    stepApart(context, ws.awake, report);
+  }
   keepSleepersImpulses(context, ws.impulses);
   std::swap(state.impulses, ws.impulses);
   keepAllowed(context.model, state);

@@ -21,6 +21,10 @@ void stepBodies(const StepContext& context, const std::vector<int>& bodies,
                 const std::vector<int>& sleepers, std::vector<CachedImpulse>& impulses,
                 std::vector<BodyPair>& pressing, StepReport& report);
 
+/// As stepBodies for each of these bodies by itself, on the solver's threads; what presses goes to
+/// the context.
+void stepApart(const StepContext& context, const std::vector<int>& bodies, StepReport& report);
+
 /// Positions <- where the body would go if it met nothing; velocities are left as they then are.
 void predictFreely(const StepContext& context, int ragdoll);
 

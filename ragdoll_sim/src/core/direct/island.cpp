@@ -13,17 +13,10 @@
 namespace ragdoll {
 namespace {
 
-/// Where the bodies' motions lead, sleepers where they are.
+/// Where the bodies' motions lead, sleepers where they are (placeSleepers).
 const Points& posesAfter(const Island& island) {
-  Points& after = island.context.ws.predicted;
-  const State& state = island.context.state;
-  for (const int i : island.s.all) {
-    const Ragdoll& r = island.context.model.ragdolls[i];
-    const int n = island.context.model.skeletonOf(r).size();
-    if (island.placeOf(i) < 0) after.middleCols(r.first, n) = state.x.middleCols(r.first, n);
-  }
   for (const Body* body : island.bodies) poseAfter(*body);
-  return after;
+  return island.context.ws.predicted;
 }
 
 void startPair(const Island& island, Contact& c, double h) {
@@ -65,6 +58,14 @@ void bindIsland(Island& island, const std::vector<int>& bodies, const std::vecto
     s.bodies.back()->bind(island.context, i);
   }
   s.pairs.clear();
+}
+
+void placeSleepers(const StepContext& context, const std::vector<int>& sleepers) {
+  for (const int i : sleepers) {
+    const Ragdoll& r = context.model.ragdolls[i];
+    const int n = context.model.skeletonOf(r).size();
+    context.ws.predicted.middleCols(r.first, n) = context.state.x.middleCols(r.first, n);
+  }
 }
 
 void bindLone(Island& island, Body& body) {

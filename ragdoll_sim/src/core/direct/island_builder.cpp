@@ -5,7 +5,6 @@
 
 #include "core/contact/constants.h"
 #include "core/direct/constants.h"
-#include "core/direct/contact_log.h"
 #include "core/direct/direct_step.h"
 #include "core/direct/motion.h"
 #include "core/direct/penetration.h"
@@ -65,13 +64,13 @@ void IslandBuilder::begin(const StepContext& context) {
   parent_.resize(count);
   std::iota(parent_.begin(), parent_.end(), 0);
   outcomes_.resize(count);
-  for (Outcome& outcome : outcomes_) {
+  for (IslandOutcome& outcome : outcomes_) {
+    outcome.clear();
     outcome.island.clear();
     outcome.near_sleepers.clear();
     outcome.sleepers.clear();
-    outcome.impulses.clear();
-    outcome.pressing.clear();
   }
+  turns_ = 0;
 }
 
 void IslandBuilder::restore(const StepContext& context, int i) {
@@ -84,32 +83,35 @@ void IslandBuilder::restore(const StepContext& context, int i) {
               multiplierCount(*context.model.systemOf(r).direct.rows),
               state.multipliers.begin() + first);
   context.supports.pressed[i] = context.supports.gripped[i] = 0;
-  if (context.ws.log) forgetLogged(*context.ws.log, i);
+  outcomes_[i].clear();
 }
 
 /// Where each would go by itself: its whole step, which may stand, or its free motion, where that
 /// is unlikely.
 void IslandBuilder::predict(const StepContext& context) {
   markPressedPairs(context, pressed_pair_);
+  parts_.clear();
   for (std::size_t i = 0; i < outcomes_.size(); ++i) {
     if (context.state.asleep[i]) continue;
-    if (!pressed_pair_[i]) {
-      stepAlone(context, static_cast<int>(i));
-      continue;
-    }
-    predictFreely(context, static_cast<int>(i));
+    parts_.push_back(static_cast<int>(i));
+    takeTurn(static_cast<int>(i));
   }
+  forEachPart(context, static_cast<int>(parts_.size()), [this](StepContext& own, int k) {
+    if (pressed_pair_[parts_[k]])
+      predictFreely(own, parts_[k]);
+    else
+      stepAlone(own, parts_[k]);
+  });
 }
 
-void IslandBuilder::stepAlone(const StepContext& context, int i) {
+void IslandBuilder::stepAlone(StepContext& context, int i) {
   restore(context, i);
-  Outcome& outcome = outcomes_[i];
-  outcome.report = StepReport();
+  IslandOutcome& outcome = outcomes_[i];
   outcome.island.assign(1, i);
-  alone_.assign(1, i);
-  outcome.impulses.clear();
-  outcome.pressing.clear();
-  stepBodies(context, alone_, no_sleepers_, outcome.impulses, outcome.pressing, outcome.report);
+  std::vector<int>& alone = scratchOf(context).lone_body;
+  alone.assign(1, i);
+  if (context.log) context.log = &outcome.log;
+  stepBodies(context, alone, no_sleepers_, outcome.impulses, outcome.pressing, outcome.report);
 }
 
 void IslandBuilder::findContacts(const StepContext& context, bool overlaps_only) {
@@ -123,8 +125,14 @@ void IslandBuilder::findContacts(const StepContext& context, bool overlaps_only)
                             contacts_);
     was_asleep_ = state.asleep;
     if (!wakeTouched(contacts_, state.x, state)) return;
-    for (std::size_t i = 0; i < outcomes_.size(); ++i)
-      if (was_asleep_[i] && !state.asleep[i]) stepAlone(context, static_cast<int>(i));
+    parts_.clear();
+    for (std::size_t i = 0; i < outcomes_.size(); ++i) {
+      if (!was_asleep_[i] || state.asleep[i]) continue;
+      parts_.push_back(static_cast<int>(i));
+      takeTurn(static_cast<int>(i));
+    }
+    forEachPart(context, static_cast<int>(parts_.size()),
+                [this](StepContext& own, int k) { stepAlone(own, parts_[k]); });
   }
 }
 
@@ -155,36 +163,40 @@ bool IslandBuilder::stepIslands(const StepContext& context) {
     const std::vector<int>& near = outcomes_[i].near_sleepers;
     sleepers_[r].insert(sleepers_[r].end(), near.begin(), near.end());
   }
-  bool any = false;
+  parts_.clear();
   for (int r = 0; r < count; ++r) {
     if (members_[r].empty()) continue;
     std::vector<int>& still = sleepers_[r];
     std::sort(still.begin(), still.end());
     still.erase(std::unique(still.begin(), still.end()), still.end());
-    any = stepTogether(context, members_[r], still) || any;
+    if (!isNew(members_[r], still)) continue;
+    parts_.push_back(r);
+    takeTurn(members_[r][0]);
+    placeSleepers(context, still);
   }
-  return any;
+  forEachPart(context, static_cast<int>(parts_.size()), [this](StepContext& own, int k) {
+    stepTogether(own, members_[parts_[k]], sleepers_[parts_[k]]);
+  });
+  return !parts_.empty();
 }
 
-bool IslandBuilder::stepTogether(const StepContext& context, const std::vector<int>& bodies,
+bool IslandBuilder::isNew(const std::vector<int>& bodies, const std::vector<int>& sleepers) const {
+  const IslandOutcome& front = outcomes_[bodies[0]];
+  if (bodies.size() == 1 && sleepers.empty()) return front.island.empty();
+  return front.island != bodies || front.sleepers != sleepers;
+}
+
+void IslandBuilder::stepTogether(StepContext& context, const std::vector<int>& bodies,
                                  const std::vector<int>& sleepers) {
-  Outcome& front = outcomes_[bodies[0]];
-  if (bodies.size() == 1 && sleepers.empty()) {
-    if (!front.island.empty()) return false;
-    stepAlone(context, bodies[0]);
-    return true;
-  }
-  if (front.island == bodies && front.sleepers == sleepers) return false;
+  if (bodies.size() == 1 && sleepers.empty()) return stepAlone(context, bodies[0]);
+  IslandOutcome& front = outcomes_[bodies[0]];
   for (const int i : bodies) {
     restore(context, i);
-    outcomes_[i].impulses.clear();
-    outcomes_[i].pressing.clear();
-    outcomes_[i].report = StepReport();
     outcomes_[i].island = bodies;
   }
   front.sleepers = sleepers;
+  if (context.log) context.log = &front.log;
   stepBodies(context, bodies, sleepers, front.impulses, front.pressing, front.report);
-  return true;
 }
 
 bool IslandBuilder::holdsAll(const State& state) const {
@@ -194,17 +206,24 @@ bool IslandBuilder::holdsAll(const State& state) const {
   return true;
 }
 
+void IslandBuilder::mergeLogs(ContactLog& log) {
+  order_.resize(outcomes_.size());
+  std::iota(order_.begin(), order_.end(), 0);
+  std::sort(order_.begin(), order_.end(),
+            [this](int a, int b) { return outcomes_[a].turn < outcomes_[b].turn; });
+  for (const int i : order_) append(outcomes_[i].log.impulses, log.impulses);
+}
+
 void IslandBuilder::end(const StepContext& context, StepReport& report) {
   context.ws.impulses.clear();
   for (std::size_t i = 0; i < outcomes_.size(); ++i) {
     if (context.state.asleep[i]) continue;
-    const Outcome& outcome = outcomes_[i];
-    context.ws.impulses.insert(context.ws.impulses.end(), outcome.impulses.begin(),
-                               outcome.impulses.end());
-    context.supports.pressing.insert(context.supports.pressing.end(), outcome.pressing.begin(),
-                                     outcome.pressing.end());
+    const IslandOutcome& outcome = outcomes_[i];
+    append(outcome.impulses, context.ws.impulses);
+    append(outcome.pressing, context.supports.pressing);
     report += outcome.report;
   }
+  if (context.log) mergeLogs(*context.log);
 }
 
 }  // namespace ragdoll

@@ -11,7 +11,7 @@
 #include "core/contact/contact.h"
 #include "core/contact/pair_detect.h"
 #include "core/direct/body.h"
-#include "ragdoll_sim/core/step_report.h"
+#include "core/direct/outcome.h"
 
 namespace ragdoll {
 
@@ -22,29 +22,32 @@ class IslandBuilder {
 
  private:
   /// What a body's step came to; an island's is with its first body.
-  struct Outcome {
+  struct IslandOutcome : Outcome {
     std::vector<int> island;         ///< bodies that it took the step with; empty: none yet
     std::vector<int> near_sleepers;  ///< that it came near
     std::vector<int> sleepers;       ///< island's first: that it took the step with
-    std::vector<CachedImpulse> impulses;
-    std::vector<BodyPair> pressing;
-    StepReport report;
+    int turn = 0;                    ///< which of the step's it was
   };
 
   void begin(const StepContext& context);
   void restore(const StepContext& context, int ragdoll);
   void predict(const StepContext& context);
-  void stepAlone(const StepContext& context, int ragdoll);
+  /// Before a body, or the island that it is the first of, is stepped (anew).
+  void takeTurn(int ragdoll) { outcomes_[ragdoll].turn = ++turns_; }
+  void stepAlone(StepContext& context, int ragdoll);
   /// Contacts between where the bodies were and where they are now; wakes sleepers.
   void findContacts(const StepContext& context, bool overlaps_only);
   /// Bodies whose gap is below `near` [m] share an island.
   void unite(const StepContext& context, double near);
   /// Steps what has not been stepped with just those bodies; whether there was any.
   bool stepIslands(const StepContext& context);
-  bool stepTogether(const StepContext& context, const std::vector<int>& bodies,
+  void stepTogether(StepContext& context, const std::vector<int>& bodies,
                     const std::vector<int>& sleepers);
+  /// Whether just those have not taken the step together yet.
+  bool isNew(const std::vector<int>& bodies, const std::vector<int>& sleepers) const;
   /// Whether one island has every body, so that nothing is left to meet.
   bool holdsAll(const State& state) const;
+  void mergeLogs(ContactLog& log);
   void end(const StepContext& context, StepReport& report);
   int root(int ragdoll);
 
@@ -53,10 +56,12 @@ class IslandBuilder {
   std::vector<double> multipliers0_;
   std::vector<Contact> contacts_;
   std::vector<int> parent_;  ///< per ragdoll: disjoint sets
-  std::vector<Outcome> outcomes_;
+  std::vector<IslandOutcome> outcomes_;
   std::vector<std::uint8_t> pressed_pair_, was_asleep_;
   std::vector<std::vector<int>> members_, sleepers_;  ///< per root
-  std::vector<int> alone_, no_sleepers_;
+  std::vector<int> parts_;  ///< ragdolls, or roots, that are stepped now
+  std::vector<int> no_sleepers_, order_;
+  int turns_ = 0;  ///< taken in this step
 };
 
 }  // namespace ragdoll

@@ -58,7 +58,7 @@ double makeConsistent(const Model& model, State& state) {
   const StepContext context{model, none,    model.solver.step, nullptr, true,
                             false, settled, ws,                supports};
   prepareDirect(context);
-  Island island(context, ws.island);
+  Island island(context, scratchOf(context).island);
   std::vector<int> all(model.ragdolls.size());
   std::iota(all.begin(), all.end(), 0);
   if (model.ragdoll_collision) {

@@ -107,7 +107,7 @@ void stepEachAlone(Island& island, double h, StepReport& report) {
   island.pairs.cache.clear();
   island.pairs.touching.clear();
   for (Body* body : island.bodies) {
-    Island alone(island.context, island.context.ws.lone);
+    Island alone(island.context, scratchOf(island.context).lone);
     bindLone(alone, *body);
     takeSubsteps(alone, h, report);
   }

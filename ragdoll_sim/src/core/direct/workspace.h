@@ -2,27 +2,55 @@
 // saves work only: a step from the same state has the same bits with a fresh workspace.
 #pragma once
 
+#include <deque>
 #include <vector>
 
+#include "core/base/workers.h"
 #include "core/contact/detect.h"
 #include "core/direct/body.h"
 #include "core/direct/island.h"
 #include "core/direct/island_builder.h"
+#include "core/direct/outcome.h"
 
 namespace ragdoll {
 
-struct ContactLog;
+/// What one thread steps bodies in.
+struct WorkerScratch {
+  IslandScratch island, lone;  ///< lone: of bodies that an island gave up
+  std::vector<int> lone_body;  ///< an island of one
+};
 
 struct DirectWorkspace {
   std::vector<SweptObstacle> obstacles;
   std::vector<BodyMemory> bodies;     ///< per ragdoll
   std::vector<int> first_multiplier;  ///< per ragdoll: its first in the state
   Points predicted;                   ///< [m] 3 x N: where motions lead (poseAfter)
-  IslandScratch island, lone;         ///< lone: of bodies that an island gave up
+  Workers workers;
+  /// Per thread; a deque, as what is in use must not move.
+  std::deque<WorkerScratch> scratch = std::deque<WorkerScratch>(1);
   IslandBuilder builder;
-  std::vector<CachedImpulse> impulses;    ///< of this step
-  ContactLog* log = nullptr;              ///< of this step; null: nobody asks
-  std::vector<int> lone_body, no_bodies;  ///< an island of one
+  std::vector<CachedImpulse> impulses;  ///< of this step
+  std::vector<int> awake, no_bodies;
+  std::vector<Outcome> outcomes;  ///< of bodies that several threads step apart
 };
+
+/// Of the thread that takes the step.
+inline WorkerScratch& scratchOf(const StepContext& context) {
+  return context.ws.scratch[context.worker];
+}
+
+/// part(context, k) for k = 0 ... count - 1, on the solver's threads, each with a context of its own:
+/// parts of a step that do not touch each other.
+template <class Part>
+void forEachPart(const StepContext& context, int count, const Part& part) {
+  DirectWorkspace& ws = context.ws;
+  const int threads = Workers::count(context.model.solver.threads);
+  if (static_cast<int>(ws.scratch.size()) < threads) ws.scratch.resize(threads);
+  ws.workers.run(threads, count, [&](int k, int worker) {
+    StepContext own = context;
+    own.worker = worker;
+    part(own, k);
+  });
+}
 
 }  // namespace ragdoll

@@ -7,7 +7,6 @@
 #include "core/direct/direct_step.h"
 #include "core/fast/body_build.h"
 #include "core/fast/dispatch.h"
-#include "core/fast/workers.h"
 #include "ragdoll_sim/core/limits.h"
 
 namespace ragdoll {
@@ -301,15 +300,13 @@ void stepPacks(const StepContext& context, FastScratch& s, StepReport& report,
   sortObstacles(context.ws.obstacles, s);
   sortPresses(context.model, context.state, s);
   sortBodies(context.model, context.state, s, left);
-  const int threads = Workers::count(context.model.solver.threads);
-  std::vector<PackScratch> packs(threads > 1 ? threads - 1 : 0);  // of the other threads
-  Workers().run(threads, static_cast<int>(s.batches.size()), [&](int part, int worker) {
-    PackScratch& pack = worker == 0 ? s.pack : packs[worker - 1];
-    PackRun(context, s, pack, s.batches[part]).run();
+  s.packs.resize(Workers::count(context.model.solver.threads));
+  forEachPart(context, static_cast<int>(s.batches.size()), [&](StepContext& own, int part) {
+    PackRun(own, s, s.packs[own.worker], s.batches[part]).run();
   });
   for (const Batch& batch : s.batches) {
-    impulses.insert(impulses.end(), batch.impulses.begin(), batch.impulses.end());
-    left.insert(left.end(), batch.left.begin(), batch.left.end());
+    append(batch.impulses, impulses);
+    append(batch.left, left);
     report.contacts += batch.contacts;
     report.limited += batch.limited;
   }
@@ -334,13 +331,12 @@ void stepFast(const StepContext& context, FastScratch& s, StepReport& report) {
     s.bodies.clear();
     for (const System& system : model.systems) s.bodies.push_back(fast::buildBody(model, system));
   }
-  std::vector<int> left;
-  fast::stepPacks(context, s, report, left);
+  s.left.clear();
+  fast::stepPacks(context, s, report, s.left);
   std::fill(state.multipliers.begin(), state.multipliers.end(), 0.0);  // of another method's step
   std::vector<CachedImpulse>& impulses = context.ws.impulses;
-  for (const int ragdoll : left)
-    stepBodies(context, {ragdoll}, {}, impulses, context.supports.pressing, report);
-  report.fast_fallbacks = static_cast<int>(left.size());
+  stepApart(context, s.left, report);
+  report.fast_fallbacks = static_cast<int>(s.left.size());
   for (const CachedImpulse& impulse : state.impulses)
     if (state.asleep[impulse.ragdoll]) impulses.push_back(impulse);
   std::swap(state.impulses, impulses);

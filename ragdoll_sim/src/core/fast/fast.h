@@ -53,7 +53,8 @@ struct FastScratch {
   std::vector<int> first_press;  ///< per ragdoll and one more: into `press`
   std::vector<int> press;        ///< of State::impulses, ragdoll by ragdoll
   bool driven = false;           ///< an obstacle moves
-  fast::PackScratch pack;
+  std::vector<fast::PackScratch> packs;  ///< per thread
+  std::vector<int> left;                 ///< ragdolls for the direct method
   int most_lanes = 0;  ///< of a pack; 0: as many as the processor has. For tests.
 };
 

@@ -43,11 +43,10 @@ StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, 
   ws.supports.pressing.clear();
   ws.supports.gripped.assign(model.ragdolls.size(), 0);
   const bool relaxed = model.solver.method == Method::kJakobsen;
-  ws.direct.log = ws.log;
   if (ws.log) ws.log->impulses.clear();
   const StepContext context{model,      inputs,  h,     gatherForces(inputs, h, state, ws.force),
                             ws.guarded, relaxed, state, ws.direct,
-                            ws.supports};
+                            ws.supports, ws.log};
   if (relaxed)
     stepJakobsen(context, ws.relaxation, report);
   else if (model.solver.method == Method::kFast)

@@ -1,4 +1,4 @@
-#include "core/fast/workers.h"
+#include "core/base/workers.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@ namespace {
 using namespace test;
 
 TEST(Workers, DoEachPartOnce) {
-  fast::Workers workers;
+  Workers workers;
   std::vector<int> done(1000, 0);
   std::vector<int> busy(3, 0);
   workers.run(3, 1000, [&](int part, int worker) {
@@ -19,8 +19,8 @@ TEST(Workers, DoEachPartOnce) {
   });
   EXPECT_EQ(done, std::vector<int>(1000, 1));
   EXPECT_EQ(busy[0] + busy[1] + busy[2], 1000);
-  EXPECT_GE(fast::Workers::count(0), 1);
-  EXPECT_EQ(fast::Workers::count(5), 5);
+  EXPECT_GE(Workers::count(0), 1);
+  EXPECT_EQ(Workers::count(5), 5);
 }
 
 }  // namespace

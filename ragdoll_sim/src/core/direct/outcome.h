@@ -1,0 +1,33 @@
+// What a step of bodies comes to beside the state: kept apart where they are stepped apart, and put
+// together in the order of the bodies, whoever was ready first.
+#pragma once
+
+#include <vector>
+
+#include "core/mechanics/supports.h"
+#include "ragdoll_sim/core/contact_log.h"
+#include "ragdoll_sim/core/state.h"
+#include "ragdoll_sim/core/step_report.h"
+
+namespace ragdoll {
+
+struct Outcome {
+  std::vector<CachedImpulse> impulses;
+  std::vector<BodyPair> pressing;
+  StepReport report;
+  ContactLog log;  ///< if anyone asks
+
+  void clear() {
+    impulses.clear();
+    pressing.clear();
+    report = StepReport();
+    log.impulses.clear();
+  }
+};
+
+template <class T>
+void append(const std::vector<T>& part, std::vector<T>& all) {
+  all.insert(all.end(), part.begin(), part.end());
+}
+
+}  // namespace ragdoll
