@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Prints the table "What a crowd costs" of docs/ros_api.md: a node and rviz for 1, 20, 200 and 1000 bodies.
 
-crowd_table.py [--seconds S] [--markers] [BODIES ...]. Needs an environment with the packages, the target
+crowd_table.py [--seconds S] [--markers] [--smooth] [BODIES ...]. Needs an environment with the packages, the target
 view_bench, Xvfb, and a machine with nothing else to do; starts a roscore of its own.
 """
 
@@ -68,7 +68,7 @@ def viewed(bodies, folder, markers):
     return path
 
 
-def measure(bodies, seconds, markers, picture):
+def measure(bodies, seconds, markers, arguments):
     with tempfile.TemporaryDirectory() as folder:
         scene = os.path.join(folder, 'scene.yaml')
         preset = 'fast' if bodies > MANY else 'balanced'
@@ -78,7 +78,7 @@ def measure(bodies, seconds, markers, picture):
                                  '_scene:=' + scene], stdout=subprocess.DEVNULL)
         time.sleep(2)
         view = subprocess.Popen([os.path.join(PROGRAMS, 'ragdoll_rviz', 'view_bench'),
-                                 viewed(bodies, folder, markers), str(seconds + 2), str(WARM_UP)] + picture,
+                                 viewed(bodies, folder, markers), str(seconds + 2), str(WARM_UP)] + arguments,
                                 stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, universal_newlines=True)
         time.sleep(WARM_UP + 2)
         cpu, begin = cpu_seconds(node.pid), time.time()
@@ -102,6 +102,7 @@ def main():
     parser.add_argument('bodies', nargs='*', type=int, default=[1, 20, 200, 1000])
     parser.add_argument('--seconds', type=float, default=20)
     parser.add_argument('--markers', action='store_true', help='bodies as markers, without the display')
+    parser.add_argument('--smooth', action='store_true', help='smooth edges: antialiasing:=true')
     parser.add_argument('--pictures', help='folder for a screenshot of each')
     args = parser.parse_args()
     os.environ.update(ROS_MASTER_URI='http://127.0.0.1:%d' % PORT, ROS_IP='127.0.0.1')
@@ -112,9 +113,10 @@ def main():
         print('| bodies | preset | real time | node CPU | node memory | told | pictures | rviz CPU | rviz memory |')
         print('|---|---|---|---|---|---|---|---|---|')
         for bodies in args.bodies:
-            picture = [os.path.join(args.pictures, 'crowd_%d.png' % bodies)] if args.pictures else []
+            arguments = [os.path.join(args.pictures, 'crowd_%d.png' % bodies)] if args.pictures else []
+            arguments += ['--smooth'] if args.smooth else []
             print('| %d | %s | x %.2f | %.1f %% | %.0f MB | %.2f MB/s | %.1f/s | %.0f %% | %.0f MB |' %
-                  measure(bodies, args.seconds, args.markers, picture), flush=True)
+                  measure(bodies, args.seconds, args.markers, arguments), flush=True)
     finally:
         core.terminate()
         core.wait()

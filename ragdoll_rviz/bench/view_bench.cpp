@@ -1,7 +1,9 @@
 // How many pictures a second rviz makes of a running simulation, on a screen of its own:
-//   view_bench CONFIG.rviz [SECONDS [WARM_UP [PICTURE.png]]]
-// prints pictures per second, rviz's CPU [% of a core] and its memory [MB]. See crowd_table.py.
+//   view_bench CONFIG.rviz [SECONDS [WARM_UP [PICTURE.png]]] [--smooth]
+// prints pictures per second, rviz's CPU [% of a core] and its memory [MB]. Without
+// --smooth edges are not smoothed, as crowd.launch has it. See crowd_table.py.
 #include <ros/ros.h>
+#include <rviz/ogre_helpers/render_system.h>
 #include <rviz/visualization_frame.h>
 #include <rviz/visualization_manager.h>
 #include <sys/resource.h>
@@ -14,6 +16,7 @@
 #include <cstdlib>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "../test/ros/virtual_screen.h"
 
@@ -46,7 +49,7 @@ void work(double seconds) {
 int main(int argc, char** argv) {
   const ragdoll_test::VirtualScreen screen;
   if (argc < 2 || !screen.there()) {
-    std::fprintf(stderr, argc < 2 ? "view_bench CONFIG.rviz [SECONDS [WARM_UP [PICTURE.png]]]\n"
+    std::fprintf(stderr, argc < 2 ? "view_bench CONFIG.rviz [SECONDS [WARM_UP [PICTURE.png]]] [--smooth]\n"
                                   : "view_bench: no Xvfb\n");
     return 2;
   }
@@ -55,6 +58,10 @@ int main(int argc, char** argv) {
   ros::init(argc, argv, "view_bench", ros::init_options::AnonymousName);
   ros::NodeHandle nh;
   QApplication application(argc, argv);
+  if (argc > 1 && argv[argc - 1] == std::string("--smooth"))
+    --argc;
+  else
+    rviz::RenderSystem::disableAntiAliasing();
   rviz::VisualizationFrame frame;
   frame.setShowChooseNewMaster(false);
   frame.setSplashPath("");

@@ -57,6 +57,17 @@ QHBoxLayout* row(std::initializer_list<QWidget*> widgets) {
 /// A length or a ratio with three digits.
 QString figure(double value) { return QString::number(value, 'g', 3); }
 
+/// One setting, in the list of its type.
+template <class List, class Value>
+dynamic_reconfigure::Config changeOf(List dynamic_reconfigure::Config::*list, const char* name,
+                                     const Value& value) {
+  dynamic_reconfigure::Config change;
+  (change.*list).resize(1);
+  (change.*list)[0].name = name;
+  (change.*list)[0].value = value;
+  return change;
+}
+
 }  // namespace
 
 RagdollPanel::RagdollPanel(QWidget* parent) : rviz::Panel(parent) {
@@ -420,27 +431,15 @@ void RagdollPanel::set(const dynamic_reconfigure::Config& change) {
 }
 
 void RagdollPanel::set(const char* name, const QString& value) {
-  dynamic_reconfigure::Config change;
-  change.strs.resize(1);
-  change.strs[0].name = name;
-  change.strs[0].value = value.toStdString();
-  set(change);
+  set(changeOf(&dynamic_reconfigure::Config::strs, name, value.toStdString()));
 }
 
 void RagdollPanel::set(const char* name, double value) {
-  dynamic_reconfigure::Config change;
-  change.doubles.resize(1);
-  change.doubles[0].name = name;
-  change.doubles[0].value = value;
-  set(change);
+  set(changeOf(&dynamic_reconfigure::Config::doubles, name, value));
 }
 
 void RagdollPanel::set(const char* name, int value) {
-  dynamic_reconfigure::Config change;
-  change.ints.resize(1);
-  change.ints[0].name = name;
-  change.ints[0].value = value;
-  set(change);
+  set(changeOf(&dynamic_reconfigure::Config::ints, name, value));
 }
 
 void RagdollPanel::say(const QString& text) { message_->setText(text); }

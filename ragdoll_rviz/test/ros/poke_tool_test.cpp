@@ -17,7 +17,6 @@
 #include <std_srvs/Trigger.h>
 
 #include <Eigen/Geometry>
-#include <QApplication>
 #include <QDoubleSpinBox>
 #include <QElapsedTimer>
 #include <QMouseEvent>
@@ -28,17 +27,17 @@
 #include <string>
 
 #include "qt_wait.h"
-#include "virtual_screen.h"
+#include "rviz_main.h"
 
 namespace {
 
 using Eigen::Vector3d;
 using ragdoll_test::kLimit;
+using ragdoll_test::rviz_frame;
 using ragdoll_test::waitFor;
 
 constexpr double kYaw = 0.4, kPitch = 0.3, kDistance = 3, kFov = M_PI / 4;  ///< of the view
 
-rviz::VisualizationFrame* rviz_frame = nullptr;  ///< there can be one; null without a screen
 
 class PokeTool : public ::testing::Test {
  protected:
@@ -208,23 +207,4 @@ TEST_F(PokeTool, aNodeOfNoValidNameIsReported) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  const ragdoll_test::VirtualScreen screen;
-  setenv("QT_QPA_PLATFORM", screen.there() ? "xcb" : "offscreen", 1);
-  setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
-  ros::init(argc, argv, "poke_tool_test");
-  ros::NodeHandle nh;  // keeps ROS going
-  QApplication application(argc, argv);
-  std::unique_ptr<rviz::VisualizationFrame> frame;
-  if (screen.there() && argc > 1) {
-    frame = std::make_unique<rviz::VisualizationFrame>();
-    frame->setShowChooseNewMaster(false);
-    frame->setSplashPath("");
-    frame->initialize(argv[1]);
-    frame->resize(1200, 800);
-    frame->show();
-    rviz_frame = frame.get();
-  }
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ragdoll_test::runInRviz(argc, argv, "poke_tool_test"); }

@@ -19,7 +19,6 @@
 #include <rviz/visualization_manager.h>
 
 #include <Eigen/Geometry>
-#include <QApplication>
 #include <QColor>
 #include <QRegularExpression>
 #include <algorithm>
@@ -32,14 +31,13 @@
 #include "ragdoll_sim/body/coat_mesh.h"
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/io/scene_yaml.h"
-#include "virtual_screen.h"
+#include "rviz_main.h"
 
 namespace {
 
 using Eigen::Vector3d;
+using ragdoll_test::rviz_frame;
 using ragdoll_test::waitFor;
-
-rviz::VisualizationFrame* rviz_frame = nullptr;  ///< there can be one; null without a screen
 
 class Ragdolls : public ::testing::Test {
  protected:
@@ -258,23 +256,4 @@ TEST_F(Ragdolls, saysWhatIsMissing) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-  testing::InitGoogleTest(&argc, argv);
-  const ragdoll_test::VirtualScreen screen;
-  setenv("QT_QPA_PLATFORM", screen.there() ? "xcb" : "offscreen", 1);
-  setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
-  ros::init(argc, argv, "ragdolls_display_test");
-  ros::NodeHandle nh;  // keeps ROS going
-  QApplication application(argc, argv);
-  std::unique_ptr<rviz::VisualizationFrame> frame;
-  if (screen.there() && argc > 1) {
-    frame = std::make_unique<rviz::VisualizationFrame>();
-    frame->setShowChooseNewMaster(false);
-    frame->setSplashPath("");
-    frame->initialize(argv[1]);
-    frame->resize(1200, 800);
-    frame->show();
-    rviz_frame = frame.get();
-  }
-  return RUN_ALL_TESTS();
-}
+int main(int argc, char** argv) { return ragdoll_test::runInRviz(argc, argv, "ragdolls_display_test"); }

@@ -28,9 +28,19 @@ Attachments::Attachments(ros::NodeHandle& nh, Simulation& simulation, const Fram
   servers_.push_back(nh.advertiseService("attach", &Attachments::attach, this));
   servers_.push_back(nh.advertiseService("detach", &Attachments::detach, this));
   thread_ = std::thread([this] { run(); });
+  simulation_.watchFollowing([this](bool follows) {
+    std::lock_guard<std::mutex> lock(mutex_);
+    follows_ = follows;
+    wake_.notify_all();
+  });
 }
 
 Attachments::~Attachments() {
+  try {
+    simulation_.watchFollowing(nullptr);
+  } catch (const Error&) {
+    // it has ended, and tells nothing more
+  }
   {
     std::lock_guard<std::mutex> lock(mutex_);
     stopping_ = true;
@@ -74,9 +84,12 @@ std::vector<std::string> Attachments::missing() const {
   return names;
 }
 
+/// Where nothing follows a frame there is nothing to look for.
 void Attachments::run() {
   std::unique_lock<std::mutex> lock(mutex_);
-  while (!wake_.wait_for(lock, kPeriod, [this] { return stopping_; })) {
+  for (;;) {
+    wake_.wait(lock, [this] { return stopping_ || follows_ || !heard_.empty(); });
+    if (wake_.wait_for(lock, kPeriod, [this] { return stopping_; })) return;
     lock.unlock();
     try {
       look();
@@ -89,7 +102,7 @@ void Attachments::run() {
 
 void Attachments::look() {
   const std::vector<std::string> wanted =
-      simulation_.call([](World& world) { return world.followedFrames(); });
+      simulation_.look([](World& world) { return world.followedFrames(); });
   struct News {
     std::string frame;
     Pose pose;
@@ -116,7 +129,7 @@ void Attachments::look() {
     heard_.swap(heard);
   }
   if (news.empty()) return;
-  simulation_.call([&](World& world) {
+  simulation_.look([&](World& world) {
     for (const News& n : news) world.hear(n.frame, n.pose, n.back);
   });
 }

@@ -48,6 +48,7 @@ class Attachments {
   std::condition_variable wake_;
   std::map<std::string, Heard> heard_;
   bool stopping_ = false;
+  bool follows_ = false;  ///< the world follows frames
   std::thread thread_;  // last
 };
 

@@ -57,8 +57,6 @@ void FrameLookup::hear(const Event& event, bool is_static) {
   for (const geometry_msgs::TransformStamped& t : event.getConstMessage()->transforms) {
     try {
       if (!buffer_.setTransform(t, publisher, is_static)) continue;
-      std::lock_guard<std::mutex> lock(mutex_);
-      others_[normal(t.child_frame_id)] = other;
       claim(normal(t.child_frame_id), publisher, other);
     } catch (const std::exception& e) {
       ROS_WARN_THROTTLE(1, "/tf ignored: %s", e.what());
@@ -66,15 +64,13 @@ void FrameLookup::hear(const Event& event, bool is_static) {
   }
 }
 
-/// With the mutex held.
 void FrameLookup::claim(const std::string& frame, const std::string& publisher, bool other) {
+  std::lock_guard<std::mutex> lock(mutex_);
   const ros::WallTime now = ros::WallTime::now();
-  if (!other) {
-    own_[frame] = now;
-    return;
-  }
-  const auto own = own_.find(frame);
-  if (own == own_.end() || (now - own->second).toSec() > kRivalry) return;
+  Owner& owner = owners_[frame];
+  owner.other = other;
+  if (!other) owner.own = now;
+  if (!other || owner.own.isZero() || (now - owner.own).toSec() > kRivalry) return;
   Claim& claim = claims_[publisher];
   if (claim.frame.empty() || (now - claim.at).toSec() > kRivalry) {
     ROS_WARN(
@@ -106,16 +102,16 @@ bool FrameLookup::isWorld(const std::string& frame) const {
 std::vector<std::string> FrameLookup::others() const {
   std::lock_guard<std::mutex> lock(mutex_);
   std::vector<std::string> names;
-  for (const auto& [frame, other] : others_)
-    if (other) names.push_back(frame);
+  for (const auto& [frame, owner] : owners_)
+    if (owner.other) names.push_back(frame);
   return names;
 }
 
 /// False for what this node has published itself, in this scene or in one before.
 bool FrameLookup::isOthers(const std::string& frame) const {
   std::lock_guard<std::mutex> lock(mutex_);
-  const auto found = others_.find(normal(frame));
-  return found == others_.end() || found->second;
+  const auto found = owners_.find(normal(frame));
+  return found == owners_.end() || found->second.other;
 }
 
 Pose FrameLookup::inWorld(const std::string& frame, const Names& own) const {

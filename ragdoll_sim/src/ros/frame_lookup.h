@@ -69,12 +69,15 @@ class FrameLookup {
   ros::Subscriber moving_, static_;
   ros::Time last_heard_;
   mutable std::mutex mutex_;
-  std::map<std::string, bool> others_;  ///< is the frame another node's? Whose it was last.
+  struct Owner {
+    bool other = false;  ///< it was another node's when it was heard last
+    ros::WallTime own;   ///< when this node published it last; 0: never
+  };
+  std::map<std::string, Owner> owners_;
   struct Claim {
     std::string frame;
     ros::WallTime at;
   };
-  std::map<std::string, ros::WallTime> own_;  ///< frames that this node publishes: when it did
   std::map<std::string, Claim> claims_;       ///< by node: an own frame that it published
   std::atomic<bool> ends_{false};
   std::thread thread_;

@@ -191,7 +191,7 @@ void Handles::follow() {
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const Model> model;
   Points x;
-  simulation_.call([&](World& world) {
+  simulation_.look([&](World& world) {
     scene = world.scene();
     model = world.model();
     x = world.state().x;

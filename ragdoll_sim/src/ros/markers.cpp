@@ -114,7 +114,7 @@ void MarkerPublisher::startScene(const Snapshot& world) {
   shown_obstacles_.clear();
   for (std::size_t i = 0; i < world.model->obstacles.size(); ++i) {
     Marker m = marker("obstacles", static_cast<int>(i), kForever);
-    toMarker(obstacleLook(world.model->obstacles[i], static_cast<int>(i)), m);
+    toMarker(obstacleLook(*world.model, static_cast<int>(i)), m);
     obstacles_.push_back(std::move(m));
   }
   newcomer_ = true;

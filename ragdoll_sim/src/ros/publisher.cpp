@@ -2,6 +2,7 @@
 
 #include <ros/console.h>
 #include <sensor_msgs/JointState.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <chrono>
 #include <cmath>
@@ -37,6 +38,7 @@ Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock
       [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; });
   pokes_ = nh.advertise<ragdoll_msgs::PokeEvent>("pokes", kEventQueue);
   followed_ = nh.advertise<ragdoll_msgs::FollowedFrame>("followed", kEventQueue);
+  tf_ = nh.advertise<tf2_msgs::TFMessage>("/tf", kQueue);
   joints_ = nh.advertise<sensor_msgs::JointState>("joint_states", kQueue);
   thread_ = std::thread([this] { run(); });
 }
@@ -164,9 +166,11 @@ void Publisher::publishTf(const Posture& posture, const ros::Time& now) {
   const std::string& bodies = tfBodies();
   if (bodies == "none") return;
   const std_msgs::Header header = toHeader(parameters_.world_frame, now);
-  auto transforms = toTransforms(*world_.tracker, posture, header, bodies == "roots");
-  imus_.appendTransforms(world_, posture, bodies == "all", header, transforms);
-  tf_.sendTransform(transforms);
+  // Shared with this process's own listener, which else would get a copy of its own.
+  const auto message = boost::make_shared<tf2_msgs::TFMessage>();
+  message->transforms = toTransforms(*world_.tracker, posture, header, bodies == "roots");
+  imus_.appendTransforms(world_, posture, bodies == "all", header, message->transforms);
+  tf_.publish(message);
 }
 
 const std::string& Publisher::tfBodies() {

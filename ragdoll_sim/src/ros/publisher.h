@@ -3,7 +3,6 @@
 #pragma once
 
 #include <ros/node_handle.h>
-#include <tf2_ros/transform_broadcaster.h>
 
 #include <condition_variable>
 #include <cstdint>
@@ -62,8 +61,7 @@ class Publisher {
   Simulation& simulation_;
   const RosClock& clock_;
   const Parameters parameters_;
-  ros::Publisher model_, state_, pokes_, followed_, joints_;
-  tf2_ros::TransformBroadcaster tf_;
+  ros::Publisher model_, state_, pokes_, followed_, joints_, tf_;
   ImuPublisher imus_;
   ContactPublisher contacts_;
   bool keeps_contacts_ = false;  ///< the world does

@@ -112,7 +112,7 @@ void Simulation::copy(Snapshot& out) {
 }
 
 void Simulation::snapshot(Snapshot& out) {
-  call([&](World& world) {
+  look([&](World& world) {
     copy(out);
     if (paused_ || options_.external_clock || realtime_factor_ < 0) return;
     const double interval =
@@ -163,7 +163,7 @@ void Simulation::keepSample() {
 }
 
 Progress Simulation::progress() {
-  return call([this](World&) { return progress_; });
+  return look([this](World&) { return progress_; });
 }
 
 void Simulation::post(Queued command) {
@@ -207,8 +207,25 @@ void Simulation::drain() {
     std::lock_guard<std::mutex> lock(mutex_);
     draining_.swap(queue_);
   }
+  if (draining_.empty()) return;
   for (const Queued& command : draining_) command(true);
   draining_.clear();
+  tellFollowing();
+}
+
+void Simulation::watchFollowing(std::function<void(bool)> told) {
+  call([&](World&) {
+    following_told_ = std::move(told);
+    following_ = false;
+  });
+}
+
+/// Only commands change what the world follows.
+void Simulation::tellFollowing() {
+  const bool follows = world_.followsFrames();
+  if (follows == following_ || !following_told_) return;
+  following_ = follows;
+  following_told_(follows);
 }
 
 bool Simulation::stepIsDue() {
@@ -293,12 +310,14 @@ void Simulation::advance() {
 void Simulation::waitForWork() {
   std::unique_lock<std::mutex> lock(mutex_);
   const auto work = [this] { return stopping_ || !queue_.empty(); };
+  waits_ = true;
   if (paused_ && step_jobs_.empty())
     wake_.wait(lock, work);
   else if (options_.external_clock)
     wake_.wait_for(lock, kPoll, work);
   else
     wake_.wait_until(lock, std::max(due_, Clock::now() + kNap), work);
+  waits_ = false;
 }
 
 void Simulation::endStepJobs() { step_jobs_.clear(); }

@@ -1,10 +1,13 @@
 """What the python rostests share: the node's services, its messages, waiting for conditions."""
 
 import os
+import signal
 import struct
+import subprocess
 import threading
 import time
 
+import roslib.packages
 import rospy
 from geometry_msgs.msg import Point, Vector3
 from ragdoll_msgs.msg import Model, PokeEvent, State
@@ -59,6 +62,21 @@ class Inbox:
         """The condition is of the message alone: it is asked once."""
         new = self.reader()
         return wait_for(lambda: next((m for m in new() if condition(m)), None), what)
+
+
+PROGRAM = roslib.packages.find_node('ragdoll_sim', 'ragdoll_node')[0]
+
+
+def start_node(test, name, **parameters):
+    """Its Client; a node of its own that ends with the test."""
+    node = subprocess.Popen([PROGRAM, '__name:=' + name] +
+                            ['_%s:=%s' % item for item in parameters.items()])
+
+    def end():
+        node.send_signal(signal.SIGINT)
+        node.wait(LIMIT)
+    test.addCleanup(end)
+    return Client('/' + name)
 
 
 class Client:

@@ -2,23 +2,19 @@
 """How a node fits in among others: prefixes of frames, messages by simulated time, few frames of many
 bodies, velocities of joints, the coat while it runs, and the arguments of the launch file."""
 
-import signal
 import subprocess
 import sys
 import unittest
 
-import roslib.packages
 import rospy
 import rostest
 import yaml
-from client import LIMIT, Client, Inbox, wait_for
+from client import LIMIT, Inbox, start_node, wait_for
 from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client as Settings
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
-
-PROGRAM = roslib.packages.find_node('ragdoll_sim', 'ragdoll_node')[0]
 
 
 def crowd(count):
@@ -28,24 +24,14 @@ def crowd(count):
 
 
 class FittingTest(unittest.TestCase):
-    def start(self, name, **parameters):
-        node = subprocess.Popen([PROGRAM, '__name:=' + name] +
-                                ['_%s:=%s' % item for item in parameters.items()])
-
-        def end():
-            node.send_signal(signal.SIGINT)
-            node.wait(LIMIT)
-        self.addCleanup(end)
-        return Client('/' + name)
-
     def frames(self, inbox, node):
         """All that this node has published."""
         return {t.child_frame_id for m in inbox.all() if m._connection_header['callerid'] == node
                 for t in m.transforms}
 
     def test_a_prefix_is_of_all_frames(self):
-        tf = Inbox('/tf', TFMessage) if self.start('first', scene='fall') else None
-        second = self.start('second', scene='fall', frame_prefix='robot1/')
+        tf = Inbox('/tf', TFMessage) if start_node(self, 'first', scene='fall') else None
+        second = start_node(self, 'second', scene='fall', frame_prefix='robot1/')
         wait_for(lambda: self.frames(tf, '/second') and self.frames(tf, '/first'), 'frames')
         self.assertEqual(self.frames(tf, '/second'),
                          {'robot1/' + f for f in self.frames(tf, '/first')})
@@ -65,7 +51,7 @@ class FittingTest(unittest.TestCase):
     def test_every_sixtieth_of_a_simulated_second_is_published(self):
         for factor in ('-1', '4', '0.5'):
             name = 'sampled_' + factor.replace('-', 'm').replace('.', '_')
-            client = self.start(name, scene='weightless', realtime_factor=factor,
+            client = start_node(self, name, scene='weightless', realtime_factor=factor,
                                 publish_every='0.016666666666666666', start_paused='true')
             client.restart()
             client.call_pause(False)
@@ -81,7 +67,7 @@ class FittingTest(unittest.TestCase):
         for name, parameters, count, expected in (
                 ('every', {'tf_bodies': 'all'}, 60, 60), ('few', {}, 51, 51),
                 ('nothing', {'tf_bodies': 'none'}, 3, 0)):
-            client = self.start(name, **parameters)
+            client = start_node(self, name, **parameters)
             client.load(yaml=crowd(count))
             tf = Inbox('/tf', TFMessage)
             seen = len(client.states.all())
@@ -93,13 +79,13 @@ class FittingTest(unittest.TestCase):
                 self.assertFalse([f for f in self.frames(tf, '/' + name) if f.startswith('r')])
             tf.subscriber.unregister()
         # Roots of bodies with more frames than that.
-        client = self.start('roots', scene='two', tf_bodies='roots')
+        client = start_node(self, 'roots', scene='two', tf_bodies='roots')
         tf = Inbox('/tf', TFMessage)
         wait_for(lambda: self.frames(tf, '/roots'), 'frames')
         self.assertEqual(self.frames(tf, '/roots'), {'anna/pelvis', 'ben/pelvis'})
 
     def test_joints_have_velocities(self):
-        client = self.start('moving', scene='fall', start_paused='true')
+        client = start_node(self, 'moving', scene='fall', start_paused='true')
         joints = Inbox('/moving/joint_states', JointState)
         client.restart()
         client.step(80)
@@ -116,7 +102,7 @@ class FittingTest(unittest.TestCase):
             self.assertAlmostEqual((b - a) / h, v, 6, name)
 
     def test_another_coat_while_it_runs(self):
-        client = self.start('dressed', scene='fall', start_paused='true')
+        client = start_node(self, 'dressed', scene='fall', start_paused='true')
         settings = Settings('/dressed', timeout=LIMIT)
         markers = Inbox('/dressed/markers', MarkerArray)
 

@@ -7,16 +7,14 @@ import subprocess
 import sys
 import unittest
 
-import roslib.packages
 import rospy
 import rostest
-from client import LIMIT, Client, Inbox, wait_for
+from client import LIMIT, PROGRAM, Inbox, start_node, wait_for
 from raw import Subscriber
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 from xmlrpc.client import ServerProxy
 
-PROGRAM = roslib.packages.find_node('ragdoll_sim', 'ragdoll_node')[0]
 MOST = 20e3  # [bytes/s] of one body in the default coat, after the first second
 
 
@@ -53,16 +51,6 @@ def moved(p, transform):
 
 
 class LightTest(unittest.TestCase):
-    def start(self, name, **parameters):
-        node = subprocess.Popen([PROGRAM, '__name:=' + name] +
-                                ['_%s:=%s' % item for item in parameters.items()])
-
-        def end():
-            node.send_signal(signal.SIGINT)
-            node.wait(LIMIT)
-        self.addCleanup(end)
-        return Client('/' + name)
-
     def world_points(self, marker, frames):
         """Of a marker, by the poses that TF has last told."""
         points = [(p.x, p.y, p.z) for p in marker.points]
@@ -73,7 +61,7 @@ class LightTest(unittest.TestCase):
         return points
 
     def test_one_body_is_below_the_budget(self):
-        client = self.start('budget')
+        client = start_node(self, 'budget')
         sizes = []
 
         def add(message):
@@ -91,7 +79,7 @@ class LightTest(unittest.TestCase):
         """One node moves them by TF, one without frames draws the same coat in the world frame."""
         pictures = {}
         for name, bodies in (('locked', 'all'), ('streamed', 'none')):
-            client = self.start(name, scene='fall', start_paused='true', tf_bodies=bodies)
+            client = start_node(self, name, scene='fall', start_paused='true', tf_bodies=bodies)
             markers = Inbox('/' + name + '/markers', MarkerArray)
             tf = Inbox('/tf', TFMessage)
             client.restart()
@@ -136,7 +124,7 @@ class LightTest(unittest.TestCase):
                              for m in a.markers), 'the end of all markers')
 
     def test_bones_that_stretch_are_told_anew(self):
-        client = self.start('stretching', scene='fall', preset='thesis', sweeps=1)
+        client = start_node(self, 'stretching', scene='fall', preset='thesis', sweeps=1)
         markers = Inbox('/stretching/markers', MarkerArray)
         client.restart()
         client.call_pause(False)
@@ -145,7 +133,7 @@ class LightTest(unittest.TestCase):
                       'a coat in the world frame')
 
     def test_who_reads_slowly_keeps_floor_and_body(self):
-        client = self.start('slow', scene='fall')
+        client = start_node(self, 'slow', scene='fall')
         uri = ServerProxy(os.environ['ROS_MASTER_URI']).lookupNode('/test', '/slow')[2]
         reader = Subscriber(uri, '/slow/markers', MarkerArray)
         shown = Shown()

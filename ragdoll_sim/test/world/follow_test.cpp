@@ -21,9 +21,6 @@ using ragdoll::World;
 constexpr double kLook = 0.01;    ///< [s] between two looks at TF, as Attachments looks
 constexpr double kSilence = 1;    ///< [s] after which a frame comes back
 constexpr double kAllowance = 3;  ///< [m/s] beyond the frame's own speed
-/// [m/s] The same of a body's limbs: what pushes one end of a limb whips the other; the worst of 60
-/// random frames was 3.6.
-constexpr double kWhip = 4;
 constexpr double kFrameSpeed = 5;  ///< [m/s] docs/ros_api.md: a faster motion is a jump
 
 const char* const kBall = R"(
@@ -180,7 +177,7 @@ TEST(Follow, nothingIsMuchFasterThanItsFrame) {
       f.advanceTo(t);
       f.publish(at(x));
     }
-    EXPECT_LT(f.fastest(), f.own() + (scene == kBall ? kAllowance : kWhip))
+    EXPECT_LT(f.fastest(), f.own() + kAllowance)
         << "seed " << seed << ", " << speed << " m/s" << scene;
   }
 }

@@ -8,7 +8,8 @@
 
 namespace ragdoll {
 
-/// In the obstacle's own frame, lit as it stands at the start. `index` picks the tint.
-CoatShape obstacleLook(const Obstacle& obstacle, int index);
+/// Of one of the model's obstacles, in its own frame, lit as it stands at the start. Its index picks
+/// the tint; of an endless plane as much is drawn as the bodies start on.
+CoatShape obstacleLook(const Model& model, int index);
 
 }  // namespace ragdoll

@@ -1,7 +1,7 @@
 // Runs a World on a thread of its own, paced by a steady clock, by another clock, or free.
 //
 // Others reach the world only through call(): a command waits in a queue that is drained between
-// steps, so the physics never waits for anyone. Knows nothing of ROS.
+// steps, so the physics never waits for anyone; or, to read it, through look(). Knows nothing of ROS.
 #pragma once
 
 #include <atomic>
@@ -61,6 +61,21 @@ class Simulation {
     }
   }
 
+  /// call() for what leaves pace and steps alone: at once, on the caller's own thread, while the
+  /// simulation waits for its next step, so that nobody has to be woken.
+  template <class Command>
+  auto look(Command command) -> decltype(command(std::declval<World&>())) {
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      if (waits_ && queue_.empty()) return command(world_);
+    }
+    return call(std::move(command));
+  }
+
+  /// `told` is called, from the simulation's own thread, with whether the world follows frames of
+  /// others: now, and when that changes. Empty: no more.
+  void watchFollowing(std::function<void(bool)> told);
+
   void setPaused(bool paused);
   bool paused() const { return paused_; }
 
@@ -105,6 +120,7 @@ class Simulation {
   bool samplesAreFull();
   void run();
   void drain();
+  void tellFollowing();
   bool stepIsDue();
   void noteLateness(Clock::time_point begin);
   void advance();
@@ -132,6 +148,9 @@ class Simulation {
   Histogram lateness_, last_lateness_;
   Clock::time_point lateness_begin_ = Clock::now();
 
+  std::function<void(bool)> following_told_;
+  bool following_ = false;  ///< what was told
+
   double sample_every_ = 0;  ///< [s]
   std::function<void()> sampled_;
   std::mutex samples_mutex_;
@@ -142,6 +161,7 @@ class Simulation {
   std::vector<Queued> queue_;
   std::vector<Queued> draining_;
   bool stopping_ = false, stopped_ = false;
+  bool waits_ = false;  ///< its thread, in waitForWork(): whoever has mutex_ has the world
   std::thread thread_;  // last: starts when all else is there
 };
 

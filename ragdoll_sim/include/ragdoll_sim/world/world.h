@@ -84,6 +84,7 @@ class World {
   /// [J] that the velocities lost at the last start or change of what is held, to be consistent.
   double energyTaken() const { return energy_taken_; }
   std::vector<std::string> followedFrames() const { return follow_.frames(); }
+  bool followsFrames() const { return !follow_.empty(); }
   /// As Follow::hear.
   void hear(const std::string& frame, const Pose& pose, bool back = false) {
     follow_.hear(frame, pose, back);

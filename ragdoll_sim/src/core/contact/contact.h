@@ -22,6 +22,7 @@ struct Contact {
   Vec3 surface_motion = Vec3::Zero();  ///< [m] of the obstacle at the contact during the step
   int ragdoll = 0, other = -1;  ///< other: the second ragdoll; -1: an obstacle or the same ragdoll
   std::array<bool, 2> moves{true, true};  ///< ragdoll, other: false while it sleeps
+  bool follows = false;                   ///< the obstacle follows a frame of others
   int obstacle = -1;                      ///< of the model; -1: another body
   double gap_start = 0;                   ///< [m] at the step's start
   // Direct methods.

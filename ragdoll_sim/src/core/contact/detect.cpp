@@ -34,6 +34,7 @@ Contact planeAt(const SweptObstacle& m, const Vec3& p, const Distance& d, double
   c.surface_motion = surface_W - (m.R0 * surface + m.p0);
   c.friction = m.obstacle->friction;
   c.restitution = m.obstacle->restitution;
+  c.follows = !m.obstacle->frame.empty();
   c.obstacle = m.index;
   return c;
 }

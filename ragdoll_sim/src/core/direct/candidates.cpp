@@ -146,7 +146,7 @@ bool findMissed(Body& body, double h) {
     if (isPassed(body, c)) continue;
     startContact(body, c, i < obstacles ? step.h : h);
     if (i < obstacles)  // what overlaps opens in a part of a step by a part of it
-      c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - kRecoverySpeed * h));
+      c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - recoverySpeed(c) * h));
     if (gapAfter(body, c) >= (i < obstacles ? -kGapResolution : -kSlop)) continue;
     set.contacts.push_back(c);
     set.contact_role.push_back(Role::kActive);

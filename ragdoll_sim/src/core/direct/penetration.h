@@ -17,6 +17,9 @@ struct MotionSpan {
 /// at the start, though they do not overlap there, come out over the whole step.
 double allowedPenetration(const Contact& pair, double over, double step);
 
+/// [m/s] at which an overlap with this obstacle opens.
+double recoverySpeed(const Contact& contact);
+
 /// [m] The plane's offset by which a contact with an obstacle, or with the body itself, is solved.
 double allowedOffset(const Contact& contact, const MotionSpan& span);
 

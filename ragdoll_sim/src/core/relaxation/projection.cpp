@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/direct/constants.h"
+#include "core/direct/penetration.h"
 
 namespace ragdoll {
 void ContactProjection::addResponse(const Model& model, int ragdoll, const Contact& c) {
@@ -41,7 +42,7 @@ void ContactProjection::prepare(const Model& model, const std::vector<Contact>& 
       for (int k = 0; k < c.count; ++k)
         if (responses_[e].column == c.particle[k]) p.w += c.weight[k] * responses_[e].weight;
     if (!(p.w > 0)) continue;  // all pinned: nothing to move
-    if (c.gap_start < 0) p.contact.offset -= std::max(0.0, -c.gap_start - kRecoverySpeed * h);
+    if (c.gap_start < 0) p.contact.offset -= std::max(0.0, -c.gap_start - recoverySpeed(c) * h);
 
     const Vec3& n = c.normal;
     const double gap = n.dot(c.of(x1)) - c.offset;
