@@ -13,13 +13,16 @@ double allowedPenetration(const Contact& pair, double over, double step) {
   return std::max(behind, more > 0 ? kSlop + more * std::exp(-over / kRecoveryTime) : overlap);
 }
 
+double movedOffset(const Contact& c, const MotionSpan& span) {
+  return c.found - (span.substep - span.over) / span.step * c.normal.dot(c.surface_motion);
+}
+
 double allowedOffset(const Contact& c, const MotionSpan& span) {
   if (c.count == 4) return c.found - allowedPenetration(c, span.over, span.step);
   // In a part of a step a part of it, or what rounding leaves would become a speed.
   const double least = std::max(0.0, -c.before) * (1 - span.over / span.step);
   const double stays = c.gap_start < 0 ? -c.gap_start - kRecoverySpeed * span.over : 0;
-  return c.found - (span.substep - span.over) / span.step * c.normal.dot(c.surface_motion) -
-         std::max({0.0, least, stays});
+  return movedOffset(c, span) - std::max({0.0, least, stays});
 }
 
 double allowedViolation(const LimitRow& limit, const MotionSpan& span, OverlapPolicy policy) {

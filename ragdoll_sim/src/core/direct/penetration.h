@@ -17,6 +17,9 @@ struct MotionSpan {
 /// at the start, though they do not overlap there, come out over the whole step.
 double allowedPenetration(const Contact& pair, double over, double step);
 
+/// [m] The plane's offset at the motion's end, with nothing left of an overlap.
+double movedOffset(const Contact& contact, const MotionSpan& span);
+
 /// [m] The plane's offset by which a contact with an obstacle, or with the body itself, is solved.
 double allowedOffset(const Contact& contact, const MotionSpan& span);
 
