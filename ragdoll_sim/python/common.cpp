@@ -86,6 +86,23 @@ Vec3 vectorFrom(const py::object& value, const char* name) {
   return v;
 }
 
+Poke pokeFrom(const py::object& force, double duration, const py::object& point) {
+  Poke poke;
+  poke.force = vectorFrom(force, "force");
+  poke.point = vectorFrom(point, "point");
+  poke.duration = duration;
+  if (!(duration >= 0 && std::isfinite(duration)) && duration != -1)
+    throw Error("duration", "is " + std::to_string(duration) +
+                                "; seconds >= 0 are expected (0: one step), or -1: until cleared");
+  return poke;
+}
+
+double timeFrom(const py::object& at, double now) {
+  const double time = at.is_none() ? now : at.cast<double>();
+  if (!std::isfinite(time)) throw Error("at", "is no time [s]");
+  return time;
+}
+
 py::array_t<double> toArray(const Points& points) {
   py::array_t<double> array({static_cast<py::ssize_t>(points.cols()), static_cast<py::ssize_t>(3)});
   std::copy(points.data(), points.data() + points.size(), array.mutable_data());

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string>
 
+#include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/core/scene.h"
 #include "ragdoll_sim/core/types.h"
 
@@ -22,6 +23,13 @@ Scene sceneFrom(const py::object& scene, const py::object& solver, const py::obj
 
 /// Three finite numbers. Throws Error that names the argument.
 Vec3 vectorFrom(const py::object& value, const char* name);
+
+/// A poke without a body and a start. Throws Error that names the argument: force [N] and point [m]
+/// are three finite numbers, duration is [s] >= 0 or -1, until cleared.
+Poke pokeFrom(const py::object& force, double duration, const py::object& point);
+
+/// [s] now, where `at` is None. Throws Error unless it is finite.
+double timeFrom(const py::object& at, double now);
 
 /// (n, 3), a copy.
 py::array_t<double> toArray(const Points& points);

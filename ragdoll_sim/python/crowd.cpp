@@ -46,17 +46,10 @@ class PyCrowd {
     if (scene < 0 || scene >= size())
       throw Error("scene", "is " + std::to_string(scene) + "; 0 ... " + std::to_string(size() - 1) +
                                " are there");
-    Poke poke;
-    poke.force = vectorFrom(force, "force");
-    poke.point = vectorFrom(point, "point");
-    poke.duration = duration;
-    if (!(duration >= 0 && std::isfinite(duration)) && duration != -1)
-      throw Error("duration", "is " + std::to_string(duration) +
-                                  "; seconds >= 0 are expected (0: one step), or -1: until cleared");
+    Poke poke = pokeFrom(force, duration, point);
     const Locked lock(mutex_);
     Batch& batch = crowd_->batch(scene);
-    poke.start = at.is_none() ? batch.state().time : at.cast<double>();
-    if (!std::isfinite(poke.start)) throw Error("at", "is no time [s]");
+    poke.start = timeFrom(at, batch.state().time);
     poke.body = batch.find(crowd_->member(scene), body);
     poke.body_name = std::to_string(scene) + "/" + body;
     batch.addPoke(std::move(poke));

@@ -39,16 +39,9 @@ class PyWorld {
 
   std::uint64_t poke(const std::string& body, const py::object& force, double duration,
                      const py::object& point, const py::object& at) {
-    Poke poke;
-    poke.force = vectorFrom(force, "force");
-    poke.point = vectorFrom(point, "point");
-    poke.duration = duration;
-    if (!(duration >= 0 && std::isfinite(duration)) && duration != -1)
-      throw Error("duration", "is " + std::to_string(duration) +
-                                  "; seconds >= 0 are expected (0: one step), or -1: until cleared");
+    Poke poke = pokeFrom(force, duration, point);
     const Locked lock(mutex_);
-    poke.start = at.is_none() ? world_->state().time : at.cast<double>();
-    if (!std::isfinite(poke.start)) throw Error("at", "is no time [s]");
+    poke.start = timeFrom(at, world_->state().time);
     poke.body = findBody(*world_->model(), body);
     poke.body_name = fullNameOf(poke.body, body);
     return world_->addPoke(std::move(poke));
@@ -206,16 +199,6 @@ void addProperties(Type& type) {
   const auto property = [&type](const char* name, auto get, const char* about) {
     type.def_property_readonly(name, [get](PyWorld& w) { return w.with(get); }, about);
   };
-  type.def_property_readonly(
-          "contacts", &PyWorld::contacts,
-          "What touched in the last step(...), a structured array: ragdoll, body, other; position "
-          "[m] (3,), normal (3,) towards the body, depth [m], force [N] (3,) on the body, mean over "
-          "the steps, peak_force [N] of a step, impulse [N s], slip [m/s].")
-      .def_property_readonly(
-          "imu", &PyWorld::imu,
-          "Samples of the scene's sensors that ended in the last step(...), a structured array: "
-          "time [s], sensor, acceleration [m/s^2] (3,) (specific force) and angular_velocity "
-          "[rad/s] (3,) in the sensor's frame, orientation (4,) as x, y, z, w.");
   type.def_property_readonly("positions", &PyWorld::positions,
                              "Of the particles [m], world: (n, 3) float64, a copy.")
       .def_property_readonly("velocities", &PyWorld::velocities,

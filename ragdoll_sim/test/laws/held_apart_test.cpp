@@ -50,6 +50,7 @@ TEST_P(HeldApart, JointsStayAliveAndPinsGoWhereTheyAreLed) {
                       {"right_foot", "head", 0.6},       {"right_foot", "head", 0.9},
                       {"right_foot", "left_knee", 0.6},  {"right_foot", "left_knee", 0.9},
                       {"head", "left_knee", 0.6},        {"left_hand", "head", 0.1}};
+  int rigid = 0;
   for (const Ends& ends : all) {
     SCOPED_TRACE(std::string(ends.a) + ", " + ends.b + ", " + std::to_string(ends.height));
     World world = lying(ends);
@@ -65,6 +66,7 @@ TEST_P(HeldApart, JointsStayAliveAndPinsGoWhereTheyAreLed) {
       const StepReport report = world.steps(1);
       frozen = report.rigid > 0 ? frozen + 1 : 0;
       longest = std::max(longest, frozen);
+      rigid += report.rigid > 0;
       const double off = maxStickError(world.model, world.state);
       if (t > 2 * kDraw) worst_stick = std::max(worst_stick, off);
       if (t > 2.5) joined = std::min(joined, off);
@@ -73,12 +75,13 @@ TEST_P(HeldApart, JointsStayAliveAndPinsGoWhereTheyAreLed) {
         astray =
             std::max(astray, (world.x(world.model.pins[p].particle) - world.inputs.pins[p]).norm());
     }
-    EXPECT_LE(longest, 2);
+    EXPECT_LE(longest, 4);
     EXPECT_LT(astray, 1e-6);
     // Now and then pins, limits and floor contradict each other; the sticks are joined again.
     EXPECT_LT(worst_stick, 0.1);
     EXPECT_LT(joined, 1e-4);
   }
+  EXPECT_LE(rigid, 40);  // of 2880 steps
 }
 
 TEST_P(HeldApart, WhatALeadReleasesComesBackWithinItsLimits) {

@@ -236,16 +236,18 @@ TEST(Extremes, TheGuardLeavesTheThesisAsItIsWhereItWorks) {
   }
 }
 
-TEST(Extremes, TheGuardTouchesOneStepInAThousandOfTheThesisAmongObstacles) {
+TEST(Extremes, TheGuardLeavesFourOfFiveFallsOfTheThesisAmongObstacles) {
   // Limbs that are caught between two of them gain up to 50 J in a step: the guard is right to act.
-  GuardCounts counts;
   const int starts = test::samples(60);
+  int touched = 0;
   for (int k = 0; k < starts; ++k) {
     Scene scene = loadScene("between_objects");
     scene.ragdolls[0].pose.position += 1e-3 * Vec3(k % 10 - 5, k / 10 - 3, 0);
+    GuardCounts counts;
     hashOf(scene, true, counts);
+    touched += counts.guarded > 0;
   }
-  EXPECT_LE(counts.guarded, static_cast<std::uint64_t>(starts * 180 / 1000));
+  EXPECT_LE(touched, starts / 5);
 }
 
 TEST(Extremes, RelaxationHoldsAMassRatioOfAThousandOnceTheGuardHasSeenIt) {

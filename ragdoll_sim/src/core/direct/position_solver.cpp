@@ -179,7 +179,8 @@ bool solvePositions(Island& island, double h, int& contacts) {
 bool solvePositionsImplicitly(Island& island, double h) {
   if (!hasCandidates(island)) return true;
   for (Body* body : island.bodies) body->free = body->motion;
-  for (int search = 0; search < kMaxSearches; ++search) {
+  const int searches = island.context.relaxed ? 1 : kMaxSearches;
+  for (int search = 0; search < searches; ++search) {
     if (search > 0)
       for (Body* body : island.bodies) body->motion = body->free;
     if (!solveRowsImplicitly(island, h)) return false;
