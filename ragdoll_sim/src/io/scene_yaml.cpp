@@ -161,8 +161,8 @@ ObstacleSpec readObstacle(const Reader& reader) {
   readShape(map, obstacle);
   if (const auto friction = map.find("friction")) obstacle.friction = friction->notNegative();
   if (const auto bounce = map.find("restitution")) obstacle.restitution = bounce->within(0, 1);
-  obstacle.contact = readContactKeys(map);
   if (const auto frame = map.find("frame")) obstacle.frame = frame->text();
+  obstacle.contact = readContactKeys(map);
   map.finish();
   return obstacle;
 }
