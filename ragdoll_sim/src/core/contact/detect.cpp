@@ -257,7 +257,8 @@ Contact tangentAt(const SweptObstacle& m, const Axis& axis, double t) {
 void stickContacts(const SweptObstacle& m, const Axis& axis, double start, int a, int b,
                    int ragdoll, const Compliance& give, std::vector<Contact>& contacts) {
   const double t = nearest(axis);
-  const bool box = m.obstacle->type == ObstacleSpec::Type::kBox;  // the only one to lie flat on
+  // The only one to lie flat on; a spring at its ends is enough, and does not come and go.
+  const bool box = m.obstacle->type == ObstacleSpec::Type::kBox && give.compliance == 0;
   const double lo = box ? flatEnd(axis, t, 0) : t;
   const double hi = box ? flatEnd(axis, t, 1) : t;
   const bool flat = hi - lo > kStickEnd;
