@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "contact_reader.h"
 #include "model_reader.h"
 #include "reader.h"
 
@@ -72,6 +73,7 @@ SegmentSpec readSegment(const std::string& name, const Reader& reader) {
   bool group = false;
   for (const auto& entry : map.entries()) group = group || entry.first == "particles";
   group ? readGroup(map, segment) : readBone(map, segment);
+  if (const auto contact = map.find("contact")) segment.contact = readContact(*contact);
   map.finish();
   return segment;
 }

@@ -70,6 +70,13 @@ std::string orientation(const Quat& q) {
          "]";
 }
 
+/// ", <before>stiffness: ..., damping: ...<after>"; of a rigid surface nothing.
+std::string contactText(const ContactSpec& contact, const char* before, const char* after) {
+  if (!std::isfinite(contact.stiffness)) return "";
+  return std::string(", ") + before + "stiffness: " + number(contact.stiffness) +
+         ", damping: " + number(contact.damping) + after;
+}
+
 void writeSegment(std::ostream& out, const SegmentSpec& segment) {
   out << name(segment.name) << ": {";
   if (segment.group) {
@@ -83,7 +90,7 @@ void writeSegment(std::ostream& out, const SegmentSpec& segment) {
         << ", mass: " << number(segment.mass) << ", com: " << number(segment.com)
         << ", gyration: " << number(segment.gyration);
   }
-  out << "}\n";
+  out << contactText(segment.contact, "contact: {", "}") << "}\n";
 }
 
 void writeJoint(std::ostream& out, const JointSpec& joint) {
@@ -145,6 +152,7 @@ void writeRagdoll(std::ostream& out, const RagdollSpec& ragdoll, Written& writte
       << "    quaternion: " << orientation(ragdoll.pose.orientation) << "\n"
       << "    velocity: " << vector(ragdoll.velocity) << "\n"
       << "    angular_velocity: " << vector(ragdoll.angular_velocity) << "\n";
+  if (ragdoll.compliant) out << "    contact: compliant\n";
   if (!ragdoll.place.empty()) out << "    place:\n";
   for (const auto& [particle, at] : ragdoll.place) {
     out << "      " << name(particle) << ": " << vector(at) << "\n";
@@ -177,7 +185,8 @@ void writeObstacle(std::ostream& out, const ObstacleSpec& obstacle) {
       break;
   }
   out << ", friction: " << number(obstacle.friction)
-      << ", restitution: " << number(obstacle.restitution);
+      << ", restitution: " << number(obstacle.restitution)
+      << contactText(obstacle.contact, "", "");
   if (!obstacle.frame.empty()) out << ", frame: " << text(obstacle.frame);
   out << "}\n";
 }

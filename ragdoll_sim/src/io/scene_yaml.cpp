@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "contact_reader.h"
 #include "model_reader.h"
 #include "ragdoll_sim/core/solver_presets.h"
 #include "ragdoll_sim/io/model_yaml.h"
@@ -112,6 +113,8 @@ RagdollSpec readRagdoll(const Reader& reader, ModelCache& models) {
     for (const auto& [name, at] : particles.entries())
       ragdoll.place.emplace_back(name, at.vector());
   }
+  if (const auto contact = map.find("contact"))
+    ragdoll.compliant = contact->choice({"rigid", "compliant"}) == 1;
   const auto count = map.find("count");
   if (count) ragdoll.count = count->integer(1, static_cast<int>(kMaxEntries));
   if (const auto spacing = map.find("spacing")) {
@@ -159,6 +162,7 @@ ObstacleSpec readObstacle(const Reader& reader) {
   if (const auto friction = map.find("friction")) obstacle.friction = friction->notNegative();
   if (const auto bounce = map.find("restitution")) obstacle.restitution = bounce->within(0, 1);
   if (const auto frame = map.find("frame")) obstacle.frame = frame->text();
+  obstacle.contact = readContactKeys(map);
   map.finish();
   return obstacle;
 }

@@ -63,6 +63,7 @@ void sortPokes(const Model& model, std::vector<Poke>& pokes) {
 
 std::string batchKey(const Scene& scene) {
   if (scene.ragdolls.size() != 1 || scene.ragdolls[0].count > 0 || !scene.pins.empty()) return "";
+  if (scene.ragdolls[0].compliant) return "";  // another method would take the others, too
   for (const ObstacleSpec& o : scene.obstacles)
     if (!o.frame.empty()) return "";
   Scene bare = scene;

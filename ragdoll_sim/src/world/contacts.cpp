@@ -26,12 +26,17 @@ void addTo(ContactImpulse& sum, const ContactImpulse& next) {
   const double approach = std::max(sum.approach, next.approach);
   const double mass = next.effective_mass > 0 ? next.effective_mass : sum.effective_mass;
   const double slip = next.effective_mass > 0 ? next.slip : sum.slip;
+  const double peak = std::max(sum.peak, next.peak);
   sum = next;
+  sum.peak = peak;
   sum.impulse = impulse;
   sum.approach = approach;
   sum.effective_mass = mass;
   sum.slip = slip;
 }
+
+/// [N] of a step h [s]: of a spring also within it, else the mean.
+double peakOf(const ContactImpulse& c, double h) { return c.peak > 0 ? c.peak : c.impulse.norm() / h; }
 
 bool isPinned(const Model& model, int ragdoll) {
   return !model.systemOf(model.ragdolls[ragdoll]).pins.empty();
@@ -210,7 +215,7 @@ void Contacts::follow(const Model& model, const State& state) {
     }
     open->touched = true;
     open->report.contact.impulse += c.impulse;
-    open->report.peak_force = std::max(open->report.peak_force, c.impulse.norm() / h);
+    open->report.peak_force = std::max(open->report.peak_force, peakOf(c, h));
     open->report.duration = static_cast<double>(state.step - open->first + 1) * h;
   }
   for (Open& open : open_) {
@@ -240,7 +245,7 @@ void Contacts::collect(const Model& model, const State& state) {
       touch = all.insert(touch, {c, 0});
     else
       addTo(touch->contact, c);
-    touch->peak_force = std::max(touch->peak_force, c.impulse.norm() / h);
+    touch->peak_force = std::max(touch->peak_force, peakOf(c, h));
     if (c.obstacle < 0) continue;
     report_.on_obstacles[c.obstacle] -= c.impulse;
     report_.moments[c.obstacle] -= c.point.cross(c.impulse);
@@ -270,16 +275,10 @@ std::string particlesName(const Model& model, int ragdoll, const std::array<int,
 
 std::string regionName(const Model& model, int ragdoll, const std::array<int, 2>& particles) {
   const Ragdoll& r = model.ragdolls[ragdoll];
-  const auto has = [&](const Segment& s, int p) {
-    return p < 0 || std::count(s.particles.begin(), s.particles.end(), p - r.first) > 0;
-  };
-  // Of a particle the bone that ends there: a head, a hand, a foot.
-  const std::vector<Segment>& segments = model.skeletonOf(r).segments;
-  if (particles[1] < 0)
-    for (const Segment& s : segments)
-      if (s.particles.size() == 2 && s.particles[1] == particles[0] - r.first) return s.name;
-  for (const Segment& s : segments)
-    if (has(s, particles[0]) && has(s, particles[1])) return s.name;
+  const Skeleton& s = model.skeletonOf(r);
+  const int region =
+      s.region(particles[0] - r.first, particles[1] < 0 ? -1 : particles[1] - r.first);
+  if (region >= 0) return s.segments[region].name;
   return particlesName(model, ragdoll, particles);
 }
 

@@ -26,6 +26,7 @@ struct ContactImpulse {
   double slip = 0;              ///< [m/s] along the surface, afterwards
   double approach = 0;          ///< [m/s] of an impact, before it
   double effective_mass = 0;    ///< [kg] that a push along the normal meets
+  double peak = 0;  ///< [N] of a contact that gives way, also within a step; 0: not known
 };
 
 struct ContactLog {

@@ -11,6 +11,8 @@ namespace ragdoll {
 double kineticEnergy(const Model& model, const State& state);  ///< [J] with the full mass matrix
 double potentialEnergy(const Model& model,
                        const State& state);  ///< [J] of gravity, 0 at the origin
+double springEnergy(const Model& model,
+                    const State& state);  ///< [J] in contacts that give way
 Vec3 centreOfMass(const Model& model, const State& state, int ragdoll);  ///< [m]
 Vec3 momentum(const Model& model, const State& state);                   ///< [kg m/s]
 Vec3 angularMomentum(const Model& model, const State& state);  ///< [kg m^2/s] about the origin

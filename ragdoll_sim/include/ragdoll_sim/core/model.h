@@ -33,10 +33,17 @@ struct RelaxedStick {
   double share_a, share_b;  ///< of the correction: w_a / (w_a + w_b), w_b / (w_a + w_b)
 };
 
+/// How a surface gives way.
+struct Compliance {
+  double compliance = 0;  ///< [m/N] 1 / stiffness; 0: rigid
+  double damping = 0;     ///< [N s/m]
+};
+
 struct Segment {
   std::string name;
   std::vector<int> particles;  ///< a bone's from and to, or a group's
   bool group = false;
+  Compliance contact;
   int carrier = -1;  ///< the unnamed particle that carries a flat group's inertia across its plane
 
   /// particles, and the carrier if there is one.
@@ -93,6 +100,8 @@ struct Skeleton {
   std::vector<Stick>
       hidden_sticks;  ///< not in the file: hold what a group with mass needs beside them
   std::vector<Segment> segments;
+  std::vector<Compliance> particle_contact;  ///< of the region of each that the file names
+  std::vector<Compliance> stick_contact;     ///< as sticks
   std::vector<Joint> joints;
   std::vector<Limit> limits;             ///< of hinges and cones
   std::vector<PlaneLimit> plane_limits;  ///< of the thesis's planes
@@ -110,6 +119,9 @@ struct Skeleton {
   int particle(const std::string& name) const;  ///< index, -1 if there is none
   int segment(const std::string& name) const;   ///< index, -1 if there is none
   int joint(const std::string& name) const;     ///< index, -1 if there is none
+  /// The segment that a contact of a particle (b < 0) or of a stick is of: of a particle the bone
+  /// that ends there (a head, a hand, a foot), else the first that has it; -1: none.
+  int region(int a, int b) const;
 };
 
 struct StickRows;  // stick_solver.h
@@ -152,6 +164,7 @@ struct Ragdoll {
   int skeleton = 0;  ///< index into Model::skeletons
   int system = 0;    ///< index into Model::systems
   int first = 0;     ///< its particles are columns first ... first + n - 1 of the state
+  bool compliant = false;  ///< the skeleton's contact regions give way
 };
 
 struct Obstacle {
@@ -162,6 +175,7 @@ struct Obstacle {
   double radius = 0;         ///< sphere, capsule [m]
   double friction = 0, restitution = 0;
   std::string frame;
+  Compliance contact;
 };
 
 struct Pin {
@@ -214,6 +228,7 @@ struct Model {
   std::vector<Sensor> sensors;
   SolverSpec solver;
   bool self_collision = false, ragdoll_collision = false;
+  bool compliant = false;                 ///< some contact with an obstacle gives way
   Points start_position, start_velocity;  ///< 3 x N
   Eigen::VectorXd radius;                 ///< N
   std::vector<std::string> warnings;      ///< what the checks found and mended, for the log

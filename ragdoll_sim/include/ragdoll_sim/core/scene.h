@@ -30,6 +30,12 @@ struct StickSpec {
   std::string where;
 };
 
+/// A spring and a damper between two surfaces.
+struct ContactSpec {
+  double stiffness = std::numeric_limits<double>::infinity();  ///< [N/m] infinite: rigid
+  double damping = 0;                                          ///< [N s/m] with a stiffness only
+};
+
 /// A bone (two particles, from and to) or a rigid group (three or more).
 struct SegmentSpec {
   std::string name;
@@ -41,6 +47,7 @@ struct SegmentSpec {
       0;  ///< bone: radius of gyration about the centre of mass, fraction of the length
   Vec3 com_point = Vec3::Zero();  ///< group: centre of mass [m] in the model's frame
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< group: about its centre of mass [kg m^2]
+  ContactSpec contact;  ///< of the body region, where the ragdoll is compliant
   std::string where;
 };
 
@@ -82,6 +89,7 @@ struct RagdollSpec {
   std::vector<std::pair<std::string, Vec3>> place;  ///< start of single particles [m], world
   int count = 0;                 ///< 0: one, named `name`; n: name_0 ... name_<n-1> on a grid
   Vec3 spacing = Vec3(2, 2, 0);  ///< [m] of that grid
+  bool compliant = false;        ///< the model's contact regions give way; else they are rigid
   std::string where;
 };
 
@@ -96,6 +104,7 @@ struct ObstacleSpec {
   Vec3 from = Vec3::Zero(), to = Vec3::Zero();  ///< capsule axis [m]
   double friction = 0.6;                        ///< Coulomb coefficient
   double restitution = 0;                       ///< in [0, 1]
+  ContactSpec contact;
   std::string frame;                            ///< TF frame it follows; empty: fixed in the world
   std::string where;
 };

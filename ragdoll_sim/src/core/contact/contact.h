@@ -19,6 +19,7 @@ struct Contact {
   Vec3 normal = Vec3::UnitZ();  ///< unit, out of the obstacle (of the second body)
   double offset = 0;            ///< [m]
   double friction = 0, restitution = 0;
+  Compliance give;  ///< of both surfaces; rigid: all methods but direct take it so
   Vec3 surface_motion = Vec3::Zero();  ///< [m] of the obstacle at the contact during the step
   int ragdoll = 0, other = -1;  ///< other: the second ragdoll; -1: an obstacle or the same ragdoll
   std::array<bool, 2> moves{true, true};  ///< ragdoll, other: false while it sleeps
@@ -41,6 +42,7 @@ struct Contact {
     for (int k = 0; k < count; ++k) gap += weight[k] * normal.dot(x.col(particle[k]));
     return gap;
   }
+  bool isSoft() const { return give.compliance > 0; }
 };
 
 /// Two bodies that press on each other.

@@ -44,6 +44,14 @@ Contact tangentAt(const SweptObstacle& m, const Vec3& p, double radius) {
   return planeAt(m, p, signedDistance(*m.obstacle, p), radius);
 }
 
+/// Of springs in series, dampers likewise; what is rigid counts for nothing.
+Compliance inSeries(const Compliance& a, const Compliance& b) {
+  if (a.compliance == 0) return b;
+  if (b.compliance == 0) return a;
+  const double sum = a.damping + b.damping;
+  return {a.compliance + b.compliance, sum > 0 ? a.damping * b.damping / sum : 0};
+}
+
 /// Where the sphere is first in touch on its way, or would be at the end; false: it stays clear.
 bool particleTouch(const Obstacle& o, const Vec3& p0, const Vec3& p1, double radius, double margin,
                    double start, Vec3& at) {
@@ -248,9 +256,10 @@ Contact tangentAt(const SweptObstacle& m, const Axis& axis, double t) {
 /// Contacts of a capsule between its ends, at the instant of `axis`: where it is nearest, or both
 /// ends of where it lies flat, each with the plane that is tangent there.
 void stickContacts(const SweptObstacle& m, const Axis& axis, double start, int a, int b,
-                   int ragdoll, std::vector<Contact>& contacts) {
+                   int ragdoll, const Compliance& give, std::vector<Contact>& contacts) {
   const double t = nearest(axis);
-  const bool box = m.obstacle->type == ObstacleSpec::Type::kBox;  // the only one to lie flat on
+  // The only one to lie flat on; a spring at its ends is enough, and does not come and go.
+  const bool box = m.obstacle->type == ObstacleSpec::Type::kBox && give.compliance == 0;
   const double lo = box ? flatEnd(axis, t, 0) : t;
   const double hi = box ? flatEnd(axis, t, 1) : t;
   const bool flat = hi - lo > kStickEnd;
@@ -262,10 +271,22 @@ void stickContacts(const SweptObstacle& m, const Axis& axis, double start, int a
       c.count = 2;
       c.ragdoll = ragdoll;
       c.weight = {1 - share, share, 0, 0};
+      c.give = give;
       contacts.push_back(c);
     }
     if (!flat) return;
   }
+}
+
+/// Of an obstacle against a region of the ragdoll.
+Compliance giveOf(const Obstacle& obstacle, const Ragdoll& r, const Compliance& region) {
+  return r.compliant ? inSeries(obstacle.contact, region) : obstacle.contact;
+}
+
+Compliance giveOf(const Model& model, const Obstacle& obstacle, const Ragdoll& r, const Stick& k) {
+  if (!model.compliant) return {};
+  const Skeleton& s = model.skeletonOf(r);
+  return giveOf(obstacle, r, s.stick_contact[static_cast<std::size_t>(&k - s.sticks.data())]);
 }
 
 Bounds sweptBounds(const Points& x0, const Points& x1, int first, int n, double radius) {
@@ -288,6 +309,8 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
     c.weight[0] = 1;
     c.count = 1;
     c.ragdoll = index;
+    if (model.compliant)
+      c.give = giveOf(*m.obstacle, r, s.particle_contact[i - r.first]);
     contacts.push_back(c);
   }
   if (m.obstacle->type == ObstacleSpec::Type::kPlane) return;  // a capsule's lowest point is an end
@@ -303,7 +326,8 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
     if (!overlap(bounds, m.bounds, margin)) continue;
     double start = 0;
     const std::optional<Axis> axis = touching(m, capsule, margin, start);
-    if (axis) stickContacts(m, *axis, start, a, b, index, contacts);
+    if (axis)
+      stickContacts(m, *axis, start, a, b, index, giveOf(model, *m.obstacle, r, k), contacts);
   }
 }
 
@@ -369,7 +393,7 @@ void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& o
       if (gap >= -depth || gap <= -axis.radius(t)) continue;
       const double start =
           stickGap(*m.obstacle, m.toStart(x0.col(a)), m.toStart(x0.col(b)), ra, rb);
-      stickContacts(m, axis, start, a, b, ragdoll, contacts);
+      stickContacts(m, axis, start, a, b, ragdoll, giveOf(model, *m.obstacle, r, k), contacts);
     }
   }
 }

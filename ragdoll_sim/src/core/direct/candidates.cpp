@@ -12,6 +12,10 @@ namespace ragdoll {
 namespace {
 
 void setOffset(Body& body, Contact& c, const MotionSpan& span) {
+  if (c.isSoft()) {
+    c.offset = movedOffset(c, span);
+    return;
+  }
   c.offset = allowedOffset(c, span);
   if (!isIgnored(c, body.overlaps)) return;
   c.surface_motion.setZero();
@@ -22,6 +26,7 @@ void setOffset(Body& body, Contact& c, const MotionSpan& span) {
 void startContact(Body& body, Contact& c, double h) {
   const double* dx = body.motion.dx.data();
   const double share = h / body.context->h;
+  if (body.context->relaxed) c.give = {};  // relaxation's own contacts are rigid
   c.found = c.offset;
   c.before = gapAt(body, c, dx) - c.normal.dot(motionOf(body, c, dx) - share * c.surface_motion);
   setOffset(body, c, {h, h, body.context->h});
@@ -39,6 +44,14 @@ bool isPassed(const Body& body, const Contact& c) {
   const std::vector<int>& passed = body.constraints.passed;
   return body.overlaps == OverlapPolicy::kPassThrough &&
          std::count(passed.begin(), passed.end(), c.obstacle) > 0;
+}
+
+/// Whether the same particle, or the same stick, has a contact with the obstacle already.
+bool isKnown(const ConstraintSet& set, const Contact& contact) {
+  return std::any_of(set.contacts.begin(), set.contacts.end(), [&](const Contact& c) {
+    return c.obstacle == contact.obstacle && c.count == contact.count &&
+           c.particle == contact.particle;
+  });
 }
 
 /// Takes out the contacts with the obstacles that the body is in.
@@ -63,6 +76,13 @@ double gapAt(const Body& body, const Contact& c, const double* dx) {
     gap += c.weight[k] * c.normal.dot(body.context->state.x.col(i) +
                                       Eigen::Map<const Vec3>(dx + 3 * (i - body.first)));
   }
+  return gap;
+}
+
+double gapNow(const Body& body, const Contact& c) {
+  double gap = -c.offset;
+  for (int k = 0; k < c.count; ++k)
+    gap += c.weight[k] * c.normal.dot(body.context->state.x.col(c.particle[k]));
   return gap;
 }
 
@@ -91,8 +111,8 @@ void findCandidates(Body& body, double h) {
   if (body.overlaps == OverlapPolicy::kPassThrough) passThrough(body);
   set.overlap = 0;
   for (Contact& c : set.contacts) {
-    set.overlap = std::max(set.overlap, -c.gap_start);
     startContact(body, c, h);
+    if (!c.isSoft()) set.overlap = std::max(set.overlap, -c.gap_start);
   }
   set.contact_role.assign(set.contacts.size(), Role::kIfNear);
   if (body.isWhole()) addLimits(body, kNearLimit, h, Role::kIfNear);
@@ -144,8 +164,10 @@ bool findMissed(Body& body, double h) {
   for (std::size_t i = 0; i < set.missed.size(); ++i) {
     Contact& c = set.missed[i];
     if (isPassed(body, c)) continue;
-    startContact(body, c, i < obstacles ? step.h : h);
-    if (i < obstacles)  // what overlaps opens in a part of a step by a part of it
+    const bool rigid = step.relaxed || !c.isSoft();
+    if (!rigid && isKnown(set, c)) continue;  // its spring overlaps
+    startContact(body, c, i < obstacles && rigid ? step.h : h);
+    if (i < obstacles && rigid)  // what overlaps opens in a part of a step by a part of it
       c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - recoverySpeed(c) * h));
     if (gapAfter(body, c) >= (i < obstacles ? -kGapResolution : -kSlop)) continue;
     set.contacts.push_back(c);
@@ -183,7 +205,7 @@ bool isSqueezed(const Body& body) {
   if (body.constraints.overlap <= kClose) return false;
   const std::vector<Contact>& all = body.constraints.contacts;
   for (std::size_t i = 0; i < all.size(); ++i) {
-    if (all[i].gap_start > -kTouching) continue;
+    if (all[i].gap_start > -kTouching || all[i].isSoft()) continue;
     if (all[i].count == 4) return true;
     for (std::size_t j = 0; j < all.size(); ++j)
       if (all[j].gap_start < kTouching && all[i].normal.dot(all[j].normal) < 0) return true;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/contact/contact.h"
+#include "core/direct/spring.h"
 #include "ragdoll_sim/core/limits.h"
 
 namespace ragdoll {
@@ -31,6 +32,7 @@ struct ConstraintSet {
   std::vector<Role> contact_role, limit_role;
   std::vector<int> contact_row, limit_row;   ///< the first row of each, or -1
   std::vector<LimitRow::Softness> softness;  ///< of the limits
+  std::vector<SpringRow> springs;            ///< of the contacts
   int own_rows = 0;                          ///< rows of contacts with other bodies come after
   double overlap = 0;                        ///< [m] the deepest, at the motion's start
   std::vector<int> passed;                   ///< obstacles that the body is dragged through

@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "core/contact/detect.h"
+#include "core/direct/candidates.h"
+#include "core/direct/spring.h"
 #include "core/direct/workspace.h"
 
 namespace ragdoll {
@@ -127,6 +129,21 @@ Vec3 lockedFriction(const StepContext& step, const Body& body, const Contact& c,
   return -(c.friction * normal + impulse.dot(slip)) * slip;
 }
 
+/// What a spring tells of a motion over h whose second half of the impulse e has.
+void addSpring(const Body& body, const Contact& c, double answer, double h, ContactImpulse& e) {
+  SpringMotion m;
+  m.h = h;
+  m.gap[0] = c.before;
+  m.gap[1] = gapNow(body, c);
+  m.rate[0] =
+      c.normal.dot(motionOf(body, c, body.saved.v.data()) - c.surface_motion / body.context->h);
+  m.rate[1] = c.normal.dot(rateOf(*body.context, c));
+  m.answer = answer;
+  m.force = 2 * e.impulse.dot(c.normal) / h;
+  e.peak = peakForce(c, m);
+  if (c.before > -body.tolerances.touching) e.approach = std::max(0.0, -m.rate[0]);
+}
+
 ContactLog& logOf(const Island& island) { return *island.context.log; }
 
 }  // namespace
@@ -164,8 +181,9 @@ void logPositions(Island& island, double h) {
   }
 }
 
-void logVelocities(Island& island, const RowValues& rates, int first_pair, bool impact) {
+void logVelocities(Island& island, const RowValues& rates, int first_pair, const LoggedStage& at) {
   const IslandScratch& s = island.s;
+  const bool impact = at.impact;
   const auto add = [&](const Contact& c, int first, double answer, const Body* body, int row) {
     Vec3 impulse;
     if (!takeImpulse(island, s.p, first, 1, impulse)) return;
@@ -175,6 +193,7 @@ void logVelocities(Island& island, const RowValues& rates, int first_pair, bool 
     e.slip = slipOf(island.context, c);
     if (impact) e.approach = std::max(0.0, -rates[first]);
     e.effective_mass = answer > 0 ? 1 / answer : 0;
+    if (c.isSoft()) addSpring(*body, c, answer, at.h, e);
     logOf(island).impulses.push_back(e);
   };
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {

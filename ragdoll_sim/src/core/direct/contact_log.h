@@ -10,9 +10,13 @@ namespace ragdoll {
 /// The position stage's, as its rows and s.total stand: [kg m] over h.
 void logPositions(Island& island, double h);
 
-/// Of one solution of the velocity stage: s.p [N s]. rates: before it [m/s]; impact: they are those
-/// of an approach.
-void logVelocities(Island& island, const RowValues& rates, int first_pair, bool impact);
+struct LoggedStage {
+  bool impact = false;  ///< rates are those of an approach
+  double h = 0;         ///< [s] of the motion before it
+};
+
+/// Of one solution of the velocity stage: s.p [N s]. rates: before it [m/s].
+void logVelocities(Island& island, const RowValues& rates, int first_pair, const LoggedStage& at);
 
 /// Whether anyone asks.
 bool isLogged(const Island& island);

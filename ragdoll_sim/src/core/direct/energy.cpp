@@ -3,15 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/mechanics/energy_removal.h"
 
 namespace ragdoll {
 namespace {
 
-/// [J] that soft limits gave to the motion: less than at its start is stored in them.
+/// [J] that soft limits and springs of contacts gave to the motion: less than at its start is
+/// stored in them.
 double releasedEnergy(const Body& body) {
   double released = 0;
+  for (const Contact& c : body.constraints.contacts)
+    if (c.isSoft()) released += storedEnergy(c, c.before) - storedEnergy(c, gapNow(body, c));
   for (const LimitRow& limit : body.constraints.limits) {
     if (limit.compliance == 0) continue;
     const double value = std::min(0.0, anglesBefore(body)[limit.limit]);

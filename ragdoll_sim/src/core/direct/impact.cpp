@@ -24,7 +24,14 @@ double rateOf(const Body& body, const LimitRow& limit) {
   return rate;
 }
 
+/// A spring floor is reached, too, but does not bounce: the next substep begins with its spring.
+bool isComingSoftly(const Body& body, const Contact& c, double h) {
+  if (body.located >= kMaxLocated || c.before < body.tolerances.touching) return false;
+  return (c.before - gapAfter(body, c)) / h > comingSpeed(*body.context, c);
+}
+
 bool isComing(const Body& body, const Contact& c, double h) {
+  if (c.isSoft()) return isComingSoftly(body, c, h);
   if (c.gap_start < -body.tolerances.contact) return false;
   const double end = gapAfter(body, c);
   if (end < -kDeepImpact * body.rows->scale) return body.located < kMaxDeepImpacts;

@@ -37,7 +37,7 @@ void makeMotion(Body& body, double h, bool leapfrog) {
   if (leapfrog) addWork(body, 0.5);
   body.v() = body.motion.dx / h;
   if (leapfrog) body.v() += (0.5 * h) * body.acceleration;
-  findTouching(body, h);
+  findTouching(body, h, leapfrog);
   if (leapfrog) releaseSprings(body, h);
   body.x() += body.motion.dx;
   BodyResponse& response = body.memory->response;

@@ -17,13 +17,16 @@ double recoverySpeed(const Contact& c) {
   return c.follows ? kFollowedRecoverySpeed : kRecoverySpeed;
 }
 
+double movedOffset(const Contact& c, const MotionSpan& span) {
+  return c.found - (span.substep - span.over) / span.step * c.normal.dot(c.surface_motion);
+}
+
 double allowedOffset(const Contact& c, const MotionSpan& span) {
   if (c.count == 4) return c.found - allowedPenetration(c, span.over, span.step);
   // In a part of a step a part of it, or what rounding leaves would become a speed.
   const double least = std::max(0.0, -c.before) * (1 - span.over / span.step);
   const double stays = c.gap_start < 0 ? -c.gap_start - recoverySpeed(c) * span.over : 0;
-  return c.found - (span.substep - span.over) / span.step * c.normal.dot(c.surface_motion) -
-         std::max({0.0, least, stays});
+  return movedOffset(c, span) - std::max({0.0, least, stays});
 }
 
 double allowedViolation(const LimitRow& limit, const MotionSpan& span, OverlapPolicy policy) {

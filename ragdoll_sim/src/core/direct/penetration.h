@@ -20,6 +20,9 @@ double allowedPenetration(const Contact& pair, double over, double step);
 /// [m/s] at which an overlap with this obstacle opens.
 double recoverySpeed(const Contact& contact);
 
+/// [m] The plane's offset at the motion's end, with nothing left of an overlap.
+double movedOffset(const Contact& contact, const MotionSpan& span);
+
 /// [m] The plane's offset by which a contact with an obstacle, or with the body itself, is solved.
 double allowedOffset(const Contact& contact, const MotionSpan& span);
 

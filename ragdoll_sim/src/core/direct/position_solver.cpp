@@ -39,6 +39,14 @@ void assemble(Island& island, bool at_end) {
   }
 }
 
+/// Whether any row is of a spring.
+bool soften(Island& island, double h, bool leapfrog) {
+  bool any = false;
+  for (Body* body : island.bodies)
+    if (!body->memory->schur.empty()) any = soften(*body, h, leapfrog) || any;
+  return any;
+}
+
 /// The impulses that are gone on from: as many as there are rows.
 void startTotals(Island& island) {
   island.s.total.setZero(island.s.joint.size());
@@ -86,6 +94,7 @@ bool solveRows(Island& island, double h) {
   evaluateGaps(island, h);
   if (!anyCloses(island)) return true;
   assemble(island, false);
+  if (soften(island, h, true)) evaluateGaps(island, h);
   warmStart(island, h);
   double violation = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
@@ -117,6 +126,7 @@ bool solveRowsImplicitly(Island& island, double h) {
     buildRows(island, h, false);
     if (s.total.size() != s.joint.size()) startTotals(island);  // other rows
     assemble(island, true);
+    soften(island, h, false);
     evaluateGaps(island, h);
     s.p = s.total;
     if (!solveRound(island, {round == 0, false, on_and_on})) return false;

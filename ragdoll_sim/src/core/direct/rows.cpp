@@ -14,6 +14,7 @@ using Kind = Schur::Row::Kind;
 void buildContactRows(Body& body) {
   ConstraintSet& set = body.constraints;
   Schur& schur = body.memory->schur;
+  set.springs.assign(set.contacts.size(), {});
   set.contact_row.assign(set.contacts.size(), -1);
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
@@ -86,6 +87,8 @@ void evaluateGaps(Body& body, double h) {
                   row.compliance * body.total[i];
     } else if (row.kind == Kind::kNormal) {
       body.b[i] = gapAfter(body, set.contacts[row.source]);
+      if (set.contacts[row.source].isSoft())
+        body.b[i] += set.springs[row.source].offset + row.compliance * body.total[i];
     } else {
       const Contact& c = set.contacts[row.source];
       body.b[i] =
@@ -94,11 +97,27 @@ void evaluateGaps(Body& body, double h) {
   }
 }
 
+bool soften(Body& body, double h, bool leapfrog) {
+  ConstraintSet& set = body.constraints;
+  Schur& schur = body.memory->schur;
+  bool any = false;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const int row = set.contact_row[i];
+    if (row < 0 || !set.contacts[i].isSoft()) continue;
+    const double answer = schur.matrix()(row, row) - schur.row(row).compliance;
+    set.springs[i] = springRow(set.contacts[i], h, answer, leapfrog);
+    schur.soften(row, set.springs[i].compliance);
+    any = true;
+  }
+  return any;
+}
+
 double worstViolation(Body& body) {
   const ConstraintSet& set = body.constraints;
   double worst = 0;
   for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    if (set.contact_row[i] >= 0) worst = std::max(worst, -gapAfter(body, set.contacts[i]));
+    if (set.contact_row[i] >= 0 && !set.contacts[i].isSoft())
+      worst = std::max(worst, -gapAfter(body, set.contacts[i]));
   const LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];

@@ -12,6 +12,10 @@ void buildRows(Body& body, double h, bool leapfrog);
 /// body.b <- the gaps [m], angles [rad] and slips [m] of the body's own rows after the motion.
 void evaluateGaps(Body& body, double h);
 
+/// Rows of contacts that give way get their compliance, once the Schur complement is assembled.
+/// Whether there are any.
+bool soften(Body& body, double h, bool leapfrog);
+
 /// [m] the worst violation among the rows after the motion; of limits seen on kLever.
 double worstViolation(Body& body);
 

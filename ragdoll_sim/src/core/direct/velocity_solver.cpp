@@ -18,8 +18,11 @@ using Kind = Schur::Row::Kind;
 void buildTouchingRows(Body& body, double h) {
   Schur& schur = body.memory->schur;
   schur.start(body.first);
-  for (std::size_t i = 0; i < body.touching.contacts.size(); ++i)
+  for (std::size_t i = 0; i < body.touching.contacts.size(); ++i) {
+    const int row = schur.size();
     schur.addContact(body.touching.contacts[i], static_cast<int>(i));
+    if (body.touching.contacts[i].isSoft()) schur.give(row);
+  }
   for (std::size_t i = 0; i < body.touching.limits.size(); ++i) {
     const LimitRow& limit = body.touching.limits[i];
     if (limit.compliance == 0)
@@ -51,6 +54,7 @@ bool isHitNow(const Body& body, const Schur::Row& row) {
     return limit.compliance == 0 &&
            (body.touching.limit_hit[row.source] || limit.before >= body.tolerances.touching_angle);
   }
+  if (body.touching.contacts[row.source].isSoft()) return false;
   return body.touching.contact_hit[row.source] ||
          body.touching.contacts[row.source].before >= body.tolerances.touching;
 }
@@ -92,12 +96,23 @@ void evaluateImpact(Body& body) {
   }
 }
 
-void keepTouchingContacts(Body& body, double h) {
+/// Whether the spring of a contact pressed in the motion: as much as it gave to positions it gives
+/// to velocities. Implicit steps have given all.
+bool pressedSoftly(const Body& body, std::size_t contact, double h, bool leapfrog) {
+  const std::vector<int>& rows = body.constraints.contact_row;
+  if (!(h > 0) || !leapfrog || contact >= rows.size() || rows[contact] < 0) return false;
+  return rows[contact] < body.total.size() && body.total[rows[contact]] > 0;
+}
+
+void keepTouchingContacts(Body& body, double h, bool leapfrog) {
   const ConstraintSet& set = body.constraints;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
-    if (gapAfter(body, c) >= body.tolerances.touching && set.contact_role[i] != Role::kHit)
+    if (c.isSoft()) {
+      if (!pressedSoftly(body, i, h, leapfrog)) continue;
+    } else if (gapAfter(body, c) >= body.tolerances.touching && set.contact_role[i] != Role::kHit) {
       continue;
+    }
     body.touching.contacts.push_back(c);
     body.touching.contact_hit.push_back(set.contact_role[i] == Role::kHit);
     const int row = h > 0 && i < set.contact_row.size() ? set.contact_row[i] : -1;
@@ -167,8 +182,9 @@ void keepRates(Island& island) {
 }
 
 /// One solution of the rates and what it does to velocities.
-void pushVelocities(Island& island, int first_pair, bool impact) {
+void pushVelocities(Island& island, int first_pair, const LoggedStage& at) {
   IslandScratch& s = island.s;
+  const bool impact = at.impact;
   s.b.resize(s.joint.size());
   s.p.setZero(s.joint.size());
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
@@ -190,7 +206,7 @@ void pushVelocities(Island& island, int first_pair, bool impact) {
     Schur& schur = island.bodies[k]->memory->schur;
     if (!schur.empty()) schur.move(s.parts[k], island.bodies[k]->vData());
   }
-  if (isLogged(island)) logVelocities(island, s.rates, first_pair, impact);
+  if (isLogged(island)) logVelocities(island, s.rates, first_pair, at);
 }
 
 bool touches(const Island& island) {
@@ -202,9 +218,9 @@ bool touches(const Island& island) {
 
 }  // namespace
 
-void findTouching(Body& body, double h) {
+void findTouching(Body& body, double h, bool leapfrog) {
   body.touching.clear();
-  keepTouchingContacts(body, h);
+  keepTouchingContacts(body, h, leapfrog);
   keepTouchingLimits(body, h);
 }
 
@@ -265,9 +281,9 @@ void solveVelocities(Island& island, Stage stage, double h) {
         lockHit(*body);
       else if (h > 0)
         lockComing(*body);
-    pushVelocities(island, first_pair, false);
+    pushVelocities(island, first_pair, {false, h});
   }
-  if (stage != Stage::kMotion) pushVelocities(island, first_pair, true);
+  if (stage != Stage::kMotion) pushVelocities(island, first_pair, {true, h});
 }
 
 }  // namespace ragdoll

@@ -14,8 +14,9 @@ enum class Stage {
 };
 
 /// Keeps what touches at the end of the motion over h, with the position stage's impulses; the
-/// rest does not act on velocities. h = 0: without impulses.
-void findTouching(Body& body, double h);
+/// rest does not act on velocities. h = 0: without impulses. leapfrog: springs act in its middle, so
+/// that velocities get as much again.
+void findTouching(Body& body, double h, bool leapfrog = true);
 
 /// Springs of soft limits act on velocities; those with a damper join what touches.
 void releaseSprings(Body& body, double h);

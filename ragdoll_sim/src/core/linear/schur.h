@@ -49,6 +49,7 @@ class Schur {
     double least = 0;               ///< limit rows: of the impulse
     double friction = 0;            ///< normal rows: of the two tangent rows that follow
     bool locked = false;            ///< its impulse stays as it is
+    bool given = false;             ///< the same, but its friction is solved for
 
     /// gradient times x, the body's first coordinates.
     double along(const double* x) const {
@@ -71,6 +72,12 @@ class Schur {
   int size() const { return static_cast<int>(now_.rows.size()); }
   const Row& row(int i) const { return now_.rows[i]; }
   void lock(int i, bool locked = true) { now_.rows[i].locked = locked; }
+  void give(int i) { now_.rows[i].given = true; }
+  /// The row's compliance, once A is assembled: it may depend on how the row answers.
+  void soften(int i, double compliance) {
+    now_.A(i, i) += compliance - now_.rows[i].compliance;
+    now_.rows[i].compliance = compliance;
+  }
   auto matrix() const { return now_.A.leftCols(size()); }
 
   /// A at the pose of `sticks`. What the assembly before has of the same rows at the same pose

@@ -31,7 +31,7 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
     b.least = row.least;
     b.friction = row.friction;
     b.own[0] = rows.matrix(i, i);
-    if (moves(i)) b.answer = 1 / b.own[0];
+    if (moves(i) && !row.given) b.answer = 1 / b.own[0];
     b.has_tangents = row.friction > 0;
     if (b.has_tangents) {
       for (int k = 1; k < 3; ++k) {

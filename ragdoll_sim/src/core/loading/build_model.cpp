@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "core/loading/contact_regions.h"
 #include "core/loading/sensors.h"
 #include "core/loading/skeleton.h"
 #include "core/loading/start_pose.h"
@@ -53,6 +54,7 @@ Obstacle resolve(const ObstacleSpec& o) {
   out.friction = o.friction;
   out.restitution = o.restitution;
   out.frame = o.frame;
+  out.contact = complianceOf(o.contact, o.where);
   if (!(std::isfinite(o.friction) && o.friction >= 0))
     throw Error(o.where + ".friction", "friction must be >= 0");
   if (!(o.restitution >= 0 && o.restitution <= 1))
@@ -239,6 +241,21 @@ Poke resolve(const PokeSpec& p, Model& model) {
   return poke;
 }
 
+/// Which contacts give way.
+void addCompliance(const std::vector<RagdollSpec>& specs, Model& model) {
+  const auto gives = [](const auto& part) { return part.contact.compliance > 0; };
+  model.compliant = std::any_of(model.obstacles.begin(), model.obstacles.end(), gives);
+  for (std::size_t i = 0; i < specs.size(); ++i) {
+    if (!specs[i].compliant) continue;
+    const Skeleton& s = model.skeletonOf(model.ragdolls[i]);
+    if (std::none_of(s.segments.begin(), s.segments.end(), gives))
+      throw Error(specs[i].where + ".contact",
+                  "is compliant, but no segment of model '" + s.name +
+                      "' has a contact: {stiffness: ..., damping: ...}; 'rigid' is expected");
+    model.ragdolls[i].compliant = model.compliant = true;
+  }
+}
+
 }  // namespace
 
 Model buildModel(const Scene& scene) {
@@ -257,6 +274,7 @@ Model buildModel(const Scene& scene) {
       if (model.self_collision) model.notes.push_back(describePairs(s));
     }
   for (const ObstacleSpec& o : scene.obstacles) addObstacle(o, model);
+  addCompliance(specs, model);
   const std::vector<Pin> pins = resolvePins(scene, model);
   try {
     setPins(model, pins);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/loading/contact_regions.h"
 #include "core/loading/rest_pose.h"
 #include "core/loading/rigid_groups.h"
 #include "ragdoll_sim/core/bounds.h"
@@ -86,6 +87,7 @@ void addSegments(const SkeletonSpec& spec, Skeleton& s) {
     if (!(std::isfinite(g.mass) && g.mass >= 0))
       throw Error(g.where + ".mass", "mass of segment '" + g.name + "' is " + numberText(g.mass) +
                                          "; it must be >= 0 [kg]");
+    segment.contact = complianceOf(g.contact, g.where + ".contact");
     s.segments.push_back(std::move(segment));
   }
 }
@@ -266,6 +268,7 @@ Skeleton buildSkeleton(const SkeletonSpec& spec) {
   checkBones(spec, s);
   addLimits(spec, s);
   orderSticks(s);
+  addContactRegions(s);
   s.lumped = s.M.isDiagonal(0.0);
   return s;
 }

@@ -168,6 +168,16 @@ void visitMoment(Archive& a, T& moment) {
   visitState(a, state);
 }
 
+/// Told of models that have any, so that snapshots of others stay what they are.
+void visitCompliance(Writer& w, const Model& model) {
+  for (const Obstacle& o : model.obstacles) w(o.contact.compliance), w(o.contact.damping);
+  for (const Ragdoll& r : model.ragdolls) {
+    w(r.compliant);
+    for (const Segment& s : model.skeletonOf(r).segments)
+      w(s.contact.compliance), w(s.contact.damping);
+  }
+}
+
 }  // namespace
 
 std::uint64_t fingerprint(const Model& model) {
@@ -191,6 +201,7 @@ std::uint64_t fingerprint(const Model& model) {
     w(o.friction), w(o.restitution), w(o.frame);
   }
   w(model.self_collision), w(model.ragdoll_collision);
+  if (model.compliant) visitCompliance(w, model);
   return fnv(w.bytes.data(), w.bytes.size());
 }
 

@@ -28,6 +28,22 @@ double potentialEnergy(const Model& model, const State& state) {
   return e;
 }
 
+double springEnergy(const Model& model, const State& state) {
+  double e = 0;
+  if (!model.compliant) return e;
+  std::vector<SweptObstacle> obstacles;
+  std::vector<Contact> contacts;
+  sweepObstacles(model, state, {}, obstacles);
+  for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
+    appendContacts(model, obstacles, state.x, state.x, static_cast<int>(i), 0, contacts);
+  for (const Contact& c : contacts) {
+    double gap = -c.offset;
+    for (int k = 0; k < c.count; ++k) gap += c.weight[k] * c.normal.dot(state.x.col(c.particle[k]));
+    if (c.isSoft() && gap < 0) e += 0.5 * gap * gap / c.give.compliance;
+  }
+  return e;
+}
+
 Vec3 centreOfMass(const Model& model, const State& state, int ragdoll) {
   const Ragdoll& r = model.ragdolls[ragdoll];
   const Skeleton& s = model.skeletonOf(r);

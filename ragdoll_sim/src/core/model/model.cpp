@@ -1,5 +1,7 @@
 #include "ragdoll_sim/core/model.h"
 
+#include <algorithm>
+
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
 
@@ -48,6 +50,18 @@ BodyRef findBody(const Model& model, const std::string& name) {
     throw Error("", "unknown ragdoll '" + prefix + "'; there are " + joined(ragdolls) +
                         (model.ragdolls.size() > 20 ? ", ..." : ""));
   throw Error("", "unknown body '" + name + "'; there are " + joined(bodies));
+}
+
+int Skeleton::region(int a, int b) const {
+  const auto has = [](const Segment& segment, int p) {
+    return std::count(segment.particles.begin(), segment.particles.end(), p) > 0;
+  };
+  for (std::size_t i = 0; i < segments.size() && b < 0; ++i)
+    if (segments[i].particles.size() == 2 && segments[i].particles[1] == a)
+      return static_cast<int>(i);
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    if (has(segments[i], a) && (b < 0 || has(segments[i], b))) return static_cast<int>(i);
+  return -1;
 }
 
 }  // namespace ragdoll

@@ -1,0 +1,45 @@
+#include "core/direct/spring.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ragdoll {
+
+double effectiveDamping(const Compliance& give, double h, double answer) {
+  // Of a free mass the product of a step's two eigenvalues is (1 + q - y) / (1 + q + y), y = x /
+  // sqrt(1 + x^2 / (1 + q)^2) < 1 + q: no step turns both. x - y is of third order in h.
+  const double x = 0.5 * give.damping * h * answer, q = 0.25 * h * h * answer / give.compliance;
+  return give.damping / std::hypot(1.0, x / (1 + q));
+}
+
+SpringRow springRow(const Contact& c, double h, double answer, bool leapfrog) {
+  const double start = std::min(0.0, c.before), k = 1 / c.give.compliance;
+  if (!leapfrog) {
+    const double damper = c.give.damping / h;
+    return {-damper / (k + damper) * start, 1 / (h * h * (k + damper))};
+  }
+  const double spring = 0.5 * k, damper = effectiveDamping(c.give, h, answer) / h;
+  return {(spring - damper) / (spring + damper) * start, 2 / (h * h * (spring + damper))};
+}
+
+double storedEnergy(const Contact& c, double gap) {
+  const double depth = std::max(0.0, -gap);
+  return 0.5 * depth * depth / c.give.compliance;
+}
+
+double peakForce(const Contact& c, const SpringMotion& m) {
+  const double k = 1 / c.give.compliance;
+  double peak = m.force;
+  for (int i = 0; i < 2; ++i)
+    if (m.gap[i] <= 0) peak = std::max(peak, -k * m.gap[i] - c.give.damping * m.rate[i]);
+  if (!(m.rate[0] < 0 && m.rate[1] > 0 && m.answer > 0)) return peak;
+  const double deepest = -std::min(m.gap[0], m.gap[1]);
+  // [m] where the spring would balance what else acts: -d rate / h = -answer (force + other).
+  const double balance = -((m.rate[1] - m.rate[0]) / (m.h * m.answer) - m.force) / k;
+  const double swing =
+      std::hypot(-m.gap[1] - balance, m.rate[1] / std::sqrt(k * m.answer));
+  const double reach = deepest + m.h * std::max(-m.rate[0], m.rate[1]);  // no motion goes beyond
+  return std::max(peak, k * std::min(balance + swing, reach));
+}
+
+}  // namespace ragdoll

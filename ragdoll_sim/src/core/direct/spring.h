@@ -1,0 +1,41 @@
+// The spring and the damper of a contact that gives way, which only push:
+//
+//   force = max(0, -k g - d dg/dt)   where the gap g < 0.
+//
+// docs/equations.md#compliant-contact. Pure functions.
+#pragma once
+
+#include "core/contact/contact.h"
+
+namespace ragdoll {
+
+/// As a row of the position stage: gap + offset + compliance p >= 0, p >= 0, one of the two zero.
+struct SpringRow {
+  double offset = 0;      ///< [m]
+  double compliance = 0;  ///< [1/kg]
+};
+
+/// answer: [1/kg] of the body to a push along the normal. leapfrog: the force acts in the middle of
+/// h [s], and p = h^2/2 force; else at its end (backward Euler), p = h^2 force.
+SpringRow springRow(const Contact& contact, double h, double answer, bool leapfrog);
+
+/// [N s/m] of the damper over h [s]: never so much that it would throw back.
+double effectiveDamping(const Compliance& give, double h, double answer);
+
+/// [J] in the spring at a gap [m].
+double storedEnergy(const Contact& contact, double gap);
+
+/// The ends of a motion over h [s].
+struct SpringMotion {
+  double h = 0;
+  double gap[2] = {0, 0};   ///< [m] at its start and end
+  double rate[2] = {0, 0};  ///< [m/s] at which the gap opens, likewise
+  double answer = 0;        ///< [1/kg]
+  double force = 0;         ///< [N] mean
+};
+
+/// [N] largest in the motion, also where that lies inside it: there by the ellipse on which a mass
+/// on a spring moves under a constant force.
+double peakForce(const Contact& contact, const SpringMotion& motion);
+
+}  // namespace ragdoll

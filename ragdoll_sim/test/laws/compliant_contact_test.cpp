@@ -1,0 +1,274 @@
+// Contact that gives way is a spring and a damper that only push: a ball on a spring floor against
+// the formulas of the oscillator, a falling human against itself at finer steps.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "ragdoll_sim/core/build_model.h"
+#include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/core/start_state.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "ragdoll_sim/world/contacts.h"
+#include "support/worlds.h"
+
+namespace ragdoll::test {
+namespace {
+
+constexpr double kRadius = 0.1, kGravity = 9.81;
+
+struct Floor {
+  double stiffness = 1000, damping = 0, friction = 0;
+};
+
+/// A ball of 1 kg whose surface is `gap` above a spring floor, and its contacts.
+class Ball {
+ public:
+  Ball(const Floor& floor, double gap, const Vec3& velocity, double step,
+       Method method = Method::kShake, double gravity = kGravity)
+      : model_(build(floor, gap, velocity, step, method, gravity)), contacts(model_) {
+    inputs_ = startInputs(model_);
+    state = startState(model_);
+    contacts.begin(state);
+    workspace_.keepContacts(&contacts.log());
+  }
+
+  void steps(long n) {
+    for (long i = 0; i < n; ++i) {
+      contacts.begin(state);
+      step(model_, inputs_, workspace_, state);
+      contacts.end(model_, inputs_, state);
+    }
+  }
+  void run(double seconds) { steps(std::lround(seconds / model_.solver.step)); }
+  double depth() const { return kRadius - state.x(2, 0); }
+  /// [J] with the spring's.
+  double energy(double stiffness) const {
+    const double d = std::max(0.0, depth());
+    return kineticEnergy(model_, state) + potentialEnergy(model_, state) + 0.5 * stiffness * d * d;
+  }
+  /// [N] largest since the last call.
+  double peak() {
+    double most = 0;
+    for (const Touch& t : contacts.take().touches) most = std::max(most, t.peak_force);
+    return most;
+  }
+
+ private:
+  static Model build(const Floor& floor, double gap, const Vec3& velocity, double step,
+                     Method method, double gravity) {
+    Scene scene = sceneOf(oneParticle(1, kRadius), Vec3(0, 0, kRadius + gap));
+    scene.ragdolls[0].velocity = velocity;
+    scene.gravity = Vec3(0, 0, -gravity);
+    ObstacleSpec plane = floorPlane(floor.friction, 1);  // no spring has a restitution
+    plane.contact = {floor.stiffness, floor.damping};
+    scene.obstacles.push_back(plane);
+    scene.solver.method = method;
+    scene.solver.step = step;
+    scene.solver.sleep = false;
+    return buildModel(scene);
+  }
+
+  Model model_;
+  Inputs inputs_;
+  Workspace workspace_;
+
+ public:
+  State state;
+  Contacts contacts;
+};
+
+class CompliantContact : public testing::TestWithParam<Method> {};
+INSTANTIATE_TEST_SUITE_P(Methods, CompliantContact, testing::Values(Method::kShake, Method::kRk));
+
+TEST_P(CompliantContact, ABallOnASpringFloorOscillatesByTheFormula) {
+  const double k = 400, w = std::sqrt(k), sag = kGravity / k;
+  Ball ball({k}, 0, Vec3::Zero(), 1e-4, GetParam());
+  double worst = 0;
+  for (int i = 0; i < 20000; ++i) {
+    ball.steps(1);
+    worst = std::max(worst, std::abs(ball.depth() - sag * (1 - std::cos(w * ball.state.time))));
+  }
+  EXPECT_LT(worst, 1e-4 * sag);
+}
+
+TEST_P(CompliantContact, ABallComesToRestAtItsWeightOverTheStiffness) {
+  for (const double hz : {60, 120, 1000})
+    for (const double k : {500.0, 2e4, 1e6}) {
+      Ball ball({k, std::sqrt(k)}, 0.05, Vec3::Zero(), 1 / hz, GetParam());
+      ball.run(10);
+      EXPECT_NEAR(ball.depth() * k, kGravity, 1e-6) << k << " N/m at " << hz << " Hz";
+      EXPECT_LT(ball.state.v.norm(), 1e-8);
+    }
+}
+
+/// v sqrt(m k) of a blow without gravity; the contact lasts pi sqrt(m / k), here 20 ms and more.
+TEST_P(CompliantContact, ThePeakForceOfABlowIsByTheFormulaAt120Hz) {
+  for (const double lasts : {0.02, 0.035, 0.1})
+    for (int i = 0; i < 10; ++i) {
+      const double k = std::pow(M_PI / lasts, 2), v = 2;
+      Ball ball({k}, 0.03 + 0.0017 * i, Vec3(0, 0, -v), 1.0 / 120, GetParam(), 0);
+      ball.run(1);
+      EXPECT_NEAR(ball.peak() / (v * std::sqrt(k)), 1, 0.01) << lasts << " s, " << i;
+    }
+}
+
+TEST_P(CompliantContact, ThePeakForceOfStifferBlowsIsByTheFormulaAsTheStepShrinks) {
+  for (const double k : {1e5, 1e7, 1e9}) {
+    const double lasts = M_PI / std::sqrt(k), v = 3;
+    Ball ball({k}, 0.37 * lasts * v, Vec3(0, 0, -v), lasts / 20, GetParam(), 0);
+    ball.steps(60);
+    EXPECT_NEAR(ball.peak() / (v * std::sqrt(k)), 1, 0.005) << k << " N/m";
+  }
+}
+
+/// With gravity the spring swings about the depth at which it carries the weight.
+TEST_P(CompliantContact, ThePeakForceOfAFallHasTheWeightInIt) {
+  const double k = 5000, v = std::sqrt(2 * kGravity * 0.3);
+  Ball ball({k}, 0.3, Vec3::Zero(), 1.0 / 120, GetParam());
+  ball.run(0.5);
+  EXPECT_NEAR(ball.peak() / (kGravity + std::hypot(kGravity, v * std::sqrt(k))), 1, 0.01);
+}
+
+TEST_P(CompliantContact, EnergyNeverRises) {
+  for (const double hz : {60, 120, 480})
+    for (const double k : {200.0, 3e3, 1e5, 1e8})
+      for (const double damping : {0.0, 0.05, 1.0, 50.0}) {
+        Ball ball({k, damping * std::sqrt(k), 0.5}, 0.2, Vec3(1, 0, 0), 1 / hz, GetParam());
+        double last = ball.energy(k);
+        const double start = last;
+        for (int i = 0; i < 2 * hz; ++i) {
+          ball.steps(1);
+          const double now = ball.energy(k);
+          ASSERT_LT(now - last, 1e-9 * start) << k << " N/m, " << damping << ", " << hz << " Hz";
+          last = now;
+        }
+      }
+}
+
+/// Errors at steps that shrink to a sixteenth, of a ball that meets a damped spring floor off any
+/// whole step, at `until` [s].
+void expectSecondOrder(Method method, double until, const Vec3* exact) {
+  const Floor floor{900, 6};
+  const auto run = [&](double hz) {
+    Ball ball(floor, 0.0731, Vec3(0, 0, -0.611), 1 / hz, method);
+    ball.run(until);
+    return Vec3(ball.depth(), ball.state.v(2, 0) / std::sqrt(floor.stiffness), 0);
+  };
+  const Vec3 reference = exact ? *exact : run(64000);
+  const double coarse = (run(250) - reference).norm(), fine = (run(4000) - reference).norm();
+  EXPECT_GT(std::log2(coarse / fine) / 4, 1.85);
+  EXPECT_LT((run(16000) - reference).norm(), 0.1 * fine);
+}
+
+TEST_P(CompliantContact, ABallThatMeetsTheFloorOffAWholeStepIsOfSecondOrder) {
+  const double v = std::sqrt(0.611 * 0.611 + 2 * kGravity * 0.0731), sag = kGravity / 900;
+  const double t = 0.12 - (v - 0.611) / kGravity;  // since the touch; it presses all along
+  const double rate = 3, w = std::sqrt(900 - rate * rate), b = (v - rate * sag) / w;
+  const double co = std::cos(w * t), si = std::sin(w * t), decay = std::exp(-rate * t);
+  const double depth = sag + decay * (-sag * co + b * si);
+  const double sinking = decay * ((rate * sag + b * w) * co + (w * sag - rate * b) * si);
+  const Vec3 exact(depth, -sinking / 30, 0);
+  expectSecondOrder(GetParam(), 0.12, &exact);
+  expectSecondOrder(GetParam(), 0.44, nullptr);  // it has left and come again
+}
+
+/// Friction is at most mu times the spring's force: a ball slides to a stop over v^2 / (2 mu g).
+TEST_P(CompliantContact, FrictionIsOfTheSpringsForce) {
+  const double mu = 0.4, k = 2e4, v = 2;
+  for (const double hz : {120, 480}) {
+    Ball ball({k, 60, mu}, -kGravity / k, Vec3(v, 0, 0), 1 / hz, GetParam());
+    for (int i = 0; i < hz; ++i) {
+      ball.steps(1);
+      for (const Touch& t : ball.contacts.take().touches) {
+        const Vec3 f = t.contact.impulse;
+        ASSERT_LT(std::hypot(f.x(), f.y()), mu * f.z() * (1 + 1e-6));
+      }
+    }
+    EXPECT_NEAR(ball.state.x(0, 0), v * v / (2 * mu * kGravity), 1e-4) << hz << " Hz";
+  }
+}
+
+TEST(CompliantContactOfABody, SpringsAreInSeriesAndDampersLikewise) {
+  const char* text =
+      "ragdolls: [{contact: compliant, position: [0, 0, 0.1], model: {particles: {p: {position: [0, 0, 0], "
+      "mass: 1, radius: 0.1}, q: {position: [0, 0, 1], mass: 1}}, sticks: [[q, p]], segments: {leg: "
+      "{from: q, to: p, contact: {stiffness: 3000, damping: 90}}}}}]\n"
+      "obstacles: [{type: plane, stiffness: 1500, damping: 45}]\n"
+      "solver: {method: shake, step: 0.001, sleep: false}\n";
+  World world(parseScene(text));
+  world.steps(5000);
+  EXPECT_NEAR(0.1 - world.x(0).z(), 2 * kGravity / 1000, 1e-6);
+}
+
+/// [N] on the head of a human dropped flat from 30 cm, and the most that energy rose.
+struct Drop {
+  double head = 0, rise = 0;
+};
+
+Drop drop(double hz, const std::string& floor) {
+  Scene scene = parseScene("ragdolls: [{model: human, contact: compliant, position: [0, 0, 0.55], "
+                           "rpy_deg: [0, 88, 0]}]\nobstacles: [{" + floor + "}]\n");
+  scene.solver.method = Method::kShake;
+  scene.solver.step = 1 / hz;
+  scene.solver.sleep = false;
+  World world(scene);
+  Contacts contacts(world.model);
+  world.workspace.keepContacts(&contacts.log());
+  const auto energy = [&] {
+    return kineticEnergy(world.model, world.state) + potentialEnergy(world.model, world.state) +
+           springEnergy(world.model, world.state);
+  };
+  Drop result;
+  double lowest = energy();
+  const double start = lowest;
+  for (int i = 0; i < hz; ++i) {
+    contacts.begin(world.state);
+    world.steps(1);
+    contacts.end(world.model, world.inputs, world.state);
+    result.rise = std::max(result.rise, (energy() - lowest) / start);
+    lowest = std::min(lowest, energy());
+    for (const Touch& t : contacts.take().touches)
+      if (regionName(world.model, 0, t.contact.particle) == "head")
+        result.head = std::max(result.head, t.peak_force);
+  }
+  return result;
+}
+
+TEST(CompliantContactOfABody, ThePeakForceOnAHeadHardlyDependsOnTheStep) {
+  const double fine = drop(4000, "type: plane").head;
+  EXPECT_GT(fine, 500);
+  EXPECT_NEAR(drop(240, "type: plane").head / fine, 1, 0.05);
+}
+
+TEST(CompliantContactOfABody, EnergyOfAFallNeverRises) {
+  for (const char* floor : {"type: plane", "type: box, position: [0, 0, -1], size: [6, 6, 2]"})
+    for (const double hz : {120, 1000}) EXPECT_LT(drop(hz, floor).rise, 1e-4) << floor << hz;
+}
+
+TEST(CompliantContactOfABody, WhatIsWrongSaysWhatWouldBeRight) {
+  const auto said = [](const std::string& text) {
+    try {
+      buildModel(parseScene(text, "bad.yaml"));
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("nothing");
+  };
+  const std::string body = "ragdolls: [{model: human}]\nobstacles:\n  - {type: plane, ";
+  EXPECT_THAT(said(body + "stiffness: -5}\n"), testing::HasSubstr("bad.yaml:3: obstacles[0].stiffness"));
+  EXPECT_THAT(said(body + "stiffness: .inf}\n"), testing::HasSubstr("obstacles[0].stiffness"));
+  EXPECT_THAT(said(body + "stiffness: .nan}\n"), testing::HasSubstr("obstacles[0].stiffness"));
+  EXPECT_THAT(said(body + "stiffness: 1e-9}\n"), testing::HasSubstr("from 1 to 1e"));
+  EXPECT_THAT(said(body + "stiffness: 5, damping: -1}\n"), testing::HasSubstr("obstacles[0].damping"));
+  EXPECT_THAT(said(body + "damping: 3}\n"), testing::HasSubstr("together with 'stiffness'"));
+  EXPECT_THAT(said("ragdolls: [{model: human, contact: soft}]\n"), testing::HasSubstr("compliant"));
+  EXPECT_THAT(said("ragdolls: [{model: human_thesis, contact: compliant}]\n"),
+              testing::HasSubstr("has a contact: {stiffness"));
+}
+
+}  // namespace
+}  // namespace ragdoll::test
