@@ -136,8 +136,6 @@ int run(const Options& options) {
   checked("--seconds", options.seconds, true);
   checked("--rate", options.rate, false);
   Scene scene = loadScene(options.scene, options.settings);
-  // There is no TF here: what would follow a frame stands where the file puts it, as any obstacle.
-  for (ObstacleSpec& obstacle : scene.obstacles) obstacle.frame.clear();
   const Model model = buildModel(scene);
   for (const std::string& warning : model.warnings) std::cerr << "ragdoll_lab: " << warning << "\n";
   double taken = 0;
