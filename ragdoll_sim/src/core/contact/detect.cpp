@@ -16,7 +16,6 @@ namespace {
 constexpr double kFlatEdge = 1e-6;  ///< [m] flat along an edge, beside which a capsule is round
 constexpr int kMaxAdvances = 64;    ///< of one sweep; grazing paths converge slowly
 constexpr double kRounding = 1e-9;  ///< of a place along a stick
-constexpr double kAlong = 0.9;      ///< cosine: a normal along the stick cannot push it out
 constexpr int kSectionSteps = 32;   ///< golden-section steps along a stick: 1e-7 of its length
 
 Vec3 halfExtent(const Obstacle& o, const Eigen::Matrix3d& R) {
