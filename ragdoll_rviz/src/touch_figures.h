@@ -1,6 +1,6 @@
 // The panel's two lines of what touches: the largest contact force now and the last impact, from
-// ~contacts and ~impacts. A node keeps contacts only while someone listens, so listen only while the
-// lines are seen.
+// ~contacts and ~impacts. A node keeps contacts only while someone listens, so listen only while
+// the lines are seen.
 #pragma once
 
 #ifndef Q_MOC_RUN
