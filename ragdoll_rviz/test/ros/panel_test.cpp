@@ -296,6 +296,9 @@ TEST_F(Panel, tellsOfTheLastImpactOnceItIsOver) {
   panel_.show();
   ASSERT_TRUE(waitFor(
       [&] { return contacts.getNumSubscribers() == 1 && impacts.getNumSubscribers() == 1; }));
+  int heard = 0;
+  const auto own = other.subscribe<ragdoll_msgs::Impact>(
+      "impacts", 10, [&](const ragdoll_msgs::Impact::ConstPtr&) { ++heard; });
   const auto hit = [&](std::uint32_t id, bool over, const char* region, double speed) {
     ragdoll_msgs::Impact m;
     m.id = id;
@@ -311,6 +314,9 @@ TEST_F(Panel, tellsOfTheLastImpactOnceItIsOver) {
   hit(2, false, "head", 2.5);
   EXPECT_TRUE(says("impact", "2.50 m/s, ben/head on stairs"));
   hit(1, true, "pelvis", 4);  // not the last any more
+  ASSERT_TRUE(waitFor([&] { return heard == 3; }));
+  ros::spinOnce();
+  EXPECT_EQ(find<QLabel>("impact")->text().toStdString(), "2.50 m/s, ben/head on stairs");
   hit(2, true, "head", 2.5);
   EXPECT_TRUE(says("impact", "1234 N, 2.50 m/s, ben/head on stairs"));
 
