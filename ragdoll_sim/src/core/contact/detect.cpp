@@ -295,6 +295,13 @@ Bounds sweptBounds(const Points& x0, const Points& x1, int first, int n, double 
           a.rowwise().maxCoeff().cwiseMax(b.rowwise().maxCoeff()).array() + radius};
 }
 
+/// Whether a particle is too far from a solid that stands still to be in touch on its straight way.
+bool passesBy(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double radius, double margin) {
+  if (m.obstacle->type == ObstacleSpec::Type::kPlane || m.p0 != m.p1 || m.R0 != m.R1) return false;
+  const double pad = radius + kGapResolution;  // more than rounding
+  return !overlap({x0.cwiseMin(x1).array() - pad, x0.cwiseMax(x1).array() + pad}, m.bounds, margin);
+}
+
 void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int index,
                     const SweptObstacle& m, double margin, std::vector<Contact>& contacts) {
   const Ragdoll& r = model.ragdolls[index];
@@ -303,6 +310,7 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
   Contact c;
   bool found;
   for (int i = r.first; i < r.first + s.named; ++i) {
+    if (passesBy(m, x0.col(i), x1.col(i), model.radius[i], margin)) continue;
     particleContact(m, x0.col(i), x1.col(i), model.radius[i], margin, c, found);
     if (!found || W(i - r.first, i - r.first) == 0) continue;  // nothing pushes what a pin holds
     c.particle[0] = i;
