@@ -77,9 +77,8 @@ TEST(Judge, ABoxIsTouchedAtItsFace) {
       x.row(0).array() += beside;
       judge.look(k, x, Points::Zero(3, 8));
     }
-    EXPECT_EQ(judge.outcome().impact_time.has_value(), beside == 0);
-    if (beside == 0) EXPECT_EQ(*judge.outcome().impact_time, 15);
-    if (beside == 0) EXPECT_EQ(judge.outcome().impact_region, "hip");
+    EXPECT_EQ(judge.outcome().impact_time.value_or(0), beside == 0 ? 15 : 0);
+    EXPECT_EQ(judge.outcome().impact_region, beside == 0 ? "hip" : "");
   }
 }
 
