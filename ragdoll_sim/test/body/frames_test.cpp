@@ -168,7 +168,7 @@ TEST(Frames, FollowingFewPartsGivesThemTheSameBits) {
     FrameTracker all(human.model), few(human.model);
     few.followOnly({static_cast<int>(part)});
     std::mt19937 random(11);
-    std::normal_distribution<double> normal(0, 0.01);
+    std::normal_distribution<double> normal(0, 0.03);
     Points x = human.skeleton.rest;
     all.reset(stateOf(x));
     few.reset(stateOf(x));
