@@ -84,6 +84,7 @@ class GroupRun {
         release_(static_cast<std::uint64_t>(std::round(first.release / scenes[0].solver.step))),
         batch_(scenes),
         imus_(batch_.model()) {
+    if (!first.scene.pins.empty() && release_ == 0) batch_.letGo();
     imus_.reset(batch_.state());
     const Skeleton& s = skeleton();
     weight_ = s.M.rowwise().sum();

@@ -9,7 +9,10 @@ constexpr int kSweeps = 4;      ///< Gauss-Seidel sweeps of each
 constexpr int kRateSweeps = 2;  ///< of the velocities at the end
 
 constexpr double kRecovery = 0.2;  ///< of a violation, undone a step; 1 throws bodies up
-constexpr double kMargin = 0.1;    ///< [m] as near boxes, spheres and capsules are looked for
+// As near boxes, spheres and capsules are looked for, beyond where the free motion leads: what
+// contacts and joints may turn it aside by in a step.
+constexpr double kMargin = 0.1;  ///< [m] at most
+constexpr double kAside = 6;     ///< [m/s]
 // What takes part: what is nearer than this, and than what the body's fastest particle covers in
 // so many steps; an impact moves limbs that the free motion leaves alone.
 constexpr double kNear = 0.01;       ///< [m]

@@ -161,7 +161,8 @@ class PackRun {
     Lane& lane = lanes_[l];
     std::vector<LaneContact>& contacts = pack_.contacts[l];
     pack_.found.clear();
-    appendContacts(model_, scratch_.obstacles, state_.x, predicted_, index, kMargin, pack_.found);
+    appendContacts(model_, scratch_.obstacles, state_.x, predicted_, index,
+                   std::min(kMargin, kAside * h_), pack_.found);
     for (const Contact& c : pack_.found) {
       LaneContact to;
       to.feature = featureOf(c.particle[0] - r.first, c.count > 1 ? c.particle[1] - r.first : -1);
