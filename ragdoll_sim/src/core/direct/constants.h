@@ -73,9 +73,21 @@ constexpr double kMostGiven = 0.01;
 /// Of a stick's length, how far an iteration moves its ends; [rad] of a rigid motion: more is lost.
 constexpr double kLargestTurn = 0.5;
 
-// --- Adaptive rk; textbook values, not measured.
-constexpr double kSafety = 0.9;       ///< of the substep that the estimate allows
-constexpr double kLargestGrowth = 4;  ///< from one substep to the next; its inverse the smallest
+// --- Adaptive steps; textbook values, not measured.
+/// [s] sqrt(kLever / g): as long an error of velocities moves a limb before gravity turns it, so
+/// that it counts as one of positions.
+constexpr double kSwingTime = 0.1;
+/// Of the tolerance, what a part aims at, so that most stand at once [Hairer1993, II.4].
+constexpr double kAim = 0.38;
+constexpr double kLargestGrowth = 4;      ///< from one part to the next; its inverse the smallest
+constexpr int kOrderOfRk = 4;             ///< of the embedded estimate's error per second
+constexpr int kOrderOfShake = 2;          ///< likewise of step doubling
+constexpr double kDoubling = 3;           ///< 2^2 - 1: the difference over the halves' error
+constexpr double kShortestPart = 1e-5;    ///< [s] below, what contacts' solutions leave is the error
+constexpr double kLeastOfOrder = 0.25;    ///< of the order: a shorter part that gains less is in vain
+constexpr int kMaxInVain = 2;             ///< in a row: the motion has a jump or a fork there
+constexpr int kMaxUnknown = 4;            ///< likewise where the step guard acts, or nothing is found
+constexpr double kUnknownRate = 1e300;    ///< [m/s] where no motion was found
 
 // --- Not tuned: what several files take for rounding.
 constexpr double kSnap = 1e-6;          ///< of the substep: nearer to its ends is there

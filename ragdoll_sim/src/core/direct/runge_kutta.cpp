@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/direct/constants.h"
+
 namespace ragdoll {
 namespace {
 
@@ -90,7 +92,7 @@ double rungeKuttaError(const StickRows& rows, StickSolver& sticks, const double*
   accelerate(rows, sticks, v1, s, error + half);
   s.start *= kE[kStages];
   kernels::addWeighted(error, s.slopes.data(), kE, kStages, 2 * half, error);
-  return std::max(h * largest(error, rows.n), h * h * largest(error + half, rows.n));
+  return std::max(h * largest(error, rows.n), h * kSwingTime * largest(error + half, rows.n));
 }
 
 }  // namespace ragdoll

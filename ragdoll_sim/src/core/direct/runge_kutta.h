@@ -36,7 +36,8 @@ void rungeKutta(const StickRows& rows, StickSolver& start, StickSolver& sticks, 
                 RungeKuttaScratch& scratch, Points& dx, Points& v1, double* first_lambda);
 
 /// [m] Estimate of the error that the last rungeKutta made over h: the largest distance of a
-/// particle, or of h times its velocity, from the embedded motion of fourth order [Dormand1980].
+/// particle, or of kSwingTime times its velocity, from the embedded motion of fourth order
+/// [Dormand1980].
 /// `sticks`, x1 and v1: of the motion's end; scratch: as rungeKutta left it.
 double rungeKuttaError(const StickRows& rows, StickSolver& sticks, const double* x1,
                        const double* v1, const Drive& drive, double h, RungeKuttaScratch& scratch);
