@@ -18,8 +18,9 @@ struct AdaptiveScratch {
   std::vector<double> multipliers;
   std::size_t logged = 0;
   Points coarse_x, coarse_v;  ///< what a part in one came to
-  /// What pressed at the end of the last part that stood, and of the halves of the one at hand.
-  std::vector<CachedImpulse> before, middle, after;
+  /// What pressed at the end of the last part that stood, and of the one at hand: taken once, and
+  /// its halves.
+  std::vector<CachedImpulse> before, once, middle, after;
 };
 
 }  // namespace ragdoll

@@ -8,6 +8,7 @@
 #include "core/direct/contact_log.h"
 #include "core/direct/driving.h"
 #include "core/direct/error_control.h"
+#include "core/direct/motion.h"
 #include "core/direct/smooth_motion.h"
 #include "core/direct/step_island.h"
 #include "core/direct/workspace.h"
@@ -68,14 +69,22 @@ class Parts {
   }
   /// Where pins and obstacles are at both ends of a part.
   void lead(double from, double part);
-  /// One part: as it comes, from what pressed before it to what does so at its end.
-  void take(double from, double part, const Impulses& before, Impulses& after, StepReport& report);
+  /// One part: as it comes, from what pressed before it to what does so at its end. second: of the
+  /// two halves; their error is then known, and taken out where the motion is smooth.
+  void take(double from, double part, const Impulses& before, Impulses& after, StepReport& report,
+            bool second = false);
+  /// Whether nothing but the same limits pressed, in one and in halves.
+  bool isSmooth(const StepReport& part) const;
+  /// Extrapolates the halves and what came in one to fourth order, and back onto the sticks.
+  void refine(Island& island);
   void keepCoarse();
-  double distanceFromCoarse() const;
+  /// [m]; swing: [s] in which a velocity's error becomes one of positions.
+  double distanceFromCoarse(double swing) const;
 
   const StepContext& whole_;
   AdaptiveScratch& s_;
   const std::vector<int>&bodies_, &sleepers_;
+  double error_ = 0;  ///< [m] of the last two halves
 };
 
 Pose between(const Pose& a, const Pose& b, double share) {
@@ -134,7 +143,7 @@ void Parts::keepCoarse() {
   }
 }
 
-double Parts::distanceFromCoarse() const {
+double Parts::distanceFromCoarse(double swing) const {
   const State& state = whole_.state;
   double x = 0, v = 0;
   for (const int i : bodies_) {
@@ -144,12 +153,36 @@ double Parts::distanceFromCoarse() const {
       v = std::max(v, (state.v.col(k) - s_.coarse_v.col(k)).squaredNorm());
     }
   }
-  const double distance = std::max(std::sqrt(x), kSwingTime * std::sqrt(v));
+  const double distance = std::max(std::sqrt(x), swing * std::sqrt(v));
   return std::isfinite(distance) ? distance : kUnknownRate;
 }
 
+bool Parts::isSmooth(const StepReport& part) const {
+  const auto same = [](const CachedImpulse& a, const CachedImpulse& b) {
+    return a.a < 0 && a.a == b.a && a.b == b.b && a.ragdoll == b.ragdoll;
+  };
+  const auto press = [&](const Impulses& now) {
+    return std::equal(now.begin(), now.end(), s_.before.begin(), s_.before.end(), same);
+  };
+  return part.substeps == 1 && part.guarded == 0 && part.limited == 0 && press(s_.once) &&
+         press(s_.middle) && press(s_.after);
+}
+
+void Parts::refine(Island& island) {
+  for (Body* body : island.bodies) {
+    const double share = 1 / kDoubling;
+    body->motion.dx = share * (body->x() - s_.coarse_x.middleCols(body->first, body->n));
+    if (!satisfySticksAlongNew(*body)) continue;
+    body->x() += body->motion.dx;
+    body->v() += share * (body->v() - s_.coarse_v.middleCols(body->first, body->n));
+    BodyResponse& response = body->memory->response;
+    response.setEnd(body->xData());
+    response.projectAtEnd(body->vData());
+  }
+}
+
 void Parts::take(double from, double part, const Impulses& before, Impulses& after,
-                 StepReport& report) {
+                 StepReport& report, bool second) {
   lead(from, part);
   const StepContext context = contextOf(part, before);
   Island island(context, scratchOf(context).island);
@@ -160,6 +193,10 @@ void Parts::take(double from, double part, const Impulses& before, Impulses& aft
     after.insert(after.end(), body->cache.impulses().begin(), body->cache.impulses().end());
   const Impulses& shared = island.pairs.cache.impulses();
   after.insert(after.end(), shared.begin(), shared.end());
+  if (!second) return;
+  const bool smooth = isSmooth(report);
+  error_ = (smooth ? distanceFromCoarse(kSwingTime) : kOfJumps * distanceFromCoarse(0)) / kDoubling;
+  if (smooth) refine(island);
 }
 
 bool Parts::takeFreely(double from, double part, double& error, StepReport& report) {
@@ -180,7 +217,7 @@ bool Parts::takeFreely(double from, double part, double& error, StepReport& repo
 
 double Parts::takeTwice(double from, double part, StepReport& report) {
   StepReport once;
-  take(from, part, s_.before, s_.after, once);
+  take(from, part, s_.before, s_.once, once);
   if (once.guarded > 0) {  // in the substeps that the halves would take: the two would agree
     report += once;
     return kUnknownRate;
@@ -189,8 +226,9 @@ double Parts::takeTwice(double from, double part, StepReport& report) {
   restore();
   const double half = 0.5 * part;
   take(from, half, s_.before, s_.middle, report);
-  take(from + half, half, s_.middle, s_.after, report);
-  return distanceFromCoarse() / kDoubling;
+  report.substeps = std::max(report.substeps, once.substeps);
+  take(from + half, half, s_.middle, s_.after, report, true);
+  return error_;
 }
 
 }  // namespace

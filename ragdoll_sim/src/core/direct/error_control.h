@@ -1,6 +1,8 @@
-// How long the parts of a step are, so that the error of each keeps to the tolerance: error per unit
-// step, [Hairer1993, sec. II.4]. A part whose error is too large is to be taken back and done again,
-// shorter; one that cannot keep to the tolerance stands, and is told (docs/equations.md#tolerance).
+// How long the parts of a step are, so that their errors together keep to the tolerance: error per
+// unit step, [Hairer1993, sec. II.4], and what is left of the step's whole allowance for what
+// happens at one time, as an impact does. A part whose error is too large is to be taken back and
+// done again, shorter; one that cannot keep to the tolerance stands, and is told
+// (docs/equations.md#tolerance).
 #pragma once
 
 #include "ragdoll_sim/core/step_report.h"
@@ -22,17 +24,18 @@ class ErrorControl {
   void tell(int bodies, StepReport& report) const;
 
  private:
-  /// Whether a shorter part has less error per second, as that of a smooth motion has.
+  /// [m] that the present part may have.
+  double allowed() const;
+  /// Whether shorter parts have less error per second, as those of a smooth motion have.
   bool helps(double rate, int order);
   void choosePart();
 
-  const double h_, tolerance_;
+  const double h_, tolerance_, shortest_;
   double& next_;
   double left_, part_ = 0;
-  double rejected_rate_ = 0, rejected_part_ = 0;  ///< of the last try; 0: none
-  double first_try_ = 0;                          ///< [s] from where what is past goes on; 0: none
-  int in_vain_ = 0;                               ///< tries one after the other that did not help
-  double largest_rate_ = 0;
+  double made_ = 0, spent_ = 0;  ///< [m] errors of what stands; what that is of the allowance
+  double other_rate_ = 0, other_part_ = 0;  ///< of the last one that was not kept; 0: none
+  int in_vain_ = 0;                       ///< of these one after the other that did not help
   int taken_ = 0;
   bool missed_ = false;
 };

@@ -44,10 +44,10 @@ TEST(ErrorControl, OfASmoothMotionKeepsTheErrorPerSecond) {
       const Taken taken = take(error, order, next);
       EXPECT_NEAR(taken.end, kStep, 1e-12);
       EXPECT_LE(taken.error, kTolerance * kStep);
-      // The longest parts that aim at their part of the tolerance: no more work than asked for.
-      const double longest = std::pow(kAim * kTolerance, 1.0 / order);
-      EXPECT_LE(taken.parts, std::ceil(kStep / longest) + 8);
-      EXPECT_NEAR(taken.next, longest, 0.1 * longest);
+      // Parts that aim at what is reserved for each of them: no more work than asked for.
+      const double aimed = std::pow(kAim * kReserved * kTolerance, 1.0 / order);
+      EXPECT_LE(taken.parts, std::ceil(kStep / aimed) + 8);
+      EXPECT_GT(taken.next, 0.9 * aimed);
       EXPECT_EQ(taken.report.tolerance_missed, 0);
       EXPECT_EQ(taken.report.substeps, taken.parts);
       EXPECT_GT(taken.report.error_estimate, 0);
@@ -64,6 +64,34 @@ TEST(ErrorControl, PassesAJumpAndTellsSo) {
   EXPECT_LT(taken.tries, 40);
   EXPECT_EQ(taken.report.tolerance_missed, 3);
   EXPECT_GT(taken.report.error_estimate, kTolerance);
+}
+
+TEST(ErrorControl, LetsOneEventHaveWhatThePartsThatFollowDoNotNeed) {
+  const auto small = [](double from, double part) {
+    return from <= 0.03 && from + part > 0.03 ? 0.4 * kTolerance * kStep : 0.0;
+  };
+  const Taken taken = take(small, 2, 0.01);
+  EXPECT_EQ(taken.tries, taken.parts);
+  EXPECT_EQ(taken.report.tolerance_missed, 0);
+  EXPECT_NEAR(taken.report.error_estimate, 0.4 * kTolerance, 1e-12);
+}
+
+TEST(ErrorControl, DoesNotGoOnTryingWhatIsInVain) {
+  const auto same = [](double, double part) { return 1.0 * part; };
+  const auto unknown = [](double, double) { return kUnknownRate; };
+  EXPECT_LT(take(same, 2).tries, 12);
+  EXPECT_LT(take(unknown, 2).tries, 16);
+  EXPECT_EQ(take(same, 2).report.tolerance_missed, 3);
+}
+
+/// What helps, but not enough: parts down to the shortest, and the tries to get there.
+TEST(ErrorControl, IsBoundInWork) {
+  const double shortest = kShortestPart * std::sqrt(kTolerance);
+  const auto stiff = [](double, double part) { return 1e6 * std::pow(part, 3); };
+  const Taken taken = take(stiff, 2);
+  EXPECT_NEAR(taken.end, kStep, 1e-12);
+  EXPECT_LT(taken.tries, 3 * kStep / shortest);
+  EXPECT_EQ(taken.report.tolerance_missed, 3);
 }
 
 TEST(ErrorControl, TakesAMotionThatIsNotFoundForAnError) {
