@@ -26,8 +26,9 @@ void ErrorControl::choosePart() {
   part_ = longest > 0 ? left_ / std::ceil(left_ / longest - kSnap) : 0;
 }
 
-double ErrorControl::allowed() const {
-  return tolerance_ * h_ - spent_ - kReserved * tolerance_ * (left_ - part_);
+double ErrorControl::allowed(int order) const {
+  const double rest = tolerance_ * h_ - spent_ - kReserved * tolerance_ * (left_ - part_);
+  return order == kOrderOfRk ? std::min(rest, tolerance_ * part_) : rest;  // free: there is no event
 }
 
 bool ErrorControl::helps(double rate, int order) {
@@ -45,7 +46,8 @@ bool ErrorControl::helps(double rate, int order) {
 }
 
 bool ErrorControl::accepts(double error, int order) {
-  const double rate = error / part_, allowed_rate = allowed() / part_;
+  const double may_have = allowed(order);
+  const double rate = error / part_, allowed_rate = may_have / part_;
   const bool kept = rate <= allowed_rate;
   const double wanted = std::pow(kAim * allowed_rate / std::max(rate, 1e-300), 1.0 / order);
   const double growth = std::clamp(wanted, 1 / kLargestGrowth, kLargestGrowth);
@@ -64,7 +66,7 @@ bool ErrorControl::accepts(double error, int order) {
   }
   missed_ = missed_ || !kept;
   if (rate < kUnknownRate) made_ += error;
-  spent_ += std::min(error, allowed());
+  spent_ += std::min(error, may_have);
   left_ -= part_;
   ++taken_;
   choosePart();

@@ -25,7 +25,7 @@ class ErrorControl {
 
  private:
   /// [m] that the present part may have.
-  double allowed() const;
+  double allowed(int order) const;
   /// Whether shorter parts have less error per second, as those of a smooth motion have.
   bool helps(double rate, int order);
   void choosePart();
