@@ -176,6 +176,22 @@ TEST(Tolerance, BoundsTheWork) {
   EXPECT_LT(run.parts, kSeconds / (5e-3 * std::sqrt(kTolerance)));
 }
 
+TEST(Tolerance, GivesTheSameBitsForAnyNumberOfThreads) {
+  Scene scene = parseScene("ragdolls: [{model: human, position: [0, 0, 1.2]}]\n"
+                           "obstacles: [{type: plane}]\n");
+  for (int i = 1; i < 8; ++i) {
+    scene.ragdolls.push_back(scene.ragdolls[0]);
+    scene.ragdolls[i].name = "b" + std::to_string(i);
+    scene.ragdolls[i].pose.position += Vec3(3 * i, 0, 0.03 * i);
+  }
+  scene.solver.threads = 1;
+  const Outcome one = runOf(scene, Method::kShake, 1.0 / 60, 1e-3, 0.6);
+  scene.solver.threads = 3;
+  const Outcome three = runOf(scene, Method::kShake, 1.0 / 60, 1e-3, 0.6);
+  EXPECT_EQ(distance(one.x, three.x), 0);
+  EXPECT_EQ(one.parts, three.parts);
+}
+
 TEST(Tolerance, OfBodiesThatMeetIsControlledToo) {
   Scene scene = test::sceneOf(oneStick(1, 1, 0.1));
   scene.gravity.setZero();
