@@ -219,6 +219,11 @@ void RagdollPanel::makeFigures(QFormLayout* form) {
                       "kinetic and potential energy; potential is 0 at the world's origin");
   stretch_ = addFigure(form, "stretch", "Stretch", "largest relative error of a stick's length");
   overlap_ = addFigure(form, "overlap", "Overlap", "deepest penetration into an obstacle");
+  auto* force = addFigure(form, "force", "Largest force", "of the contacts now, and of which");
+  auto* impact = addFigure(form, "impact", "Last impact",
+                           "that began faster than 0.1 m/s: its peak force once it is over, its "
+                           "approach speed, what hit what");
+  touches_.setLabels(force, impact);
   error_ = addFigure(form, "error", "Error class",
                      "of the solver's preset: distance from the exact motion (RMS) after 0.1 s of "
                      "falling on things");
@@ -274,10 +279,21 @@ void RagdollPanel::setNode(const QString& node) {
       [this](const ConfigDescription::ConstPtr& m) { hearDescription(*m); });
   model_ = nh_.subscribe<ragdoll_msgs::Model>(
       prefix + "model", 1, [this](const ragdoll_msgs::Model::ConstPtr& m) { hearModel(*m); });
+  if (isVisible()) touches_.listen(nh_, node_.toStdString());
   running_scene_.clear();
   showScene();
   showState();
   Q_EMIT configChanged();
+}
+
+void RagdollPanel::showEvent(QShowEvent* event) {
+  rviz::Panel::showEvent(event);
+  touches_.listen(nh_, node_.toStdString());
+}
+
+void RagdollPanel::hideEvent(QHideEvent* event) {
+  rviz::Panel::hideEvent(event);
+  touches_.stop();
 }
 
 void RagdollPanel::hearMetrics(const ragdoll_msgs::Metrics& m) {
@@ -319,6 +335,7 @@ void RagdollPanel::hearSettings(const dynamic_reconfigure::Config& m) {
 
 void RagdollPanel::hearModel(const ragdoll_msgs::Model& m) {
   running_scene_ = m.scene.empty() ? kText : QString::fromStdString(m.scene);
+  touches_.clear();
   showScene();
 }
 
@@ -374,6 +391,7 @@ void RagdollPanel::showState() {
   step_->setEnabled(state_ == State::kPaused);
   pause_->setText(paused_ && there ? "Run" : "Pause");
   if (there) return;
+  touches_.clear();
   for (QLabel* label : {speed_, energy_, stretch_, overlap_, error_, solver_}) label->setText("-");
 }
 
@@ -406,7 +424,10 @@ void RagdollPanel::step() {
   ask<ragdoll_msgs::Step>("step", request);
 }
 
-void RagdollPanel::reset() { ask<std_srvs::Trigger>("reset", {}); }
+void RagdollPanel::reset() {
+  touches_.clear();  // a model comes with another scene alone
+  ask<std_srvs::Trigger>("reset", {});
+}
 
 void RagdollPanel::loadScene() {
   const QVariant own = scene_->currentData();  // of a scene that is not ragdoll_sim's

@@ -1,4 +1,5 @@
-// The panel "Ragdoll": controls a simulation by its services and shows its ~metrics.
+// The panel "Ragdoll": controls a simulation by its services and shows its ~metrics, and while it is
+// seen what touches.
 #pragma once
 
 #ifndef Q_MOC_RUN
@@ -15,6 +16,7 @@
 #include <QString>
 
 #include "caller.h"
+#include "touch_figures.h"
 
 class QComboBox;
 class QDoubleSpinBox;
@@ -45,6 +47,8 @@ class RagdollPanel : public rviz::Panel {
 
  protected:
   void onInitialize() override;
+  void showEvent(QShowEvent* event) override;
+  void hideEvent(QHideEvent* event) override;
 
  private:
   enum class State { kNoNode, kSilent, kPaused, kRunning };
@@ -90,6 +94,7 @@ class RagdollPanel : public rviz::Panel {
   QElapsedTimer heard_;  ///< since the last metrics
   ros::NodeHandle nh_;
   ros::Subscriber metrics_, settings_, description_, model_;
+  TouchFigures touches_;
   rviz::Property* strength_property_ = nullptr;
   rviz::Property* node_property_ = nullptr;
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """A detector of falls before the impact: one threshold on one IMU, trained on 2000 falls, tested on 500.
 
-  python3 falls_detector.py [FOLDER]     makes the falls there (of seeds 1 ... 2500) if they are not there
+  python3 falls_detector.py [FOLDER [TRAIN TEST]]    makes the falls there (of seeds 1 ... 2500) if they are not there
 """
 import os
 import subprocess
@@ -27,11 +27,16 @@ def falls(folder, first, count):
         groups = [file['falls/%08d' % seed] for seed in labels['seed']]
         time = groups[0]['time'][()]
         imu = np.array([group['imu/low_back'][()] for group in groups], float)
-    kernel = np.ones(5) / 5  # means over 50 ms
+    return features_of(imu), time, labels
+
+
+def features_of(imu):
+    """Lightness and turning [rad/s] (falls, T, 2) of an IMU (falls, T, 6) at 100 Hz, means over 50 ms."""
+    kernel = np.ones(5) / 5
     smooth = np.apply_along_axis(lambda x: np.convolve(x, kernel)[:len(x)], 1, imu)
     smooth[:, :4] = smooth[:, 4:5]
     lightness = np.maximum(0, 1 - np.linalg.norm(smooth[..., :3], axis=2) / 9.81)  # 1: free fall
-    return np.stack([lightness, np.linalg.norm(smooth[..., 3:], axis=2)], axis=2), time, labels
+    return np.stack([lightness, np.linalg.norm(smooth[..., 3:], axis=2)], axis=2)
 
 
 def peaks(score, time, labels):
@@ -50,12 +55,17 @@ def train(features, time, labels):
     return best[1:]
 
 
-def main(folder):
-    weight, threshold = train(*falls(folder, 1, 2000))
-    print('alarm: lightness + %.2f s/rad * turning > %.3f' % (weight, threshold))
-    features, time, labels = falls(folder, 2001, 500)
+def first_alarms(features, time, weight, threshold):
+    """[s] of each fall's; inf: none."""
     alarms = features @ [1, weight] > threshold
-    first = np.where(alarms.any(axis=1), time[alarms.argmax(axis=1)], np.inf)
+    return np.where(alarms.any(axis=1), time[alarms.argmax(axis=1)], np.inf)
+
+
+def main(folder='.', train_count=2000, test_count=500):
+    weight, threshold = train(*falls(folder, 1, train_count))
+    print('alarm: lightness + %.2f s/rad * turning > %.3f' % (weight, threshold))
+    features, time, labels = falls(folder, 1 + train_count, test_count)
+    first = first_alarms(features, time, weight, threshold)
     lead, early = labels['impact_time'] - first, first <= labels['onset_time']
     found = (lead >= WARNING) & ~early
     print('%d falls: %.1f %% found %.0f ms or more before the impact, %.1f %% alarms before the onset' % (
@@ -69,4 +79,4 @@ def main(folder):
 
 
 if __name__ == '__main__':
-    main(sys.argv[1] if len(sys.argv) > 1 else '.')
+    main(*sys.argv[1:2], *map(int, sys.argv[2:4]))

@@ -38,18 +38,6 @@ void apply(Scene& scene, const py::object& settings, const std::string& prefix, 
   for (const auto& [key, value] : others) applySetting(scene, key, value);
 }
 
-/// There is no TF here: what follows a frame stays where the file puts it, as in ragdoll_lab run.
-void fixFrames(Scene& scene) {
-  bool any = false;
-  const auto fix = [&any](std::string& frame) {
-    any = any || !frame.empty();
-    frame.clear();
-  };
-  for (ObstacleSpec& obstacle : scene.obstacles) fix(obstacle.frame);
-  for (PinSpec& pin : scene.pins) fix(pin.frame);
-  if (any) scene.text = toYaml(scene);
-}
-
 bool isText(const std::string& scene) {
   return scene.find('\n') != std::string::npos || scene.find(": ") != std::string::npos ||
          scene.find('{') != std::string::npos;

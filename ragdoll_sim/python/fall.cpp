@@ -53,7 +53,7 @@ class PyFall {
 
   std::string scene() const { return made_.scene.text; }
   double release() const { return made_.release; }
-  std::string held() const { return made_.release > 0 ? fall_.foot : ""; }
+  std::vector<std::string> held() const { return made_.held(); }
   std::vector<std::string> particles() const { return names_; }
 
   py::dict judge(const Samples& times, const Samples& positions, const Samples& velocities) const {
@@ -108,8 +108,8 @@ void addFall(py::module& module) {
       .def_property_readonly("labels", &PyFall::labels, "What is known before it, by name.")
       .def_property_readonly("scene", &PyFall::scene, "YAML text of its scene.")
       .def_property_readonly("held", &PyFall::held,
-                             "The particle that is held at first, '' if none is: let go of it at `release`.")
-      .def_property_readonly("release", &PyFall::release, "[s]")
+                             "Particles that pins hold at first: let go of them at `release`.")
+      .def_property_readonly("release", &PyFall::release, "[s] 0: at the onset")
       .def_property_readonly("particles", &PyFall::particles, "Names, in the order that judge() wants.")
       .def("judge", &PyFall::judge, py::arg("times"), py::arg("positions"), py::arg("velocities"),
            "What it came to, by name: impact_time [s], impact_body, impact_region, impact_speed "

@@ -81,9 +81,10 @@ class Recorder:
             if done <= free < step:
                 if free > done:
                     self.step(free - done)
-                answer = self.let_go(body_name=fall.held)
-                if not answer.success:
-                    raise RuntimeError(answer.status_message)
+                for name in fall.held:
+                    answer = self.let_go(body_name=name)
+                    if not answer.success:
+                        raise RuntimeError(answer.status_message)
                 done = free
                 models.append((self.get().state.time, self.model_of(self.get().state)))
             self.step(step - done)

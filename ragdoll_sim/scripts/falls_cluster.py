@@ -18,7 +18,7 @@ import time
 
 FALLS_FILE = 'falls_%08d_%08d.h5'
 LAST_SEED = 99999999
-PATIENCE = 10       # [s] until a scheduler that does not answer is not there
+PATIENCE = 8        # [s] until a scheduler that does not answer is not there: the user waits ten
 LOOK = 0.2          # [s] between two looks at what is finished
 ATTEMPTS = 20       # of a shard whose workers die
 

@@ -54,6 +54,7 @@ bool parse(CommandLine& line, const Words& words) { return parseWords(line, word
 
 Scene loadScene(const std::string& path, const Words& settings) {
   Scene scene = ragdoll::loadScene(path);
+  fixFrames(scene);
   applySettings(scene, settings);
   return scene;
 }

@@ -26,7 +26,8 @@ bool parse(CommandLine& line, const Words& words, std::string& input);
 /// The same for a command that takes no scene.
 bool parse(CommandLine& line, const Words& words);
 
-/// The scene with the settings ("solver.step=0.001") that --set gave. Throws Error.
+/// The scene with the settings ("solver.step=0.001") that --set gave, frames fixed: these commands
+/// know no TF. Throws Error.
 Scene loadScene(const std::string& path, const Words& settings);
 
 /// The same for a scene that is there.

@@ -1,4 +1,4 @@
-// The stability matrix as text: a table for the terminal, and Markdown for docs/extremes.md.
+// The stability matrix as text: a table for the terminal, and Markdown for docs/extremes_tables.md.
 #pragma once
 
 #include <string>

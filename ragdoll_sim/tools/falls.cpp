@@ -26,7 +26,7 @@ constexpr const char* kAbout =
     "Draws falls from their seeds, simulates them, and writes what sensors on the body would say,\n"
     "with labels: HDF5, CSV as KFall has it, or both. docs/data.md. The same seed and options give\n"
     "the same bytes of data, whatever the number of falls and threads.\n";
-constexpr std::uint64_t kChunk = 800;  ///< falls in memory at a time: twenty of each scene
+constexpr std::uint64_t kChunk = 1280;  ///< falls in memory at a time: 32 of each scene, whole packs
 
 struct Arguments {
   std::string first = "1", count = "1";

@@ -89,11 +89,14 @@ class ImuWriter {
   std::vector<ImuSample> samples_;
 };
 
-/// Rows of what touched in the time of each tick, and the sum of all impulses.
+/// Rows of what touched in the time of each tick, and for the summary what it came to.
 class ContactWriter {
  public:
   ContactWriter(const Model& model, const Options& options)
-      : model_(model), file_(options.contacts), ticks_(model, options.rate) {
+      : model_(model),
+        file_(options.contacts),
+        ticks_(model, options.rate),
+        summary_(options.summary) {
     if (file_.wanted() || options.summary) contacts_.emplace(model);
     if (file_.wanted()) writeContactHeader(file_.out());
     ticks_.due(0);
@@ -110,6 +113,7 @@ class ContactWriter {
     contacts_->end(model_, world.inputs(), world.state());
     for (const ContactImpulse& c : contacts_->last())
       if (c.obstacle >= 0) sum_ += c.impulse;
+    if (summary_) loads_.add(model_, contacts_->last(), model_.solver.step);
     if (ticks_.due(world.time()) > 0) tell();
   }
 
@@ -117,11 +121,20 @@ class ContactWriter {
     if (contacts_) tell();  // what is left of the last tick's time
     file_.close();
   }
-  const Vec3& sum() const { return sum_; }
+
+  void summarize(Summary& summary) const {
+    summary.contact_impulse = sum_;
+    for (const auto& [key, load] : loads_.loads()) {
+      const std::string name = model_.ragdolls[key.first].name + "/" + key.second;
+      summary.peak_force.emplace_back(name, load.peak_force);
+      summary.approach_energy.emplace_back(name, load.approach_energy);
+    }
+  }
 
  private:
   void tell() {
     const ContactReport report = contacts_->take();
+    if (summary_) loads_.add(model_, report.impacts);
     if (file_.wanted()) writeContactRows(model_, report, file_.out());
   }
 
@@ -129,15 +142,15 @@ class ContactWriter {
   RowFile file_;
   Ticks ticks_;
   std::optional<Contacts> contacts_;
+  bool summary_ = false;
   Vec3 sum_ = Vec3::Zero();
+  RegionLoads loads_;
 };
 
 int run(const Options& options) {
   checked("--seconds", options.seconds, true);
   checked("--rate", options.rate, false);
   Scene scene = loadScene(options.scene, options.settings);
-  // There is no TF here: what would follow a frame stands where the file puts it, as any obstacle.
-  for (ObstacleSpec& obstacle : scene.obstacles) obstacle.frame.clear();
   const Model model = buildModel(scene);
   for (const std::string& warning : model.warnings) std::cerr << "ragdoll_lab: " << warning << "\n";
   double taken = 0;
@@ -178,7 +191,7 @@ int run(const Options& options) {
 
   Summary summary = world.summary();
   if (options.summary) {
-    summary.contact_impulse = contacts.sum();
+    contacts.summarize(summary);
     for (const HeadInjuries::Head& head : heads.heads()) {
       summary.hic15.emplace_back(head.name, head.injury.hic15());
       summary.peak_g.emplace_back(head.name, head.injury.peakG());

@@ -2,10 +2,13 @@
 #include "panel.h"
 
 #include <gtest/gtest.h>
+#include <ragdoll_msgs/ContactStates.h>
+#include <ragdoll_msgs/Impact.h>
 #include <ragdoll_msgs/LoadScene.h>
 #include <ragdoll_msgs/Model.h>
 #include <ragdoll_msgs/State.h>
 #include <ros/callback_queue.h>
+#include <ros/master.h>
 #include <ros/package.h>
 #include <ros/ros.h>
 #include <rviz/config.h>
@@ -248,6 +251,91 @@ TEST_F(Panel, showsTheFiguresOfTheMetrics) {
   EXPECT_GT(last->max_stick_error, 0);
 }
 
+/// How many listen to a topic, as the master has it.
+int listenersOf(const char* topic) {
+  XmlRpc::XmlRpcValue request("/panel_test"), answer, state;
+  if (!ros::master::execute("getSystemState", request, answer, state, false)) return -1;
+  for (int i = 0; i < state[1].size(); ++i)
+    if (std::string(state[1][i][0]) == topic) return state[1][i][1].size();
+  return 0;
+}
+
+TEST_F(Panel, showsTheLargestForceAndTheLastImpactWhileItIsSeen) {
+  EXPECT_EQ(listenersOf("/ragdoll/contacts"), 0) << "hidden, it listens";
+  auto service = nh_.serviceClient<ragdoll_msgs::LoadScene>("/ragdoll/load_scene", true);
+  ragdoll_msgs::LoadScene call;  // a ball of 40 kg that falls by 0.5 m and then lies
+  call.request.yaml =
+      "ragdolls: [{name: ben, model: {particles: {p: {position: [0, 0, 0], mass: 40, radius: "
+      "0.1}}}, position: [0, 0, 0.6]}]\nobstacles: [{type: plane, name: ground}]\n";
+  ASSERT_TRUE(service.call(call) && call.response.success);
+  EXPECT_EQ(find<QLabel>("force")->text(), "-");
+  panel_.show();
+  click("pause");
+  EXPECT_TRUE(says("force", "392 N, ben/p on ground"));  // 40 * 9.81: by now the node tells
+  click("pause");
+  ASSERT_TRUE(says("state", "paused"));
+  click("reset");
+  EXPECT_TRUE(waitFor([&] { return find<QLabel>("force")->text() == "-"; }));
+  EXPECT_EQ(find<QLabel>("impact")->text(), "-");
+  click("pause");
+  EXPECT_TRUE(says("impact", "3.13 m/s, ben/p on ground"));  // sqrt(2 g 0.5)
+  EXPECT_TRUE(says("force", "392 N, ben/p on ground"));
+
+  panel_.hide();
+  EXPECT_TRUE(waitFor([&] {
+    return listenersOf("/ragdoll/contacts") == 0 && listenersOf("/ragdoll/impacts") == 0;
+  }));
+}
+
+TEST_F(Panel, tellsOfTheLastImpactOnceItIsOver) {
+  ros::NodeHandle other("/told");
+  const auto metrics = other.advertise<ragdoll_msgs::Metrics>("metrics", 1);
+  const auto contacts = other.advertise<ragdoll_msgs::ContactStates>("contacts", 10);
+  const auto impacts = other.advertise<ragdoll_msgs::Impact>("impacts", 10);
+  panel_.setNode("/told");
+  panel_.show();
+  ASSERT_TRUE(waitFor(
+      [&] { return contacts.getNumSubscribers() == 1 && impacts.getNumSubscribers() == 1; }));
+  int heard = 0;
+  const auto own = other.subscribe<ragdoll_msgs::Impact>(
+      "impacts", 10, [&](const ragdoll_msgs::Impact::ConstPtr&) { ++heard; });
+  const auto hit = [&](std::uint32_t id, bool over, const char* region, double speed) {
+    ragdoll_msgs::Impact m;
+    m.id = id;
+    m.over = over;
+    m.ragdoll = "ben";
+    m.region = region;
+    m.other = "stairs";
+    m.approach_speed = speed;
+    m.peak_force = over ? 1234.4 : 0;
+    impacts.publish(m);
+  };
+  hit(1, false, "pelvis", 4);
+  hit(2, false, "head", 2.5);
+  EXPECT_TRUE(says("impact", "2.50 m/s, ben/head on stairs"));
+  hit(1, true, "pelvis", 4);  // not the last any more
+  ASSERT_TRUE(waitFor([&] { return heard == 3; }));
+  ros::spinOnce();
+  EXPECT_EQ(find<QLabel>("impact")->text().toStdString(), "2.50 m/s, ben/head on stairs");
+  hit(2, true, "head", 2.5);
+  EXPECT_TRUE(says("impact", "1234 N, 2.50 m/s, ben/head on stairs"));
+
+  ragdoll_msgs::ContactStates touches;
+  touches.contacts.resize(2);
+  touches.contacts[0].force.z = 5;
+  touches.contacts[1].ragdoll = "ben";
+  touches.contacts[1].body = "head";
+  touches.contacts[1].other = "al";
+  touches.contacts[1].force.x = -3;
+  touches.contacts[1].force.y = 4;
+  touches.contacts[1].force.z = 12;
+  contacts.publish(touches);
+  EXPECT_TRUE(says("force", "13 N, ben/head on al"));
+  touches.contacts.clear();
+  contacts.publish(touches);
+  EXPECT_TRUE(says("force", "none"));
+}
+
 TEST_F(Panel, keepsTheNodeInItsConfig) {
   rviz::Config config;
   panel_.setNode("/other");
@@ -273,6 +361,7 @@ TEST_F(Panel, saysThatThereIsNoNode) {
   EXPECT_TRUE(says("state", "no node"));
   EXPECT_FALSE(find<QPushButton>("reset")->isEnabled());
   EXPECT_EQ(find<QLabel>("energy")->text(), "-");
+  EXPECT_EQ(find<QLabel>("force")->text(), "-");
   panel_.setNode("/ragdoll");
   EXPECT_TRUE(says("state", "paused"));
 }

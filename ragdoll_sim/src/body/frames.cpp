@@ -1,5 +1,8 @@
 #include "ragdoll_sim/body/frames.h"
 
+#include <algorithm>
+#include <numeric>
+
 #include "ragdoll_sim/body/part_motion.h"
 
 namespace ragdoll {
@@ -36,10 +39,18 @@ struct Follower {
     now[p] = followBone(part, m, free);
   }
 
-  void followAll() const {
-    for (std::size_t p = 0; p < tree.parts.size(); ++p) follow(static_cast<int>(p));
+  void follow(const std::vector<int>& parts) const {
+    for (const int p : parts) follow(p);
   }
 };
+
+/// Marks a part and all whose orientations its own is computed from.
+void mark(const FrameTree& tree, int part, std::vector<char>& marked) {
+  if (part < 0 || marked[part]) return;
+  marked[part] = 1;
+  mark(tree, tree.parts[part].parent, marked);
+  mark(tree, tree.parts[part].bends, marked);
+}
 
 }  // namespace
 
@@ -53,7 +64,9 @@ FrameTracker::FrameTracker(const Model& model, const std::string& prefix) {
   int part = 0, frame = 0;
   for (const Ragdoll& ragdoll : model.ragdolls) {
     const auto& tree = trees[ragdoll.skeleton];
-    bodies_.push_back({tree, rests[ragdoll.skeleton], ragdoll.first, part, frame});
+    std::vector<int> all(tree->parts.size());
+    std::iota(all.begin(), all.end(), 0);
+    bodies_.push_back({tree, rests[ragdoll.skeleton], ragdoll.first, part, frame, std::move(all)});
     for (const FrameSpec& spec : tree->frames) {
       names_.push_back(prefix + ragdoll.name + "/" + spec.name);
       parents_.push_back(spec.parent < 0 ? -1 : frame + spec.parent);
@@ -68,6 +81,19 @@ FrameTracker::FrameTracker(const Model& model, const std::string& prefix) {
   previous_ = now_;
 }
 
+void FrameTracker::followOnly(const std::vector<int>& parts) {
+  for (Body& body : bodies_) {
+    std::vector<char> marked(body.tree->parts.size(), 0);
+    for (const int part : parts)
+      if (part >= body.first_part && part < body.first_part + static_cast<int>(marked.size()))
+        mark(*body.tree, part - body.first_part, marked);
+    const auto idle = [&marked](int p) { return !marked[p]; };
+    body.followed.erase(std::remove_if(body.followed.begin(), body.followed.end(), idle),
+                        body.followed.end());
+  }
+  frames_ = false;
+}
+
 void FrameTracker::reset(const State& state) {
   std::fill(now_.parts.begin(), now_.parts.end(), Quat::Identity());
   previous_ = now_;
@@ -77,7 +103,7 @@ void FrameTracker::reset(const State& state) {
     const auto x = state.x.middleCols(body.first_particle, body.rest->cols());
     const Quat* before = previous_.parts.data() + body.first_part;
     Quat* now = now_.parts.data() + body.first_part;
-    Follower{*body.tree, *body.rest, x, before, now, true}.followAll();
+    Follower{*body.tree, *body.rest, x, before, now, true}.follow(body.followed);
   }
   place(now_);
   previous_ = now_;
@@ -91,7 +117,10 @@ void FrameTracker::update(const State& state) {
     const auto x = state.x.middleCols(body.first_particle, body.rest->cols());
     const Quat* before = previous_.parts.data() + body.first_part;
     Quat* now = now_.parts.data() + body.first_part;
-    Follower{*body.tree, *body.rest, x, before, now, false}.followAll();
+    if (x == previous_.x.middleCols(body.first_particle, body.rest->cols()))  // it sleeps
+      std::copy_n(before, body.tree->parts.size(), now);
+    else
+      Follower{*body.tree, *body.rest, x, before, now, false}.follow(body.followed);
   }
   place(now_);
 }
@@ -115,6 +144,7 @@ Pose FrameTracker::local(const Posture& posture, int frame) const {
 }
 
 void FrameTracker::place(Posture& posture) const {
+  if (!frames_) return;
   for (const Body& body : bodies_) {
     for (std::size_t f = 0; f < body.tree->frames.size(); ++f) {
       const FrameSpec& spec = body.tree->frames[f];

@@ -98,6 +98,13 @@ double heightOf(const Fall& fall) {
   return standing + (fall.kind == "slip" ? kSmooth + 0.01 * s : 0);
 }
 
+void addPin(const std::string& particle, const std::string& what, FallScene& out) {
+  PinSpec pin;
+  pin.particle = particle;
+  pin.where = "fall: " + what;
+  out.scene.pins.push_back(pin);
+}
+
 RagdollSpec bodyOf(const Fall& fall, const std::shared_ptr<const SkeletonSpec>& model) {
   RagdollSpec body;
   body.skeleton = model;
@@ -161,14 +168,19 @@ FallScene fallScene(const Fall& fall, const std::shared_ptr<const SkeletonSpec>&
     push.where = "fall: push";
     scene.pokes.push_back(push);
   }
+  if (fall.kind == "faint")  // a limp body stands by all its particles or not at all
+    for (const ParticleSpec& p : model->particles) addPin(p.name, "faint", out);
   if (fall.hold > 0) {
-    PinSpec pin;
-    pin.particle = fall.foot;
-    pin.where = "fall: trip";
-    scene.pins.push_back(pin);
+    addPin(fall.foot, "trip", out);
     out.release = fall.hold;
   }
   return out;
+}
+
+std::vector<std::string> FallScene::held() const {
+  std::vector<std::string> all;
+  for (const PinSpec& pin : scene.pins) all.push_back(pin.particle);
+  return all;
 }
 
 }  // namespace ragdoll::falls

@@ -12,8 +12,6 @@ namespace {
 constexpr double kTouch = 0.002;   ///< [m] a particle that is so near touches
 constexpr double kUpright = 0.7;   ///< cosine of the trunk's lean up to which the body sits or kneels
 constexpr double kFacing = 0.6;    ///< cosine between chest and vertical up to which it lies on its back or front
-constexpr double kWindow = 0.015;  ///< [s] of HIC15
-constexpr double kGravity = 9.80665;  ///< [m/s^2] of the unit g
 
 /// [m] of a point from the surface of a plane or box, < 0 inside.
 double distance(const Obstacle& o, const Vec3& x) {
@@ -88,19 +86,6 @@ std::string regionOf(const std::string& particle) {
                                                                    : 0;
   const std::string name = particle.substr(side);
   return name == "leg" ? "hip" : name == "neck" ? "head" : name;
-}
-
-double hic15(const std::vector<double>& accelerations, double h) {
-  const std::size_t most = std::max<std::size_t>(1, static_cast<std::size_t>(kWindow / h + 1e-9));
-  double worst = 0;
-  for (std::size_t i = 0; i < accelerations.size(); ++i) {
-    double sum = 0;
-    for (std::size_t n = 1; n <= most && i + n <= accelerations.size(); ++n) {
-      sum += accelerations[i + n - 1] / kGravity;
-      worst = std::max(worst, static_cast<double>(n) * h * std::pow(sum / static_cast<double>(n), 2.5));
-    }
-  }
-  return worst;
 }
 
 }  // namespace ragdoll::falls

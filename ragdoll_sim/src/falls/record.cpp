@@ -13,6 +13,7 @@
 #include "ragdoll_sim/world/batch.h"
 #include "ragdoll_sim/world/crowd.h"
 #include "ragdoll_sim/world/imu.h"
+#include "ragdoll_sim/world/injury.h"
 
 namespace ragdoll::falls {
 namespace {
@@ -68,7 +69,7 @@ struct Track {
   int quiet = 0;  ///< samples before the onset
   std::unique_ptr<Judge> judge;
   Vec3 momentum = Vec3::Zero(), head_velocity = Vec3::Zero();
-  std::vector<double> head;  ///< [m/s^2]
+  HeadInjury head;
   bool asleep = false;       ///< at the end of the last sample
 };
 
@@ -83,6 +84,7 @@ class GroupRun {
         release_(static_cast<std::uint64_t>(std::round(first.release / scenes[0].solver.step))),
         batch_(scenes),
         imus_(batch_.model()) {
+    if (!first.scene.pins.empty() && release_ == 0) batch_.letGo();
     imus_.reset(batch_.state());
     const Skeleton& s = skeleton();
     weight_ = s.M.rowwise().sum();
@@ -126,7 +128,7 @@ class GroupRun {
     }
     for (Track& t : tracks_) {
       t.record->outcome = t.judge->outcome();
-      t.record->hic15 = hic15(t.head, h());
+      t.record->hic15 = t.head.hic15();
     }
   }
 
@@ -198,7 +200,7 @@ class GroupRun {
     const bool held = release_ > 0 && batch_.state().step <= release_ + 1;
     if (!held && !batch_.state().asleep[i])
       t.record->peak_force = std::max(t.record->peak_force, force.norm());
-    t.head.push_back((head - t.head_velocity).norm() / h());
+    t.head.add((head - t.head_velocity).norm() / h(), h());
     t.momentum = now;
     t.head_velocity = head;
   }

@@ -287,4 +287,10 @@ Scene loadScene(const std::string& path) {
   return io::readScene(root, folder.empty() ? "." : folder);
 }
 
+void fixFrames(Scene& scene) {
+  for (ObstacleSpec& obstacle : scene.obstacles) obstacle.frame.clear();
+  for (PinSpec& pin : scene.pins) pin.frame.clear();
+  scene.text = toYaml(scene);
+}
+
 }  // namespace ragdoll

@@ -45,11 +45,13 @@ std::string toJson(const Summary& s) {
     const Vec3& p = *s.contact_impulse;
     entries.insert(entries.end() - 2, {"contact_impulse", {p.x(), p.y(), p.z()}});
   }
-  for (const auto& [key, values] : {std::pair("hic15", &s.hic15), std::pair("peak_g", &s.peak_g)}) {
+  for (const auto& [key, values] :
+       {std::pair("hic15", &s.hic15), std::pair("peak_g", &s.peak_g),
+        std::pair("peak_force", &s.peak_force), std::pair("approach_energy", &s.approach_energy)}) {
     if (values->empty()) continue;
-    nlohmann::json heads = nlohmann::json::object();
-    for (const auto& [head, value] : *values) heads[head] = value;
-    entries.insert(entries.end() - 2, {key, heads});
+    nlohmann::json regions = nlohmann::json::object();
+    for (const auto& [region, value] : *values) regions[region] = value;
+    entries.insert(entries.end() - 2, {key, regions});
   }
   std::string text = "{";
   for (const auto& [key, value] : entries) {

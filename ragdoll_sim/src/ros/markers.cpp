@@ -56,6 +56,9 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
   if (!wanted()) return;
   for (const Poke& poke : world.acted)
     if (!contains(pokes_, poke)) pokes_.push_back(poke);
+  if (!contacts_ || world.mark.run != contacts_run_) contact_markers_.clear();
+  contacts_run_ = world.mark.run;
+  if (contacts_ && world.contacts) contact_markers_.hear(*world.contacts);
   const auto now = Simulation::Clock::now();
   if (now < next_) return;
   next_ = std::max(next_ + kPeriod, now + kPeriod / 2);
@@ -91,6 +94,7 @@ void MarkerPublisher::addScenery(const Snapshot& world, const Posture& posture, 
   if (slow) addPins(world, posture);
   pokes_.clear();
   if (limits_) addLimits(world, posture);
+  if (contacts_) addContacts();
 }
 
 void MarkerPublisher::clear() {
@@ -109,6 +113,7 @@ void MarkerPublisher::startScene(const Snapshot& world) {
   }();
   clear();
   bodies_.clear();  // made for the first that wants them
+  contact_markers_.clear();
 
   obstacles_.clear();
   shown_obstacles_.clear();
@@ -211,6 +216,10 @@ void MarkerPublisher::addLimits(const Snapshot& world, const Posture& posture) {
       toMarker(shape, m);
       message_.markers.push_back(std::move(m));
     }
+}
+
+void MarkerPublisher::addContacts() {
+  contact_markers_.append(marker("", 0, kPokeLifetime), message_.markers);
 }
 
 }  // namespace ragdoll

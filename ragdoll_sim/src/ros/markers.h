@@ -1,5 +1,5 @@
 // What rviz shows: the coat, the sticks, obstacles, the pokes and pulls that act, and the joints'
-// limits while they are asked for; ~scenery is ~markers without the bodies (coat and sticks), for
+// limits and the contacts while they are asked for; ~scenery is ~markers without the bodies (coat and sticks), for
 // who draws those itself. Fixed namespaces and ids, so that each message overwrites the
 // last. What stays as it is, rigid parts and obstacles, is told once to a new listener and when it
 // changes, and has no lifetime; what is told again and again has a short one.
@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "body_markers.h"
+#include "contact_markers.h"
 #include "ragdoll_sim/world/simulation.h"
 
 namespace ragdoll {
@@ -31,6 +32,11 @@ class MarkerPublisher {
 
   /// Joint limits from the next message on, or no more (body/limit_shapes.h). Of any thread.
   void showLimits(bool show) { limits_ = show; }
+
+  /// Contacts and their forces likewise (contact_markers.h), from the snapshots' reports.
+  void showContacts(bool show) { contacts_ = show; }
+  /// Whether the world has to keep its contacts for this.
+  bool wantsContacts() const { return contacts_ && wanted(); }
 
   /// Another coat from the next message on; empty: the scene's. Of any thread.
   void setCoat(const std::string& coat);
@@ -59,12 +65,13 @@ class MarkerPublisher {
   void addPulls(const Snapshot& world, const Posture& posture);
   void addPins(const Snapshot& world, const Posture& posture);
   void addLimits(const Snapshot& world, const Posture& posture);
+  void addContacts();
 
   std::string world_frame_;
   std::mutex coat_mutex_;
   std::string coat_;
   std::atomic<bool> other_coat_{false};
-  std::atomic<bool> newcomer_{true}, limits_{false};
+  std::atomic<bool> newcomer_{true}, limits_{false}, contacts_{false};
   ros::Publisher publisher_, scenery_;
   std::shared_ptr<const Scene> scene_;
   CoatKind kind_ = CoatKind::kNone;
@@ -72,6 +79,8 @@ class MarkerPublisher {
   bool frames_ = true;
   std::vector<visualization_msgs::Marker> obstacles_;
   std::vector<Poke> pokes_;  ///< that acted since the last message
+  ContactMarkers contact_markers_;
+  std::uint32_t contacts_run_ = 0;  ///< that those are of
   std::vector<Pose> shown_obstacles_;
   Simulation::Clock::time_point next_, next_sticks_;
   visualization_msgs::MarkerArray message_;  ///< ~scenery, then ~markers

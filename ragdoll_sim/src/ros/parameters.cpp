@@ -81,6 +81,7 @@ Parameters readParameters(const ros::NodeHandle& nh, const GivenSettings& given)
   in.read("wrench_timeout", "a number", p.wrench_timeout);
   in.read("coat", "text", p.coat);
   in.read("show_limits", "true or false", p.show_limits);
+  in.read("show_contacts", "true or false", p.show_contacts);
   in.read("max_frame_speed", "a number", p.max_frame_speed);
   in.read("frame_prefix", "text", p.frame_prefix);
   in.read("publish_every", "a number", p.publish_every);

@@ -19,6 +19,7 @@ struct Parameters {
   double wrench_timeout = 0.2;  ///< [s] in (0, 60]
   std::string coat;             ///< empty: what the scene says
   bool show_limits = false;     ///< draw the joints' limits
+  bool show_contacts = false;   ///< draw contacts and their forces
   std::string frame_prefix;     ///< of the names of all frames that the node publishes
   double publish_every = 0;     ///< [s] of simulated time, in place of publish_rate; 0: that
   std::string tf_bodies;        ///< all, roots or none; empty: roots above kManyBodies

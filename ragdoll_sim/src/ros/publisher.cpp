@@ -32,6 +32,7 @@ Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock
       markers_(nh, parameters.world_frame, parameters.coat),
       metrics_(nh, std::move(troubles)) {
   markers_.showLimits(parameters.show_limits);
+  markers_.showContacts(parameters.show_contacts);
   model_ = nh.advertise<ragdoll_msgs::Model>("model", 1, true);
   state_ = nh.advertise<ragdoll_msgs::State>(
       "state", parameters.publish_every > 0 ? kEventQueue : kQueue,
@@ -208,7 +209,7 @@ void Publisher::publishEvents(const ros::Time& now) {
 void Publisher::publishContacts(const ros::Time& now) {
   contacts_.publish(world_, now);
   contacts_.follow(world_, world_.pin_names);
-  const bool wanted = contacts_.wanted();
+  const bool wanted = contacts_.wanted() || markers_.wantsContacts();
   if (wanted == keeps_contacts_) return;
   keeps_contacts_ = wanted;
   simulation_.call([wanted](World& world) { world.keepContacts(wanted); });

@@ -33,6 +33,8 @@ class Publisher {
 
   /// Draw the joints' limits, or no more.
   void showLimits(bool show) { markers_.showLimits(show); }
+  /// Draw contacts and their forces, or no more.
+  void showContacts(bool show) { markers_.showContacts(show); }
   /// What bodies wear; empty: what the scene says.
   void setCoat(const std::string& coat) { markers_.setCoat(coat); }
 

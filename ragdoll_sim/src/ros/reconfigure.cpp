@@ -15,6 +15,7 @@ Reconfigure::Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher&
                          const Parameters& parameters, const GivenSettings& given)
     : simulation_(simulation), publisher_(publisher), given_(given) {
   present_.show_limits = parameters.show_limits;
+  present_.show_contacts = parameters.show_contacts;
   present_.coat = parameters.coat;
   refresh();
   server_ = std::make_unique<dynamic_reconfigure::Server<SolverConfig>>(mutex_, nh);
@@ -27,8 +28,7 @@ Reconfigure::Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher&
 void Reconfigure::refresh() {
   boost::recursive_mutex::scoped_lock lock(mutex_);
   const auto model = simulation_.call([](World& world) { return world.model(); });
-  present_ = toConfig(model->solver, model->gravity, simulation_.realtimeFactor(),
-                      present_.show_limits, present_.coat);
+  present_ = toConfig(model->solver, model->gravity, simulation_.realtimeFactor(), present_);
   // Without a master the server would wait for one.
   if (!server_ || !ros::master::check()) return;
   server_->updateConfig(present_);
@@ -58,10 +58,10 @@ void Reconfigure::changed(SolverConfig& config) {
     if (config.realtime_factor != shown.realtime_factor)
       simulation_.setRealtimeFactor(config.realtime_factor);
     publisher_.showLimits(config.show_limits);
+    publisher_.showContacts(config.show_contacts);
     publisher_.setCoat(config.coat);
     const auto model = simulation_.call([](World& world) { return world.model(); });
-    config = toConfig(model->solver, model->gravity, simulation_.realtimeFactor(),
-                      config.show_limits, config.coat);
+    config = toConfig(model->solver, model->gravity, simulation_.realtimeFactor(), config);
     present_ = config;
   } catch (const Error& e) {
     ROS_WARN("settings refused: %s", e.what());

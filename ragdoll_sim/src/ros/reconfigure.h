@@ -1,5 +1,5 @@
-// dynamic_reconfigure: the settings of the solver, gravity, pace and whether limits are drawn,
-// while the simulation runs.
+// dynamic_reconfigure: the settings of the solver, gravity, pace and what is drawn, while the
+// simulation runs.
 #pragma once
 
 #include <dynamic_reconfigure/server.h>

@@ -110,7 +110,7 @@ std::vector<std::string> settingNames() {
 }
 
 SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double realtime_factor,
-                      bool show_limits, const std::string& coat) {
+                      const SolverConfig& drawn) {
   SolverConfig c = SolverConfig::__getDefault__();
   c.preset = solver.preset;
   c.method = static_cast<int>(solver.method);
@@ -127,8 +127,9 @@ SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double real
   c.gravity_y = gravity.y();
   c.gravity_z = gravity.z();
   c.realtime_factor = realtime_factor;
-  c.show_limits = show_limits;
-  c.coat = coat;
+  c.show_limits = drawn.show_limits;
+  c.show_contacts = drawn.show_contacts;
+  c.coat = drawn.coat;
   return c;
 }
 
@@ -220,7 +221,7 @@ void GivenSettings::apply(Scene& scene) const {
                   "is " + textOf(given_.at("preset")) + "; there are " + joined(presetNames()));
     usePreset(name, next.solver);
   }
-  const SolverConfig shown = toConfig(next.solver, next.gravity, 1, false, "");
+  const SolverConfig shown = toConfig(next.solver, next.gravity, 1, SolverConfig::__getDefault__());
   SolverConfig config = shown;
   for (const auto& setting : SolverConfig::__getParamDescriptions__()) {
     const std::string &name = setting->name, &type = setting->type;

@@ -18,8 +18,9 @@ using ragdoll_sim::SolverConfig;
 
 std::vector<std::string> settingNames();
 
+/// What is drawn (show_limits, show_contacts, coat) is as `drawn` has it.
 SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double realtime_factor,
-                      bool show_limits, const std::string& coat);
+                      const SolverConfig& drawn);
 
 /// The settings of `config` that are not as `shown`, on top of `scene`. Another preset sets all
 /// that are the solver's but joint_damping, which belongs to the body.

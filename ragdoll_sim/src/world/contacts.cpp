@@ -11,8 +11,10 @@ namespace {
 
 constexpr double kNoRest = 1e-13;     ///< of a body's momenta: a rest below is rounding
 constexpr double kLeastShare = 1e-6;  ///< of the strongest contact: what any contact can take
-constexpr double kNoForce = 1e-12;    ///< of the weight: no contact
-constexpr double kFloating = 1e-14;   ///< of a weight: keeps bodies without ground solvable
+constexpr double kUnknown = 1e4;     ///< likewise: sleepers' contacts with each other take the rest
+constexpr double kPressing = 1e-5;   ///< [m] of those a gap up to this presses
+constexpr double kNoForce = 1e-12;   ///< of the weight: no contact
+constexpr double kFloating = 1e-14;  ///< of a weight: keeps bodies without ground solvable
 
 auto keyOf(const ContactImpulse& c) {
   return std::tie(c.ragdoll, c.obstacle, c.other, c.particle, c.other_particle);
@@ -34,9 +36,6 @@ void addTo(ContactImpulse& sum, const ContactImpulse& next) {
   sum.effective_mass = mass;
   sum.slip = slip;
 }
-
-/// [N] of a step h [s]: of a spring also within it, else the mean.
-double peakOf(const ContactImpulse& c, double h) { return c.peak > 0 ? c.peak : c.impulse.norm() / h; }
 
 bool isPinned(const Model& model, int ragdoll) {
   return !model.systemOf(model.ragdolls[ragdoll]).pins.empty();
@@ -71,13 +70,12 @@ Vec3 Contacts::momentumOf(const Model& model, int ragdoll, const State& state) c
 
 void Contacts::end(const Model& model, const Inputs& inputs, const State& state) {
   step_ = log_.impulses;
-  std::vector<std::uint8_t> slept(slept_.size());  // all the step long
   bool any = false;
-  for (std::size_t i = 0; i < slept.size(); ++i) {
-    slept[i] = slept_[i] && state.asleep[i];
-    any = any || slept[i];
+  for (std::size_t i = 0; i < slept_.size(); ++i) {
+    slept_[i] = slept_[i] && state.asleep[i];  // all the step long
+    any = any || slept_[i];
   }
-  if (any) appendPressing(model, state, slept, step_);
+  if (any) appendPressing(model, state, slept_, step_);
   merge();
   balance(model, inputs, state);
   follow(model, state);
@@ -142,7 +140,8 @@ void Contacts::balance(const Model& model, const Inputs& inputs, const State& st
 }
 
 /// Changes w_c (mu_i - mu_j) of the impulses, with weights w by their size, so that every body's
-/// sum is right: a Laplacian with the ground at 0.
+/// sum is right: a Laplacian with the ground at 0. What sleepers give each other no state has: it
+/// is what is left of their weight when what obstacles give stays as it is.
 void Contacts::spread(const Model& model, const std::vector<Vec3>& rest) {
   std::vector<int> place(rest.size(), -1), bodies;
   const auto use = [&](int ragdoll) {
@@ -159,6 +158,9 @@ void Contacts::spread(const Model& model, const std::vector<Vec3>& rest) {
   }
   if (bodies.empty()) return;
   const auto weight = [&](const ContactImpulse& c) {
+    const bool unknown =
+        c.impulse.isZero(0) && partnerOf(c) >= 0 && slept_[c.ragdoll] && slept_[partnerOf(c)];
+    if (unknown && strongest > 0) return kUnknown * (c.depth > -kPressing ? 1 : kLeastShare);
     return strongest > 0 ? c.impulse.norm() / strongest + kLeastShare : 1;
   };
   const int n = static_cast<int>(bodies.size());
@@ -215,7 +217,7 @@ void Contacts::follow(const Model& model, const State& state) {
     }
     open->touched = true;
     open->report.contact.impulse += c.impulse;
-    open->report.peak_force = std::max(open->report.peak_force, peakOf(c, h));
+    open->report.peak_force = std::max(open->report.peak_force, peakForce(c, h));
     open->report.duration = static_cast<double>(state.step - open->first + 1) * h;
   }
   for (Open& open : open_) {
@@ -235,17 +237,8 @@ void Contacts::collect(const Model& model, const State& state) {
   report_.step = state.step;
   report_.time = state.time;
   report_.interval += h;
-  std::vector<Touch>& all = report_.touches;
-  const auto before = [](const Touch& t, const ContactImpulse& c) {
-    return isBefore(t.contact, c);
-  };
   for (const ContactImpulse& c : step_) {
-    auto touch = std::lower_bound(all.begin(), all.end(), c, before);
-    if (touch == all.end() || keyOf(touch->contact) != keyOf(c))
-      touch = all.insert(touch, {c, 0});
-    else
-      addTo(touch->contact, c);
-    touch->peak_force = std::max(touch->peak_force, peakOf(c, h));
+    addTouch(report_.touches, {c, peakForce(c, h)});
     if (c.obstacle < 0) continue;
     report_.on_obstacles[c.obstacle] -= c.impulse;
     report_.moments[c.obstacle] -= c.point.cross(c.impulse);
@@ -262,6 +255,23 @@ ContactReport Contacts::take() {
   for (std::vector<Vec3>* sums : {&report_.on_obstacles, &report_.moments, &report_.on_pins})
     std::fill(sums->begin(), sums->end(), Vec3::Zero());
   return taken;
+}
+
+double peakForce(const ContactImpulse& c, double h) {
+  return c.peak > 0 ? c.peak : c.impulse.norm() / h;
+}
+
+void addTouch(std::vector<Touch>& all, const Touch& next) {
+  const auto before = [](const Touch& t, const ContactImpulse& c) {
+    return isBefore(t.contact, c);
+  };
+  auto touch = std::lower_bound(all.begin(), all.end(), next.contact, before);
+  if (touch == all.end() || keyOf(touch->contact) != keyOf(next.contact)) {
+    all.insert(touch, next);
+    return;
+  }
+  addTo(touch->contact, next.contact);
+  touch->peak_force = std::max(touch->peak_force, next.peak_force);
 }
 
 std::string particlesName(const Model& model, int ragdoll, const std::array<int, 2>& particles) {

@@ -93,7 +93,12 @@ SensorFrame sensorFrame(const Model& model, const FrameTracker& tracker, const S
 }
 
 Imus::Imus(const Model& model) : tracker_(model) {
-  for (const Sensor& sensor : model.sensors) mount(model, sensor);
+  std::vector<int> parts;
+  for (const Sensor& sensor : model.sensors) {
+    mount(model, sensor);
+    parts.push_back(mounts_.back().part);
+  }
+  tracker_.followOnly(parts);
 }
 
 void Imus::mount(const Model& model, const Sensor& sensor) {

@@ -14,6 +14,13 @@ Vec3 velocityOf(const HeadInjuries::Head& head, const State& state) {
   return sum / static_cast<double>(head.particles.size());
 }
 
+/// Each side of a contact: ragdoll, its particles, +1 for the side that the impulse is told of.
+template <class Take>
+void forEachSide(const ContactImpulse& c, const Take& take) {
+  take(c.ragdoll, c.particle, 1.0);
+  if (c.obstacle < 0) take(c.other >= 0 ? c.other : c.ragdoll, c.other_particle, -1.0);
+}
+
 }  // namespace
 
 void HeadInjury::add(double acceleration, double h) {
@@ -54,6 +61,34 @@ void HeadInjuries::begin(const State& state) {
 void HeadInjuries::end(const Model& model, const State& state) {
   const double h = model.solver.step;
   for (Head& head : heads_) head.injury.add((velocityOf(head, state) - head.before).norm() / h, h);
+}
+
+void RegionLoads::add(const Model& model, const std::vector<ContactImpulse>& contacts, double h) {
+  std::map<std::pair<int, std::string>, Vec3> sums;
+  for (const ContactImpulse& c : contacts)
+    forEachSide(c, [&](int ragdoll, const std::array<int, 2>& particles, double sign) {
+      const auto key = std::pair(ragdoll, regionName(model, ragdoll, particles));
+      sums.try_emplace(key, Vec3::Zero()).first->second += sign * c.impulse;
+      Load& load =
+          loads_[key];  // a spring's peak lies within the step, where others' are not known
+      load.peak_force = std::max(load.peak_force, peakForce(c, h));
+    });
+  for (const auto& [key, impulse] : sums) {
+    Load& load = loads_[key];
+    load.peak_force = std::max(load.peak_force, impulse.norm() / h);
+  }
+}
+
+void RegionLoads::add(const Model& model, const std::vector<ImpactReport>& impacts) {
+  for (const ImpactReport& impact : impacts) {
+    if (impact.over) continue;
+    const ContactImpulse& c = impact.contact;
+    const double energy = 0.5 * c.effective_mass * c.approach * c.approach;
+    forEachSide(c, [&](int ragdoll, const std::array<int, 2>& particles, double) {
+      Load& load = loads_[{ragdoll, regionName(model, ragdoll, particles)}];
+      load.approach_energy = std::max(load.approach_energy, energy);
+    });
+  }
 }
 
 }  // namespace ragdoll

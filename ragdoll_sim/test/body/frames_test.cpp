@@ -161,6 +161,26 @@ TEST(Frames, SeveralRagdollsHaveTheirOwn) {
   EXPECT_EQ(tracker.now().frames[tracker.firstFrame(2)].position, Vec3(0, 4, 0));
 }
 
+TEST(Frames, FollowingFewPartsGivesThemTheSameBits) {
+  const Human human;
+  const FrameTree& tree = human.tracker.tree(0);
+  for (std::size_t part = 0; part < tree.parts.size(); ++part) {
+    FrameTracker all(human.model), few(human.model);
+    few.followOnly({static_cast<int>(part)});
+    std::mt19937 random(11);
+    std::normal_distribution<double> normal(0, 0.03);
+    Points x = human.skeleton.rest;
+    all.reset(stateOf(x));
+    few.reset(stateOf(x));
+    for (int i = 1; i <= 50; ++i) {
+      for (Eigen::Index k = 0; k < x.size(); ++k) x.data()[k] += normal(random);
+      all.update(stateOf(x, i));
+      few.update(stateOf(x, i));
+    }
+    EXPECT_EQ(few.now().parts[part].coeffs(), all.now().parts[part].coeffs()) << tree.parts[part].name;
+  }
+}
+
 TEST(Frames, CollapsedOrBrokenParticlesLeaveTheFrameWhereItWas) {
   Human human;
   human.reset(human.skeleton.rest);

@@ -1,12 +1,14 @@
-// Sources that the pages name are there: a page that sends its reader to a file that is gone costs
-// him more than no page.
+// Sources that the pages name are there, and their links lead somewhere: a page that sends its reader
+// to what is gone costs him more than no page.
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <regex>
 #include <set>
 #include <string>
+#include <vector>
 
 namespace {
 
@@ -29,16 +31,63 @@ std::set<std::string> endsOfSources(const fs::path& package) {
   return ends;
 }
 
+const fs::path package = fs::path(RAGDOLL_SHARE_DIR), root = package.parent_path();
+
+std::vector<fs::path> pages() {
+  std::vector<fs::path> all{root / "README.md"};
+  for (const auto& entry : fs::directory_iterator(root / "docs"))
+    if (entry.path().extension() == ".md") all.push_back(entry.path());
+  return all;
+}
+
+/// What a link calls the headings of a page: lower case, without punctuation, - for blanks.
+std::set<std::string> headings(const fs::path& page) {
+  std::set<std::string> all;
+  std::ifstream in(page);
+  for (std::string line; std::getline(in, line);) {
+    if (line.empty() || line[0] != '#') continue;
+    std::string name;
+    for (const char c : line.substr(line.find_first_not_of("# "))) {
+      if (c == ' ')
+        name += '-';
+      else if (std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-')
+        name += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+    all.insert(name);
+  }
+  return all;
+}
+
+TEST(Docs, LinksLeadSomewhere) {
+  if (!fs::exists(root / "docs")) GTEST_SKIP() << "the package stands alone, without docs/";
+  const std::regex link("\\]\\(([^)#\\s]*)(#([^)\\s]+))?\\)");
+  int links = 0;
+  for (const fs::path& page : pages()) {
+    std::ifstream in(page);
+    std::string line;
+    for (int number = 1; std::getline(in, line); ++number)
+      for (std::sregex_iterator it(line.begin(), line.end(), link), end; it != end; ++it) {
+        const std::string to = (*it)[1], heading = (*it)[3];
+        if (to.rfind("http", 0) == 0) continue;
+        ++links;
+        const fs::path file = to.empty() ? page : page.parent_path() / to;
+        EXPECT_TRUE(fs::exists(file)) << page << ":" << number << " leads to " << to;
+        if (!heading.empty())
+          EXPECT_EQ(headings(file).count(heading), 1u)
+              << page << ":" << number << " leads to " << to << "#" << heading;
+      }
+  }
+  EXPECT_GT(links, 100);
+}
+
 TEST(Docs, NameSourcesThatExist) {
-  const fs::path package = fs::path(RAGDOLL_SHARE_DIR), root = package.parent_path();
   if (!fs::exists(root / "docs")) GTEST_SKIP() << "the package stands alone, without docs/";
   std::set<std::string> ends = endsOfSources(package);
   if (fs::exists(root / "ragdoll_rviz")) ends.merge(endsOfSources(root / "ragdoll_rviz"));
   const std::regex name("`([a-z0-9_/]+\\.(h|cpp|py))`");
   int names = 0;
-  for (const char* page : {"docs/architecture.md", "docs/equations.md", "docs/extremes.md",
-                           "docs/trade.md", "README.md"}) {
-    std::ifstream in(root / page);
+  for (const fs::path& page : pages()) {
+    std::ifstream in(page);
     std::string line;
     for (int number = 1; std::getline(in, line); ++number)
       for (std::sregex_iterator it(line.begin(), line.end(), name), end; it != end; ++it, ++names)

@@ -1,5 +1,5 @@
 // Any text as a scene and as a model: an error that names it, or what it says. See
-// docs/extremes.md#bad-input-load-and-faults.
+// docs/robustness.md.
 #include <cstdio>
 #include <cstdlib>
 

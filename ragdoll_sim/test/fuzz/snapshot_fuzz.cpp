@@ -1,5 +1,5 @@
 // Any bytes with a right checksum as a snapshot: an error, or a moment from which the world goes on.
-// See docs/extremes.md#bad-input-load-and-faults.
+// See docs/robustness.md.
 #include <cstdio>
 #include <cstdlib>
 

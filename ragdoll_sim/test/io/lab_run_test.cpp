@@ -150,6 +150,8 @@ TEST_F(LabRun, SummaryHasItsKeysAndTellsTheTruth) {
                                           "contact_impulse",
                                           "hic15",
                                           "peak_g",
+                                          "peak_force",
+                                          "approach_energy",
                                           "asleep",
                                           "hash"};
   EXPECT_EQ(keys, expected);

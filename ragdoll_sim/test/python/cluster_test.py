@@ -7,6 +7,7 @@ import os
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
@@ -14,7 +15,7 @@ import time
 import unittest
 
 import h5py
-from falls_test import LAB, contents, falls
+from falls_test import LAB, contents, falls, small_disk
 
 SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'scripts', 'falls_cluster.py')
 LIMIT = 240  # [s]
@@ -180,6 +181,30 @@ class ClusterTest(unittest.TestCase):
             self.assertNotEqual(run.returncode, 0)
             self.assertIn(text, self.text(run), words)
         self.assertEqual(self.shards(), [])
+
+    def test_a_scheduler_that_does_not_answer_is_not_there(self):
+        with socket.socket() as silent:
+            silent.bind(('127.0.0.1', 0))
+            silent.listen(5)
+            name = '127.0.0.1:%d' % silent.getsockname()[1]
+            run = self.cluster('--count', 1, '--scheduler', name)
+            run.wait(LIMIT)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn('no scheduler at ' + name, self.text(run))
+        self.assertEqual(self.shards(), [])
+
+    def test_a_full_disk_ends_the_run_and_leaves_whole_shards(self):
+        with small_disk(self, 8) as disk:
+            self.out = os.path.join(disk, 'out')
+            run = self.cluster('--count', 400, '--shard', 40, '--workers', 1)
+            run.wait(LIMIT)
+            self.assertEqual(run.returncode, 1, self.text(run))
+            self.assertIn('free on the disk of ' + self.out, self.text(run))
+            self.assertEqual([n for n in os.listdir(self.out) if n.startswith('.')], [])
+            self.assertGreater(len(self.shards()), 0)
+            for shard in self.shards():
+                with h5py.File(os.path.join(self.out, shard), 'r') as file:
+                    self.assertEqual(len(file['labels']), 40)
 
     def test_without_dask_a_line_says_what_to_install(self):
         code = ("import sys, runpy\nsys.modules['dask'] = None\n"

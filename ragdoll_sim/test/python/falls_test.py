@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """ragdoll_lab falls: the same bytes whatever the threads; labels and IMUs computed anew in another way."""
 
+import contextlib
 import csv
 import os
 import resource
@@ -23,6 +24,20 @@ def falls(*words, status=0, **more):
     text = run.stdout.decode()
     assert run.returncode == status, text
     return text
+
+
+@contextlib.contextmanager
+def small_disk(test, megabytes):
+    """A file system of its own, where the user may mount one."""
+    folder = tempfile.mkdtemp()
+    test.addCleanup(os.rmdir, folder)
+    mount = ['mount', '-t', 'tmpfs', '-o', 'size=%dm' % megabytes, 'tmpfs', folder]
+    if subprocess.run(mount, stderr=subprocess.DEVNULL).returncode != 0:
+        test.skipTest('may not mount a disk')
+    try:
+        yield folder
+    finally:
+        subprocess.run(['umount', folder], check=True)
 
 
 def contents(path):
@@ -190,7 +205,7 @@ class FallsTest(unittest.TestCase):
         path = self.out('.h5')
         falls('--first', 1, '--count', 10, '--out', path, '--seconds', 2)
         with h5py.File(path, 'r') as file:
-            for seed in (1, 2, 4):
+            for seed in (1, 2, 3, 4):
                 fall = ragdoll.Fall(seed)
                 world = ragdoll.World(fall.scene)
                 group = file['falls/%08d' % seed]
@@ -198,8 +213,9 @@ class FallsTest(unittest.TestCase):
                 quiet = int(round(group.attrs['onset_time'] * 100))
                 for k in range(quiet, 200):
                     for _ in range(2):
-                        if fall.held and abs(world.time - fall.release) < 1e-9:
-                            world.detach(fall.held)
+                        if abs(world.time - fall.release) < 1e-9:
+                            for name in fall.held:
+                                world.detach(name)
                         world.step()
                     np.testing.assert_array_equal(group['positions'][k], world.positions.astype(np.float32))
 
@@ -254,6 +270,17 @@ class FallsTest(unittest.TestCase):
         self.assertIn('cannot be written', text)
         self.assertIn('free on the disk', text)
         self.assertEqual([f for f in os.listdir(self.folder) if f.startswith(os.path.basename(path))], [])
+
+    def test_a_full_disk_is_named_and_has_no_file(self):
+        with small_disk(self, 2) as disk:
+            path = os.path.join(disk, 'falls.h5')
+            text = falls('--count', 20, '--out', path, '--set', 'solver.preset=fast', status=2)
+            self.assertIn('the disk is full', text)
+            self.assertIn('free on the disk of ' + disk, text)
+            self.assertEqual(os.listdir(disk), [])
+            text = falls('--count', 100, '--csv', disk, '--set', 'solver.preset=fast', status=2)
+            self.assertIn('is the disk full?', text)
+            self.assertIn(disk, text)
 
 
 if __name__ == '__main__':

@@ -23,6 +23,7 @@ CASES = [
     ('realtime_factor', '0', ['-1', '> 0']),
     ('start_paused', 'perhaps', ['perhaps', 'true or false']),
     ('show_limits', 'perhaps', ['perhaps', 'true or false']),
+    ('show_contacts', 'perhaps', ['perhaps', 'true or false']),
     ('world_frame', '/', ['frame']),
     ('wrench_timeout', '0', ['(0, 60]']),
     ('coat', 'fur', ['fur', 'capsules']),

@@ -8,6 +8,7 @@ import rospy
 import rostest
 from client import Client, Inbox, wait_for
 from geometry_msgs.msg import WrenchStamped
+from visualization_msgs.msg import Marker, MarkerArray
 
 
 class RescueTest(unittest.TestCase):
@@ -20,6 +21,21 @@ class RescueTest(unittest.TestCase):
             return sum(getattr(p, axis) for p in points) / len(points)
         dragged = force.first(lambda m: m.wrench.force.x < -30, 'a force against the way')
         self.assertEqual(dragged.header.frame_id, 'gripper')
+        picture = Inbox('/rescue/gripper', MarkerArray)
+        seen, told = force.reader(), set()
+
+        def is_drawn():
+            """The arrow ends at the gripper and is a force that it has felt, 2 mm/N."""
+            told.update((m.wrench.force.x, m.wrench.force.y, m.wrench.force.z) for m in seen())
+            arrows = [m for p in picture.all()[-5:] for m in p.markers if m.type == Marker.ARROW]
+            for arrow in arrows:
+                self.assertEqual(arrow.header.frame_id, 'gripper')
+                tail, tip = arrow.points
+                self.assertEqual((tip.x, tip.y, tip.z), (0, 0, 0))
+            return any(max(abs(500 * p + f) for p, f in zip(
+                (m.points[0].x, m.points[0].y, m.points[0].z), one)) < 1e-6
+                for m in arrows for one in told)
+        wait_for(is_drawn, 'an arrow of the force')
         wait_for(lambda: middle('x') > 2, 'a body on its way')
         wait_for(lambda: middle('z') > 0.35, 'a body on the ramp')
 

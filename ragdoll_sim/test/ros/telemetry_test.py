@@ -141,6 +141,32 @@ class TelemetryTest(unittest.TestCase):
         self.settings.update_configuration({'show_limits': False})
         wait_for(lambda: not any(limits(m) for m in markers.all()[-10:]), 'the end of limits')
 
+    def test_contacts_are_drawn_while_asked_for(self):
+        ball = ('ragdolls: [{model: {particles: {p: {position: [0, 0, 0], mass: 40, radius: 0.1}}},'
+                ' position: [0, 0, 0.1]}]\nobstacles: [{type: plane}]\n')
+        self.client.load(yaml=ball)
+        markers = Inbox('/ragdoll/markers', MarkerArray)
+        scenery = Inbox('/ragdoll/scenery', MarkerArray)
+
+        def drawn(message):
+            return {m.ns: m for m in message.markers if m.ns in ('contacts', 'forces')}
+        self.client.call_pause(False)
+        wait_for(lambda: len(markers.all()) > 10, 'markers')
+        self.assertEqual([drawn(m) for m in markers.all() if drawn(m)], [])
+        self.settings.update_configuration({'show_contacts': True})
+        for inbox in (markers, scenery):
+            shown = drawn(inbox.first(lambda m: len(drawn(m)) == 2, 'a contact and its force'))
+            (point,) = shown['contacts'].points
+            self.assertLess(max(abs(point.x), abs(point.y), abs(point.z)), 1e-6)
+            tail, tip = shown['forces'].points
+            self.assertEqual((tail.x, tail.y, tail.z), (point.x, point.y, point.z))
+            self.assertAlmostEqual(tip.z - tail.z, 0.002 * 40 * 9.81, delta=1e-6)
+        self.client.load(yaml=ball.replace('40', '20'))  # another scene does not hide them
+        markers.first(lambda m: 'forces' in drawn(m) and abs(
+            drawn(m)['forces'].points[1].z - 0.002 * 20 * 9.81) < 1e-6, 'the other force')
+        self.settings.update_configuration({'show_contacts': False})
+        wait_for(lambda: not any(drawn(m) for m in markers.all()[-10:]), 'the end of contacts')
+
     def test_what_is_held_has_a_ball(self):
         markers = Inbox('/ragdoll/markers', MarkerArray)
 

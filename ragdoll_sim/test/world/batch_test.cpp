@@ -6,7 +6,6 @@
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
-#include "ragdoll_sim/world/crowd.h"
 #include "ragdoll_sim/world/world.h"
 
 namespace ragdoll {
@@ -73,13 +72,6 @@ TEST(Batch, AForeignBodyIsAnError) {
   scene.pokes[0].body = "other/torso";
   EXPECT_THROW(Batch({bodyScene(0, "fast"), scene}), Error);
   EXPECT_THROW(Batch(someScenes("fast")).find(1, "other/torso"), Error);
-}
-
-TEST(Crowd, PassesTheErrorOfAThreadOn) {
-  EXPECT_THROW(inParallel(2, 8, [](int part) { if (part == 5) throw Error("5", "failed"); }), Error);
-  int sum = 0;
-  inParallel(1, 5, [&](int part) { sum += part; });
-  EXPECT_EQ(sum, 10);
 }
 
 }  // namespace

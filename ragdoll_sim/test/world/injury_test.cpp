@@ -1,9 +1,11 @@
-// The head injury criterion against closed forms.
+// The head injury criterion, and what each region had to take, against closed forms.
 #include "ragdoll_sim/world/injury.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <utility>
 
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/step.h"
@@ -67,6 +69,87 @@ TEST(HeadInjury, FreeFallIsOneG) {
     heads.end(model, state);
   }
   EXPECT_NEAR(heads.heads()[0].injury.peakG(), 9.81 / kG, 1e-9);
+}
+
+/// What a scene's regions took in so many steps.
+RegionLoads::Loads loadsOf(const std::string& text, int steps) {
+  const Model model = buildModel(parseScene(text));
+  State state = startState(model);
+  const Inputs inputs = startInputs(model);
+  Workspace workspace;
+  Contacts contacts(model);
+  workspace.keepContacts(&contacts.log());
+  RegionLoads loads;
+  for (int i = 0; i < steps; ++i) {
+    contacts.begin(state);
+    step(model, inputs, workspace, state);
+    contacts.end(model, inputs, state);
+    loads.add(model, contacts.last(), model.solver.step);
+    loads.add(model, contacts.take().impacts);
+  }
+  return loads.loads();
+}
+
+const char* const kRod = R"(
+    model:
+      particles: {a: {position: [0, 0, 0], radius: 0.05}, b: {position: [1, 0, 0], radius: 0.05}}
+      sticks: [[a, b]]
+      segments: {rod: {from: a, to: b, mass: 3, com: 0.5, gyration: 0.28867513459481287}}
+)";
+
+TEST(RegionLoads, OfARodHitAtItsEndAreThoseOfAQuarterOfItsMass) {
+  // Effective mass m / 4; impulse (1 + e) v m / 4, in one step.
+  const auto loads = loadsOf(std::string("gravity: [0, 0, 0]\nsolver: {step: 0.01}\nragdolls:\n"
+                                         "  - position: [0, 0, 0.5]\n    velocity: [0, 0, -2]") +
+                                 kRod +
+                                 "obstacles: [{type: box, position: [-0.5, 0, 0], size: [1.02, 1, "
+                                 "0.2], restitution: 0.5, friction: 0}]\n",
+                             60);
+  ASSERT_EQ(loads.size(), 1u);
+  const auto& [region, load] = *loads.begin();
+  EXPECT_EQ(region, std::pair(0, std::string("rod")));
+  EXPECT_NEAR(load.approach_energy, 0.5 * (3.0 / 4) * 2 * 2, 1e-6);
+  EXPECT_NEAR(load.peak_force, 1.5 * 2 * (3.0 / 4) / 0.01, 1e-4);
+}
+
+TEST(RegionLoads, ContactsOfARegionBearTogether) {
+  const auto loads = loadsOf(
+      "ragdolls:\n  - position: [0, 0, 0.05]" + std::string(kRod) + "obstacles: [{type: plane}]\n",
+      60);
+  ASSERT_EQ(loads.size(), 1u);
+  EXPECT_NEAR(loads.begin()->second.peak_force, 3 * 9.81, 1e-6) << "both ends, not the larger";
+  EXPECT_EQ(loads.begin()->second.approach_energy, 0) << "it lay there from the start";
+}
+
+TEST(RegionLoads, OfASpringReachItsPeakWithinAStep) {
+  // v sqrt(m k) of a hard spring, whose touch lasts a fifth of a step.
+  const double m = 2, k = 2e6, v = 1;
+  const auto loads = loadsOf(
+      "gravity: [0, 0, 0]\nragdolls: [{velocity: [0, 0, -1], position: [0, 0, 0.15], model: "
+      "{particles: {p: {position: [0, 0, 0], mass: 2, radius: 0.1}}}}]\n"
+      "obstacles: [{type: plane, stiffness: 2000000, damping: 0}]\nsolver: {step: 0.001}\n",
+      100);
+  ASSERT_EQ(loads.size(), 1u);
+  EXPECT_EQ(loads.begin()->first.second, "p");
+  EXPECT_NEAR(loads.begin()->second.peak_force / (v * std::sqrt(m * k)), 1, 0.01);
+  EXPECT_NEAR(loads.begin()->second.approach_energy, 0.5 * m * v * v, 1e-3);
+}
+
+TEST(RegionLoads, BothBodiesTakeWhatTheyGiveEachOther) {
+  const std::string ball =
+      "model: {particles: {p: {position: [0, 0, 0], mass: 2, radius: 0.1}}}}\n";
+  const auto loads = loadsOf(
+      "gravity: [0, 0, 0]\nragdoll_collision: true\nragdolls:\n"
+      "  - {name: al, position: [-0.3, 0, 0], velocity: [1, 0, 0], " +
+          ball + "  - {name: ben, position: [0.3, 0, 0], velocity: [-1, 0, 0], " + ball,
+      60);
+  ASSERT_EQ(loads.size(), 2u);
+  for (const auto& [region, load] : loads) {
+    EXPECT_EQ(region.second, "p");
+    EXPECT_NEAR(load.approach_energy, 0.5 * 1 * 2 * 2, 1e-9);  // m / 2, closing at 2 m/s
+    EXPECT_GT(load.peak_force, 0);
+  }
+  EXPECT_EQ(loads.begin()->second.peak_force, std::next(loads.begin())->second.peak_force);
 }
 
 }  // namespace

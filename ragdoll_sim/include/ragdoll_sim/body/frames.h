@@ -29,6 +29,10 @@ class FrameTracker {
   /// prefix: of all frames' names, as it is.
   explicit FrameTracker(const Model& model, const std::string& prefix = "");
 
+  /// Before reset(): follows these of all the parts alone, and what they turn by, with the same bits;
+  /// frames are not placed any more. For who looks at few parts at every step.
+  void followOnly(const std::vector<int>& parts);
+
   void reset(
       const State& state);  ///< twist from scratch; both ends of the interpolation are `state`
   void update(const State& state);  ///< follows the motion from the last state to this one
@@ -55,12 +59,14 @@ class FrameTracker {
     std::shared_ptr<const FrameTree> tree;
     std::shared_ptr<const Points> rest;
     int first_particle = 0, first_part = 0, first_frame = 0;
+    std::vector<int> followed;  ///< parts of the tree, ascending
   };
   void place(Posture& posture) const;  ///< frames from x and parts
 
   std::vector<Body> bodies_;
   std::vector<std::string> names_;
   std::vector<int> parents_;
+  bool frames_ = true;  ///< are placed
   Posture now_, previous_;
 };
 

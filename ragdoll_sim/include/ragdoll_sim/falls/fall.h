@@ -54,7 +54,9 @@ std::shared_ptr<const SkeletonSpec> scaledModel(const SkeletonSpec& model, doubl
 struct FallScene {
   Scene scene;
   int floors = 1;  ///< so many of the obstacles, the first ones, are what it falls on; others: furniture
-  double release = 0;  ///< [s] when the pins, if there are any, let go: the end of Fall::hold
+  double release = 0;  ///< [s] when the pins let go: a faint's at the onset, a trip's after Fall::hold
+
+  std::vector<std::string> held() const;  ///< particles that pins hold until then; empty: none
 };
 
 /// `model`: scaledModel; as the same pointer for falls of one scene. step [s]. Joint damping is that

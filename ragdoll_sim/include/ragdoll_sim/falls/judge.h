@@ -47,8 +47,4 @@ std::string poseClass(const Vec3& neck, const Vec3& left_shoulder, const Vec3& r
 /// "left_knee" -> "knee"; a leg is the hip, a neck the head.
 std::string regionOf(const std::string& particle);
 
-/// HIC15 of the head's accelerations [m/s^2] at even times, h [s] apart [Versace1971]: the largest
-/// (t2 - t1) * mean(a / g)^2.5 of windows up to 15 ms, at least one value.
-double hic15(const std::vector<double>& accelerations, double h);
-
 }  // namespace ragdoll::falls

@@ -20,6 +20,10 @@ Scene parseScene(const std::string& text, const std::string& name = "<text>");
 /// gives the same bits. It is what Scene::text holds after loading.
 std::string toYaml(const Scene& scene);
 
+/// For runs without TF: what would follow a frame stays where the scene puts it, like any other
+/// obstacle or pin.
+void fixFrames(Scene& scene);
+
 /// Changes one setting as if the scene had said so: "solver.step", "0.001". Keys: solver.*,
 /// gravity, self_collision, ragdoll_collision, coat. Throws Error that lists the keys.
 void applySetting(Scene& scene, const std::string& key, const std::string& value);

@@ -41,8 +41,9 @@ struct Summary {
   double error_estimate = 0;                ///< [m/s] largest of all steps (StepReport)
   GuardCounts guard;
   std::optional<Vec3> contact_impulse;  ///< [N s] of obstacles on all bodies, if it was kept
-  /// Per "ragdoll/head": indicators of injury, if they were kept; [1], [g].
-  std::vector<std::pair<std::string, double>> hic15, peak_g;
+  /// Indicators of injury, if they were kept: per "ragdoll/head" [1], [g]; per region that was
+  /// touched, "ragdoll/torso", [N], [J].
+  std::vector<std::pair<std::string, double>> hic15, peak_g, peak_force, approach_energy;
   int asleep = 0;          ///< ragdolls asleep at the end
   std::uint64_t hash = 0;  ///< of the last state
   bool finite = true;      ///< every position and velocity was a number

@@ -5,8 +5,9 @@
 // beyond that, gravity and pokes (energy that the step guard took out; all of it where a method
 // keeps no account of its own) is spread over its contacts, the smallest change where each gives by
 // its share: so the sum of forces is exact. A body with pins has that rest on its pins. A sleeper
-// is told what its state has of when it fell asleep, and its sum carries its weight. A function of
-// states and inputs: the same whenever one begins to listen. docs/body.md#forces.
+// is told what its state has of when it fell asleep, from other sleepers what is left of its weight,
+// and its sum carries its weight. A function of states and inputs: the same whenever one begins to
+// listen. docs/body.md#forces.
 #pragma once
 
 #include <cstdint>
@@ -86,7 +87,7 @@ class Contacts {
 
   std::vector<Eigen::VectorXd> masses_;  ///< [kg] per ragdoll: row sums of M
   Points before_;                        ///< [m/s] velocities before the step
-  std::vector<std::uint8_t> slept_;      ///< per ragdoll: when the step began
+  std::vector<std::uint8_t> slept_;      ///< per ragdoll: when the step began; then all of it
   ContactLog log_;
   std::vector<ContactImpulse> step_;
   std::vector<Vec3> pins_;
@@ -95,6 +96,10 @@ class Contacts {
   ContactReport report_;
 };
 
+/// [N] of a contact of a step of h [s]: of a spring also within it, else the mean.
+double peakForce(const ContactImpulse& contact, double h);
+/// A later part of a contact that `all`, in an order of its own, has already, or another one.
+void addTouch(std::vector<Touch>& all, const Touch& next);
 /// "left_foot", or "left_knee-left_foot" of a stick.
 std::string particlesName(const Model& model, int ragdoll, const std::array<int, 2>& particles);
 /// The segment that has the particles: "left_shank"; else their name.

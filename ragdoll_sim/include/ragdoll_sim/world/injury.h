@@ -1,13 +1,17 @@
-// Indicators of injury of a head, from its acceleration step by step. Indicators, no proof of
-// safety; with rigid contact they depend on the step (docs/injury.md).
+// Indicators of injury, step by step: of a head from its acceleration, of every region from what
+// touches it. Indicators, no proof of safety; with rigid contact they depend on the step
+// (docs/injury.md).
 #pragma once
 
 #include <deque>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/core/state.h"
+#include "ragdoll_sim/world/contacts.h"
 
 namespace ragdoll {
 
@@ -50,6 +54,26 @@ class HeadInjuries {
 
  private:
   std::vector<Head> heads_;
+};
+
+/// The largest that each region of a body had to take, of either side of each contact.
+class RegionLoads {
+ public:
+  /// A step's contacts (Contacts::last) of h [s].
+  void add(const Model& model, const std::vector<ContactImpulse>& contacts, double h);
+  /// Impacts that begin; those that are over do not count again.
+  void add(const Model& model, const std::vector<ImpactReport>& impacts);
+
+  struct Load {
+    double peak_force = 0;       ///< [N] of all contacts of the region together
+    double approach_energy = 0;  ///< [J] of one impact: m v^2 / 2, m the effective mass
+  };
+  /// Per ragdoll and region (regionName).
+  using Loads = std::map<std::pair<int, std::string>, Load>;
+  const Loads& loads() const { return loads_; }
+
+ private:
+  Loads loads_;
 };
 
 }  // namespace ragdoll

@@ -13,6 +13,7 @@ constexpr double kNearBody = 0.005;                 ///< [m] what comes this nea
 constexpr double kFlatStick = 10 * kGapResolution;  ///< [m] flat: a stick's gap varies by less
 /// Of a stick: a touch nearer to an end is the particle's; flat contact spans more of an axis.
 constexpr double kStickEnd = 0.02;
+constexpr double kAlong = 0.9;  ///< cosine: a normal along the stick cannot push it out
 constexpr double kParallel = 0.03;  ///< squared sine (10 degrees) below which axes may lie flat
 
 // --- Not tuned: a property of skin and clothes.

@@ -43,6 +43,10 @@ struct Contact {
     return gap;
   }
   bool isSoft() const { return give.compliance > 0; }
+  /// [J] in its spring at a gap [m].
+  double storedEnergy(double gap) const {
+    return isSoft() && gap < 0 ? 0.5 * gap * gap / give.compliance : 0;
+  }
 };
 
 /// Two bodies that press on each other.

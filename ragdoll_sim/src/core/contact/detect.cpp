@@ -16,7 +16,6 @@ namespace {
 constexpr double kFlatEdge = 1e-6;  ///< [m] flat along an edge, beside which a capsule is round
 constexpr int kMaxAdvances = 64;    ///< of one sweep; grazing paths converge slowly
 constexpr double kRounding = 1e-9;  ///< of a place along a stick
-constexpr double kAlong = 0.9;      ///< cosine: a normal along the stick cannot push it out
 constexpr int kSectionSteps = 32;   ///< golden-section steps along a stick: 1e-7 of its length
 
 Vec3 halfExtent(const Obstacle& o, const Eigen::Matrix3d& R) {
@@ -184,14 +183,38 @@ double nearest(const Axis& axis) {
   return 1;
 }
 
-/// How far the axis stays within `band` of its nearest place `t`, towards `end` (0 or 1).
+/// Narrows what is known of where the gap, which grows from `in` to `out`, is `limit`, by false
+/// position (Illinois). f: gap - limit at both.
+void narrow(const Axis& axis, double limit, double& in, double f_in, double& out, double f_out) {
+  const double close = std::abs(out - in) * 0x1p-17;  // half of what half as many halvings leave
+  int last = 0;
+  for (int i = 0; i < kSectionSteps / 4 && std::abs(out - in) > close; ++i) {
+    const double at = in + (out - in) * (f_in / (f_in - f_out)), f = axis.gap(at) - limit;
+    const int side = f <= 0 ? -1 : 1;
+    if (side < 0) {
+      in = at, f_in = f;
+      if (last == side) f_out *= 0.5;
+    } else {
+      out = at, f_out = f;
+      if (last == side) f_in *= 0.5;
+    }
+    last = side;
+  }
+}
+
+/// How far the axis stays within `band` of its nearest place `t`, towards `end` (0 or 1): by
+/// halving, where false position has not told yet.
 double extent(const Axis& axis, double t, double end, double band) {
-  const double limit = axis.gap(t) + band;
-  if (axis.gap(end) <= limit) return end;
-  double in = t, out = end;
+  const double limit = axis.gap(t) + band, f_end = axis.gap(end) - limit;
+  if (f_end <= 0) return end;
+  double in = t, out = end, known_in = t, known_out = end;
+  narrow(axis, limit, known_in, -band, known_out, f_end);
+  const double sign = end > t ? 1 : -1;
   for (int i = 0; i < kSectionSteps / 2; ++i) {
     const double middle = 0.5 * (in + out);
-    (axis.gap(middle) <= limit ? in : out) = middle;
+    const bool within = sign * (middle - known_in) <= 0 ||
+                        (sign * (middle - known_out) < 0 && axis.gap(middle) <= limit);
+    (within ? in : out) = middle;
   }
   return in;
 }
@@ -208,6 +231,8 @@ double flatEnd(const Axis& axis, double t, double end) {
     const double hi = std::min(pieces.cut[k + 1], std::max(t, far));
     if (hi - lo > kRounding && outsideOf(axis, lo, hi).sum() <= 1) return end > t ? hi : lo;
   }
+  const double least = t + std::copysign(kStickEnd, end - t);
+  if (std::abs(end - t) > kStickEnd && axis.gap(least) > axis.gap(t) + kFlatEdge) return t;
   const double along = extent(axis, t, end, kFlatEdge);
   return std::abs(along - t) > kStickEnd ? along : t;
 }
@@ -295,6 +320,13 @@ Bounds sweptBounds(const Points& x0, const Points& x1, int first, int n, double 
           a.rowwise().maxCoeff().cwiseMax(b.rowwise().maxCoeff()).array() + radius};
 }
 
+/// Whether a particle is too far from a solid that stands still to be in touch on its straight way.
+bool passesBy(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double radius, double margin) {
+  if (m.obstacle->type == ObstacleSpec::Type::kPlane || m.p0 != m.p1 || m.R0 != m.R1) return false;
+  const double pad = radius + kGapResolution;  // more than rounding
+  return !overlap({x0.cwiseMin(x1).array() - pad, x0.cwiseMax(x1).array() + pad}, m.bounds, margin);
+}
+
 void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int index,
                     const SweptObstacle& m, double margin, std::vector<Contact>& contacts) {
   const Ragdoll& r = model.ragdolls[index];
@@ -303,6 +335,7 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
   Contact c;
   bool found;
   for (int i = r.first; i < r.first + s.named; ++i) {
+    if (passesBy(m, x0.col(i), x1.col(i), model.radius[i], margin)) continue;
     particleContact(m, x0.col(i), x1.col(i), model.radius[i], margin, c, found);
     if (!found || W(i - r.first, i - r.first) == 0) continue;  // nothing pushes what a pin holds
     c.particle[0] = i;

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
+#include "core/direct/constants.h"
 #include "core/direct/driving.h"
 #include "core/direct/length_recovery.h"
 
 namespace ragdoll {
 namespace {
 
-constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into shape
 
 bool obstaclesMove(const StepContext& step) {
   const std::vector<Pose>& end = step.inputs.obstacles;

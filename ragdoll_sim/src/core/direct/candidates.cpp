@@ -79,13 +79,6 @@ double gapAt(const Body& body, const Contact& c, const double* dx) {
   return gap;
 }
 
-double gapNow(const Body& body, const Contact& c) {
-  double gap = -c.offset;
-  for (int k = 0; k < c.count; ++k)
-    gap += c.weight[k] * c.normal.dot(body.context->state.x.col(c.particle[k]));
-  return gap;
-}
-
 Vec3 motionOf(const Body& body, const Contact& c, const double* dx) {
   Vec3 sum = Vec3::Zero();
   for (int k = 0; k < c.count; ++k)

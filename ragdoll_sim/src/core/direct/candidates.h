@@ -10,8 +10,6 @@ double gapAt(const Body& body, const Contact& contact, const double* dx);
 inline double gapAfter(const Body& body, const Contact& contact) {
   return gapAt(body, contact, body.motion.dx.data());
 }
-/// The same where the body is now.
-double gapNow(const Body& body, const Contact& contact);
 /// [m] or [m/s] of the contact's point, by the body's dx or velocities.
 Vec3 motionOf(const Body& body, const Contact& contact, const double* dx);
 

@@ -18,6 +18,7 @@ constexpr double kTouching = 10 * kContactTolerance;  ///< [m] a gap smaller tha
 /// more than a sound step leaves.
 constexpr double kClose = 1e-3;
 constexpr double kSlop = kClose / 2;  ///< [m] a solution may leave; also of overlapping capsules
+constexpr double kRestsWithin = 2 * kClose;  ///< [m] what a sleeper presses on is nearer
 constexpr double kLever = 0.1;        ///< [m] on which angles count as lengths, and gravity turns
 
 // --- Depenetration: what overlaps opens slowly, so that nothing is shot out.
@@ -40,6 +41,8 @@ constexpr int kMaxRounds = 6;
 constexpr int kImplicitRounds = 2 * kMaxRounds;  ///< of implicit steps, which start farther off
 constexpr double kProgress = 0.9;  ///< of the last round's violation: more is no progress
 constexpr int kMaxSearches = 3;    ///< for contacts that others push the body into
+constexpr int kIslandRounds = 4;   ///< of islands that grow: a cap
+constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into shape: of rounding
 
 // --- Impacts.
 constexpr double kRestSteps = 4;  ///< what comes slower than gravity in four steps is at rest

@@ -5,6 +5,7 @@
 
 #include "core/contact/detect.h"
 #include "core/direct/candidates.h"
+#include "core/direct/constants.h"
 #include "core/direct/spring.h"
 #include "core/direct/workspace.h"
 
@@ -13,7 +14,6 @@ namespace {
 
 constexpr double kLeastSlip = 1e-6;  ///< [m/s]
 constexpr double kLocked = 1e-9;     ///< of the body's inverse mass: what answers less is held
-constexpr double kPressing = 2e-3;   ///< [m] what rests is nearer than that
 
 using Kind = Schur::Row::Kind;
 
@@ -134,7 +134,7 @@ void addSpring(const Body& body, const Contact& c, double answer, double h, Cont
   SpringMotion m;
   m.h = h;
   m.gap[0] = c.before;
-  m.gap[1] = gapNow(body, c);
+  m.gap[1] = c.gapAt(body.context->state.x);
   m.rate[0] =
       c.normal.dot(motionOf(body, c, body.saved.v.data()) - c.surface_motion / body.context->h);
   m.rate[1] = c.normal.dot(rateOf(*body.context, c));
@@ -218,7 +218,7 @@ void appendPressing(const Model& model, const State& state, const std::vector<st
   if (model.ragdoll_collision) {
     State awake = state;  // pairs of sleepers are looked for, too
     std::fill(awake.asleep.begin(), awake.asleep.end(), std::uint8_t(0));
-    detector.appendBetween(model, awake, state.x, state.x, PairSearch::touches(kPressing), between);
+    detector.appendBetween(model, awake, state.x, state.x, PairSearch::touches(kRestsWithin), between);
   }
   ImpulseCache cache;
   for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
@@ -228,9 +228,9 @@ void appendPressing(const Model& model, const State& state, const std::vector<st
     const auto v = state.v.middleCols(body.first, model.skeletonOf(body).size());
     const double way = model.solver.step * std::sqrt(v.colwise().squaredNorm().maxCoeff());
     contacts.clear();
-    appendContacts(model, obstacles, state.x, state.x, r, kPressing + way, contacts);
+    appendContacts(model, obstacles, state.x, state.x, r, kRestsWithin + way, contacts);
     if (model.self_collision)
-      detector.appendSelf(model, state.x, state.x, r, PairSearch::touches(kPressing), contacts);
+      detector.appendSelf(model, state.x, state.x, r, PairSearch::touches(kRestsWithin), contacts);
     for (const Contact& c : between)
       if (c.ragdoll == r) contacts.push_back(c);
     cache.clear();

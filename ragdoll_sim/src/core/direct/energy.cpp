@@ -15,7 +15,7 @@ namespace {
 double releasedEnergy(const Body& body) {
   double released = 0;
   for (const Contact& c : body.constraints.contacts)
-    if (c.isSoft()) released += storedEnergy(c, c.before) - storedEnergy(c, gapNow(body, c));
+    released += c.storedEnergy(c.before) - c.storedEnergy(c.gapAt(body.context->state.x));
   for (const LimitRow& limit : body.constraints.limits) {
     if (limit.compliance == 0) continue;
     const double value = std::min(0.0, anglesBefore(body)[limit.limit]);

@@ -61,7 +61,9 @@ struct Island {
   Island(const StepContext& step, IslandScratch& scratch)
       : context(step), s(scratch), bodies(scratch.bodies), pairs(scratch.pairs) {}
 
-  /// One body that has nothing to do with others.
+  /// One body that has nothing to do with others: all that it is treated by alone is rk and its
+  /// tolerance (one trajectory), leave to give up an overlap with obstacles (others would be left
+  /// in between), and a rigid motion as the last resort, before which an island is taken apart.
   bool isLone() const { return s.all.size() == 1; }
   /// Place of a ragdoll among the bodies; -1: it does not move.
   int placeOf(int ragdoll) const;

@@ -14,7 +14,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kIslandRounds = 4;  ///< of islands that grow
 
 int sizeOf(const Model& model, int ragdoll) {
   return model.skeletonOf(model.ragdolls[ragdoll]).size();
@@ -33,7 +32,7 @@ void markPressedPairs(const StepContext& step, std::vector<std::uint8_t>& marked
   }
 }
 
-double gapNow(const StepContext& step, const Contact& c) {
+double gapLeft(const StepContext& step, const Contact& c) {
   return c.gapAt(step.state.x) + allowedPenetration(c, step.h, step.h);
 }
 
@@ -138,7 +137,7 @@ void IslandBuilder::findContacts(const StepContext& context, bool overlaps_only)
 
 void IslandBuilder::unite(const StepContext& context, double near) {
   for (const Contact& c : contacts_) {
-    if (gapNow(context, c) > near) continue;
+    if (gapLeft(context, c) > near) continue;
     if (c.moves[0] && c.moves[1]) {
       parent_[root(c.ragdoll)] = root(c.other);
       continue;

@@ -22,24 +22,11 @@ constexpr double kB[kStages] = {35.0 / 384,     0,        500.0 / 1113, 125.0 / 
 constexpr double kE[kStages + 1] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
                                     -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
 
-/// Acceleration (3 x n) at the pose of `sticks` with velocities v; s.pulls: what `free` does to the
-/// sticks.
-void accelerate(const StickRows& rows, StickSolver& sticks, const double* v, RungeKuttaScratch& s,
-                double* out) {
-  kernels::multiplyPoints(v, rows.BT.data(), rows.n, rows.width, s.rates.data());
-  s.lambda.setZero(rows.width);
-  kernels::subtractDots(sticks.D(), s.pulls.data(), rows.width, s.lambda.data());
-  kernels::subtractDots(s.rates.data(), s.rates.data(), rows.width, s.lambda.data());
-  sticks.solve(rows, s.lambda.data());
-  std::copy(s.free.data(), s.free.data() + s.free.size(), out);
-  sticks.move(rows, s.lambda.data(), 1, out);
-}
-
-/// s.free and s.pulls at x, v; the power.
-double driveBy(const Drive& drive, const StickRows& rows, const double* x, const double* v,
+/// The body's free acceleration at x, v; the power.
+double driveBy(const Drive& drive, BodyResponse& body, const double* x, const double* v,
                RungeKuttaScratch& s) {
   const double power = drive(x, v, s.free);
-  kernels::multiplyPoints(s.free.data(), rows.BT.data(), rows.n, rows.width, s.pulls.data());
+  body.setFree(s.free);
   return power;
 }
 
@@ -50,14 +37,13 @@ double largest(const double* points, int n) {
 
 }  // namespace
 
-void rungeKutta(const StickRows& rows, StickSolver& start, StickSolver& sticks, const double* x,
-                const double* v, const Points& free, const Drive& drive, double h,
-                RungeKuttaScratch& s, Points& dx, Points& v1, double* first_lambda) {
+void rungeKutta(BodyResponse& body, const double* x, const double* v, const Points& free,
+                const Drive& drive, double h, RungeKuttaScratch& s, Points& dx, Points& v1,
+                double* first_lambda) {
+  const StickRows& rows = body.rows();
   const int n = 3 * rows.n, half = paddedWidth(n);
   s.free = free;
-  s.pulls.resize(3, rows.width);
-  s.rates.resize(3, rows.width);
-  kernels::multiplyPoints(free.data(), rows.BT.data(), rows.n, rows.width, s.pulls.data());
+  body.setFree(s.free);
   s.start.setZero(2 * half);
   std::copy(x, x + n, s.start.data());
   std::copy(v, v + n, s.start.data() + half);
@@ -68,13 +54,12 @@ void rungeKutta(const StickRows& rows, StickSolver& start, StickSolver& sticks, 
   for (int i = 0; i < kStages; ++i) {
     for (int j = 0; j < i; ++j) factors[j] = h * kA[i][j];
     kernels::addWeighted(s.start.data(), s.slopes.data(), factors, i, 2 * half, s.stage.data());
-    StickSolver& pose = i == 0 ? start : sticks;
-    pose.setPose(rows, s.stage.data());
+    i == 0 ? body.setStart(s.stage.data()) : body.setEnd(s.stage.data());
     double* slope = s.slopes.row(i).data();
     std::copy(s.stage.data() + half, s.stage.data() + half + n, slope);
-    if (drive) s.work += h * kB[i] * driveBy(drive, rows, s.stage.data(), slope, s);
-    accelerate(rows, pose, slope, s, slope + half);
-    if (i == 0) std::copy(s.lambda.data(), s.lambda.data() + rows.s, first_lambda);
+    if (drive) s.work += h * kB[i] * driveBy(drive, body, s.stage.data(), slope, s);
+    const Eigen::VectorXd& lambda = body.accelerate(i > 0, slope, slope + half);
+    if (i == 0) std::copy(lambda.data(), lambda.data() + rows.s, first_lambda);
   }
   for (int i = 0; i < kStages; ++i) factors[i] = h * kB[i];
   s.start.head(half).setZero();
@@ -83,16 +68,16 @@ void rungeKutta(const StickRows& rows, StickSolver& start, StickSolver& sticks, 
   v1 = Eigen::Map<const Points>(s.stage.data() + half, 3, rows.n);
 }
 
-double rungeKuttaError(const StickRows& rows, StickSolver& sticks, const double* x1,
-                       const double* v1, const Drive& drive, double h, RungeKuttaScratch& s) {
-  const int n = 3 * rows.n, half = paddedWidth(n);
+double rungeKuttaError(BodyResponse& body, const double* x1, const double* v1, const Drive& drive,
+                       double h, RungeKuttaScratch& s) {
+  const int points = body.rows().n, n = 3 * points, half = paddedWidth(n);
   double* error = s.start.data();
   std::copy(v1, v1 + n, error);
-  if (drive) driveBy(drive, rows, x1, v1, s);
-  accelerate(rows, sticks, v1, s, error + half);
+  if (drive) driveBy(drive, body, x1, v1, s);
+  body.accelerate(false, v1, error + half);
   s.start *= kE[kStages];
   kernels::addWeighted(error, s.slopes.data(), kE, kStages, 2 * half, error);
-  return std::max(h * largest(error, rows.n), h * kSwingTime * largest(error + half, rows.n));
+  return std::max(h * largest(error, points), h * kSwingTime * largest(error + half, points));
 }
 
 }  // namespace ragdoll

@@ -8,7 +8,7 @@
 
 #include <functional>
 
-#include "core/linear/stick_solver.h"
+#include "core/linear/body_response.h"
 
 namespace ragdoll {
 
@@ -22,24 +22,21 @@ struct RungeKuttaScratch {
   Points free;
   PaddedRows slopes;             ///< a row for each stage: velocities, then accelerations
   Eigen::VectorXd start, stage;  ///< likewise: positions, then velocities
-  PaddedRows rates, pulls;
-  Eigen::VectorXd lambda;
   double work = 0;  ///< [J] of a Drive
 };
 
 /// Motion of one body over h: dx [m] and v1 [m/s] (3 x n, columns) from x, v under the acceleration
 /// `free`, or `drive` if there is one, that it would have without sticks. first_lambda (s):
-/// multipliers at the start, whose pose `start` holds or is given; `sticks` takes those of the
-/// stages.
-void rungeKutta(const StickRows& rows, StickSolver& start, StickSolver& sticks, const double* x,
-                const double* v, const Points& free, const Drive& drive, double h,
-                RungeKuttaScratch& scratch, Points& dx, Points& v1, double* first_lambda);
+/// multipliers at the start, where the body's start is afterwards; its end is at a stage.
+void rungeKutta(BodyResponse& body, const double* x, const double* v, const Points& free,
+                const Drive& drive, double h, RungeKuttaScratch& scratch, Points& dx, Points& v1,
+                double* first_lambda);
 
 /// [m] Estimate of the error that the last rungeKutta made over h: the largest distance of a
 /// particle, or of kSwingTime times its velocity, from the embedded motion of fourth order
 /// [Dormand1980].
-/// `sticks`, x1 and v1: of the motion's end; scratch: as rungeKutta left it.
-double rungeKuttaError(const StickRows& rows, StickSolver& sticks, const double* x1,
-                       const double* v1, const Drive& drive, double h, RungeKuttaScratch& scratch);
+/// x1 and v1: of the motion's end, where the body's start is; scratch: as rungeKutta left it.
+double rungeKuttaError(BodyResponse& body, const double* x1, const double* v1, const Drive& drive,
+                       double h, RungeKuttaScratch& scratch);
 
 }  // namespace ragdoll

@@ -24,9 +24,8 @@ Drive driveOf(Body& body) {
 /// Dormand-Prince 5 over h, no matter what it meets: the motion, and velocities body.v1.
 bool integrate(Body& body, double h) {
   double* m = body.multipliers();
-  BodyResponse& response = body.memory->response;
-  rungeKutta(*body.rows, response.start(), response.end(), body.xData(), body.vData(),
-             body.acceleration, driveOf(body), h, body.stages, body.motion.dx, body.v1, m);
+  rungeKutta(body.memory->response, body.xData(), body.vData(), body.acceleration, driveOf(body), h,
+             body.stages, body.motion.dx, body.v1, m);
   const int s = body.rows->s;
   for (int k = 0; k < s; ++k) m[k] = m[k + s] = 0.5 * m[k];  // per h^2 of x, not of v
   driveAt(body, body.xData());
@@ -94,8 +93,8 @@ bool moveFreely(Island& island, double h, double& error) {
   findCandidates(body, h);
   if (!whole || !isFree(body)) return false;
   take(body);
-  error = rungeKuttaError(*body.rows, body.memory->response.start(), body.xData(), body.vData(),
-                          driveOf(body), h, body.stages);
+  error = rungeKuttaError(body.memory->response, body.xData(), body.vData(), driveOf(body), h,
+                          body.stages);
   return std::isfinite(error);
 }
 

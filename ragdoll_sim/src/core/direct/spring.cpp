@@ -22,11 +22,6 @@ SpringRow springRow(const Contact& c, double h, double answer, bool leapfrog) {
   return {(spring - damper) / (spring + damper) * start, 2 / (h * h * (spring + damper))};
 }
 
-double storedEnergy(const Contact& c, double gap) {
-  const double depth = std::max(0.0, -gap);
-  return 0.5 * depth * depth / c.give.compliance;
-}
-
 double peakForce(const Contact& c, const SpringMotion& m) {
   const double k = 1 / c.give.compliance;
   double peak = m.force;

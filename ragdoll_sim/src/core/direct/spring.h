@@ -22,9 +22,6 @@ SpringRow springRow(const Contact& contact, double h, double answer, bool leapfr
 /// [N s/m] of the damper over h [s]: never so much that it would throw back.
 double effectiveDamping(const Compliance& give, double h, double answer);
 
-/// [J] in the spring at a gap [m].
-double storedEnergy(const Contact& contact, double gap);
-
 /// The ends of a motion over h [s].
 struct SpringMotion {
   double h = 0;

@@ -23,7 +23,7 @@ struct LaneContact {
   double impulse[3] = {0, 0, 0};  ///< [N] in the last step
 };
 
-struct LanePress {
+struct LaneImpulse {
   int feature = 0, obstacle = 0;
   double impulse[3] = {0, 0, 0};  ///< [N]
 };
@@ -42,8 +42,8 @@ struct Lane {
   const LaneContact* contacts = nullptr;
   int contact_count = 0;
   double* limit_impulse = nullptr;  ///< [N m] per limit, in and out
-  LanePress* presses = nullptr;     ///< in: of the last step; out: room for press_room
-  int press_count = 0;
+  LaneImpulse* impulses = nullptr;  ///< in: of the last step; out: room for impulse_room
+  int impulse_count = 0;
   bool good = true;      ///< out: x and v are there
   bool pressed = false;  ///< out: an obstacle pressed
   bool limited = false;  ///< out: its energy was limited
@@ -76,8 +76,8 @@ struct PackMethod {
   void (*finish)(const FastBody& body, const PackStep& step, Lane* lanes, void* memory);
 };
 
-/// Most presses that a lane may have.
-inline int pressRoom(const FastBody& body, int planes) {
+/// Most impulses that a lane may have.
+inline int impulseRoom(const FastBody& body, int planes) {
   return static_cast<int>(body.features.size()) * (kSlots + planes);
 }
 

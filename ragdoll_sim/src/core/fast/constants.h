@@ -9,7 +9,10 @@ constexpr int kSweeps = 4;      ///< Gauss-Seidel sweeps of each
 constexpr int kRateSweeps = 2;  ///< of the velocities at the end
 
 constexpr double kRecovery = 0.2;  ///< of a violation, undone a step; 1 throws bodies up
-constexpr double kMargin = 0.1;    ///< [m] as near boxes, spheres and capsules are looked for
+// As near boxes, spheres and capsules are looked for, beyond where the free motion leads: what
+// contacts and joints may turn it aside by in a step.
+constexpr double kMargin = 0.1;  ///< [m] at most
+constexpr double kAside = 6;     ///< [m/s]
 // What takes part: what is nearer than this, and than what the body's fastest particle covers in
 // so many steps; an impact moves limbs that the free motion leaves alone.
 constexpr double kNear = 0.01;       ///< [m]
@@ -32,6 +35,7 @@ constexpr double kSelfNear = 1e-3;  ///< [m] limbs this near touch
 constexpr double kMostDeep = 0.012;       ///< [m] of a particle in an obstacle
 constexpr double kWorse = 2e-3;           ///< [m] than a deep one is to be after the step
 constexpr double kMostStickDeep = 0.015;  ///< [m] of a stick
+constexpr double kDeeper = 1e-3;          ///< [m] what a sunken stick may sink on
 constexpr double kMostAngle = 0.15;       ///< [rad] of a limit
 
 constexpr int kSlots = 4;  ///< contacts of one particle or stick beside those with planes

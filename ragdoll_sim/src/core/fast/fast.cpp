@@ -6,14 +6,13 @@
 #include "core/contact/pair_detect.h"
 #include "core/direct/direct_step.h"
 #include "core/fast/body_build.h"
+#include "core/fast/constants.h"
 #include "core/fast/dispatch.h"
 #include "ragdoll_sim/core/limits.h"
 
 namespace ragdoll {
 namespace fast {
 namespace {
-
-constexpr double kDeeper = 1e-3;  ///< [m] what a sunken stick may sink on in a step
 
 bool moves(const SweptObstacle& o) { return o.p0 != o.p1 || o.R0 != o.R1; }
 
@@ -39,14 +38,14 @@ void sortObstacles(const std::vector<SweptObstacle>& all, FastScratch& s) {
   }
 }
 
-/// Where each ragdoll's last presses are.
+/// Where each ragdoll's last impulses are.
 void sortPresses(const Model& model, const State& state, FastScratch& s) {
-  s.first_press.assign(model.ragdolls.size() + 2, 0);
-  for (const CachedImpulse& p : state.impulses) ++s.first_press[p.ragdoll + 2];
-  for (std::size_t i = 2; i < s.first_press.size(); ++i) s.first_press[i] += s.first_press[i - 1];
-  s.press.resize(state.impulses.size());
+  s.first_impulse.assign(model.ragdolls.size() + 2, 0);
+  for (const CachedImpulse& p : state.impulses) ++s.first_impulse[p.ragdoll + 2];
+  for (std::size_t i = 2; i < s.first_impulse.size(); ++i) s.first_impulse[i] += s.first_impulse[i - 1];
+  s.cached.resize(state.impulses.size());
   for (std::size_t k = 0; k < state.impulses.size(); ++k)
-    s.press[s.first_press[state.impulses[k].ragdoll + 1]++] = static_cast<int>(k);
+    s.cached[s.first_impulse[state.impulses[k].ragdoll + 1]++] = static_cast<int>(k);
 }
 
 /// One pack on its way through a step.
@@ -88,17 +87,17 @@ class PackRun {
     step_.plane_count = static_cast<int>(scratch_.planes.size());
     const std::size_t bytes = method_.memory(body_, step_.plane_count) + 64;
     if (pack_.memory.size() < bytes) pack_.memory.resize(bytes);
-    room_ = pressRoom(body_, step_.plane_count);
+    room_ = impulseRoom(body_, step_.plane_count);
     pack_.spare.resize(2 * kMaxLanes * n);
     pack_.limit_impulses.assign(kMaxLanes * limits + 1, 0.0);
-    if (static_cast<int>(pack_.presses.size()) < kMaxLanes * room_)
-      pack_.presses.resize(kMaxLanes * room_);
+    if (static_cast<int>(pack_.impulses.size()) < kMaxLanes * room_)
+      pack_.impulses.resize(kMaxLanes * room_);
     pack_.contacts.resize(kMaxLanes);
     for (int l = 0; l < method_.lanes; ++l) {
       lanes_[l] = Lane();
       pack_.contacts[l].clear();
       lanes_[l].limit_impulse = pack_.limit_impulses.data() + l * limits;
-      lanes_[l].presses = pack_.presses.data() + l * room_;
+      lanes_[l].impulses = pack_.impulses.data() + l * room_;
       if (l < batch_.count) {
         fill(l);
       } else {  // a lane for no body: the first one's again
@@ -120,8 +119,8 @@ class PackRun {
     if (!scratch_.obstacles.empty()) lane.predicted = predicted_.data() + 3 * r.first;
     if (force_) lane.force = force_->data() + 3 * r.first;
     lane.driven = scratch_.driven;
-    for (int k = scratch_.first_press[index]; k < scratch_.first_press[index + 1]; ++k)
-      takePress(state_.impulses[scratch_.press[k]], r, lane);
+    for (int k = scratch_.first_impulse[index]; k < scratch_.first_impulse[index + 1]; ++k)
+      takeImpulse(state_.impulses[scratch_.cached[k]], r, lane);
     const System& system = model_.systemOf(r);
     lane.pull = !system.pins.empty() && state_.step > 0 ? 1 : 0.5;
     for (std::size_t p = 0; p < inputs_.pins.size(); ++p) {
@@ -132,19 +131,19 @@ class PackRun {
     }
   }
 
-  void takePress(const CachedImpulse& press, const Ragdoll& r, Lane& lane) const {
-    if (press.a < 0) {
-      if (-1 - press.a < static_cast<int>(body_.limits.size()))
-        lane.limit_impulse[-1 - press.a] = press.impulse.x();
+  void takeImpulse(const CachedImpulse& last, const Ragdoll& r, Lane& lane) const {
+    if (last.a < 0) {
+      if (-1 - last.a < static_cast<int>(body_.limits.size()))
+        lane.limit_impulse[-1 - last.a] = last.impulse.x();
       return;
     }
-    if (press.obstacle < 0) return;
-    const int feature = featureOf(press.a - r.first, press.b < 0 ? -1 : press.b - r.first);
-    if (feature < 0 || lane.press_count >= room_) return;
-    LanePress& to = lane.presses[lane.press_count++];
+    if (last.obstacle < 0) return;
+    const int feature = featureOf(last.a - r.first, last.b < 0 ? -1 : last.b - r.first);
+    if (feature < 0 || lane.impulse_count >= room_) return;
+    LaneImpulse& to = lane.impulses[lane.impulse_count++];
     to.feature = feature;
-    to.obstacle = press.obstacle;
-    for (int c = 0; c < 3; ++c) to.impulse[c] = press.impulse[c];
+    to.obstacle = last.obstacle;
+    for (int c = 0; c < 3; ++c) to.impulse[c] = last.impulse[c];
   }
 
   int featureOf(int a, int b) const {
@@ -162,7 +161,8 @@ class PackRun {
     Lane& lane = lanes_[l];
     std::vector<LaneContact>& contacts = pack_.contacts[l];
     pack_.found.clear();
-    appendContacts(model_, scratch_.obstacles, state_.x, predicted_, index, kMargin, pack_.found);
+    appendContacts(model_, scratch_.obstacles, state_.x, predicted_, index,
+                   std::min(kMargin, kAside * h_), pack_.found);
     for (const Contact& c : pack_.found) {
       LaneContact to;
       to.feature = featureOf(c.particle[0] - r.first, c.count > 1 ? c.particle[1] - r.first : -1);
@@ -183,10 +183,10 @@ class PackRun {
         to.normal[k] = c.normal[k];
         to.motion[k] = c.surface_motion[k];
       }
-      for (int k = 0; k < lane.press_count; ++k)
-        if (lane.presses[k].feature == to.feature && lane.presses[k].obstacle == c.obstacle &&
+      for (int k = 0; k < lane.impulse_count; ++k)
+        if (lane.impulses[k].feature == to.feature && lane.impulses[k].obstacle == c.obstacle &&
             nth-- == 0)
-          std::copy_n(lane.presses[k].impulse, 3, to.impulse);
+          std::copy_n(lane.impulses[k].impulse, 3, to.impulse);
       contacts.push_back(to);
     }
     lane.contacts = contacts.data();
@@ -230,20 +230,20 @@ class PackRun {
     std::copy_n(lane.v1, n, state_.v.data() + 3 * r.first);
     const auto add = [&](int a, int b, int obstacle, const Vec3& impulse) {
       batch_.impulses.emplace_back();
-      CachedImpulse& press = batch_.impulses.back();
-      press.ragdoll = index;
-      press.a = a;
-      press.b = b;
-      press.obstacle = obstacle;
-      press.impulse = impulse;
+      CachedImpulse& last = batch_.impulses.back();
+      last.ragdoll = index;
+      last.a = a;
+      last.b = b;
+      last.obstacle = obstacle;
+      last.impulse = impulse;
     };
-    for (int k = 0; k < lane.press_count; ++k) {
-      const LanePress& press = lane.presses[k];
-      const Feature& f = body_.features[press.feature];
-      add(r.first + f.a, f.b < 0 ? -1 : r.first + f.b, press.obstacle,
-          {press.impulse[0], press.impulse[1], press.impulse[2]});
+    for (int k = 0; k < lane.impulse_count; ++k) {
+      const LaneImpulse& last = lane.impulses[k];
+      const Feature& f = body_.features[last.feature];
+      add(r.first + f.a, f.b < 0 ? -1 : r.first + f.b, last.obstacle,
+          {last.impulse[0], last.impulse[1], last.impulse[2]});
     }
-    batch_.contacts += lane.press_count;
+    batch_.contacts += lane.impulse_count;
     batch_.limited += lane.limited;
     for (std::size_t i = 0; i < body_.limits.size(); ++i)
       if (lane.limit_impulse[i] > 0)

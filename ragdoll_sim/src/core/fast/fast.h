@@ -27,7 +27,7 @@ struct PackScratch {
   std::vector<char> memory;
   std::vector<double> spare;  ///< positions and velocities of lanes without a body
   std::vector<double> limit_impulses;
-  std::vector<LanePress> presses;
+  std::vector<LaneImpulse> impulses;
   std::vector<std::vector<LaneContact>> contacts;  ///< per lane
   std::vector<Contact> found;
 };
@@ -50,9 +50,9 @@ struct FastScratch {
   std::vector<fast::Batch> batches;
   std::vector<SweptObstacle> obstacles;  ///< but still planes
   std::vector<fast::StillPlane> planes;
-  std::vector<int> first_press;  ///< per ragdoll and one more: into `press`
-  std::vector<int> press;        ///< of State::impulses, ragdoll by ragdoll
-  bool driven = false;           ///< an obstacle moves
+  std::vector<int> first_impulse;  ///< per ragdoll and one more: into `cached`
+  std::vector<int> cached;         ///< of State::impulses, ragdoll by ragdoll
+  bool driven = false;             ///< an obstacle moves
   std::vector<fast::PackScratch> packs;  ///< per thread
   std::vector<int> left;                 ///< ragdolls for the direct method
   int most_lanes = 0;  ///< of a pack; 0: as many as the processor has. For tests.

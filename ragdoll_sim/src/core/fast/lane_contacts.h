@@ -161,8 +161,8 @@ template <class L>
 RAGDOLL_INLINE void warmPlanes(const PackStep& step, const Lane* lanes, L& w) {
   using R = typename L::R;
   for (int l = 0; l < L::W; ++l)
-    for (int k = 0; k < lanes[l].press_count; ++k) {
-      const LanePress& press = lanes[l].presses[k];
+    for (int k = 0; k < lanes[l].impulse_count; ++k) {
+      const LaneImpulse& press = lanes[l].impulses[k];
       for (int p = 0; p < step.plane_count; ++p) {
         const int at = w.row_of[press.feature * w.slots + p];
         if (step.planes[p].obstacle != press.obstacle || at < 0) continue;

@@ -347,12 +347,12 @@ RAGDOLL_SECTION void storePresses(const FastBody& b, const PackStep& step, Lane*
     Lane& out = lanes[l];
     if (!out.good) continue;
     const double rate2 = 1 / (out.pull * step.h * step.h);
-    out.press_count = 0;
+    out.impulse_count = 0;
     for (int i = 0; i < w.contact_count; ++i) {
       const ContactRow<R>& row = w.contacts[i];
       const double press = rate2 * lane(row.press, l);
       if (!(press > 0)) continue;
-      LanePress& to = out.presses[out.press_count++];
+      LaneImpulse& to = out.impulses[out.impulse_count++];
       to.feature = static_cast<int>(row.feature - b.features.data());
       to.obstacle = w.obstacle_of[i * L::W + l];
       to.impulse[0] = press * lane(row.normal.x, l) + rate2 * lane(row.pull.x, l);

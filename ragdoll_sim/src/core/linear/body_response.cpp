@@ -48,6 +48,27 @@ bool BodyResponse::alongStart(const StickLengths& lengths, Points& dx, Eigen::Ve
   return false;
 }
 
+void BodyResponse::setFree(const Points& free) {
+  free_ = free;
+  pulls_.resize(3, rows_->width);
+  kernels::multiplyPoints(free_.data(), rows_->BT.data(), rows_->n, rows_->width, pulls_.data());
+}
+
+const Eigen::VectorXd& BodyResponse::accelerate(bool at_end, const double* v, double* out) {
+  const StickRows& rows = *rows_;
+  StickSolver& sticks = at_end ? end_ : start_;
+  rates_.resize(3, rows.width);
+  kernels::multiplyPoints(v, rows.BT.data(), rows.n, rows.width, rates_.data());
+  // d . d'' + d' . d' = 0 of every stick.
+  lambda_.setZero(rows.width);
+  kernels::subtractDots(sticks.D(), pulls_.data(), rows.width, lambda_.data());
+  kernels::subtractDots(rates_.data(), rates_.data(), rows.width, lambda_.data());
+  sticks.solve(rows, lambda_.data());
+  std::copy(free_.data(), free_.data() + free_.size(), out);
+  sticks.move(rows, lambda_.data(), 1, out);
+  return lambda_;
+}
+
 double BodyResponse::endResiduals(const StickLengths& lengths) {
   const Eigen::Map<const PaddedRows> D(end_.D(), 3, rows_->width);
   double worst = 0;

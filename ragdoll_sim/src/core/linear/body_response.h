@@ -1,10 +1,11 @@
 // How one body answers to what acts on it: the interface behind which its sticks are solved.
 //
 // A step of a direct method looks at two poses of a body, its start and its end. Here both hold the
-// direct solution of the sticks (stick_solver.h), and the four questions of a step are answered:
+// direct solution of the sticks (stick_solver.h), and the questions of a step are answered:
 //   free motion onto the constraints   alongStart: SHAKE's impulses along the old directions
 //   back onto the lengths              alongEnd: the nearest pose, along the new directions
 //   the answer to a row                assemble: the rows of a Schur complement
+//   the answer to a force              accelerate: [m/s^2] with the lengths kept, for stages
 //   how well that is conditioned       condition
 // Whoever solves the sticks in another way (a tree in its tangent coordinates) stands beside this.
 #pragma once
@@ -34,8 +35,6 @@ class BodyResponse {
   void setEnd(const double* x) { end_.setPose(*rows_, x); }
   /// The end is where the next motion starts.
   void endIsStart() { std::swap(start_, end_); }
-  StickSolver& start() { return start_; }
-  StickSolver& end() { return end_; }
   const StickRows& rows() const { return *rows_; }
   /// [m^2] of a stick at the start.
   double startLength2(int stick) const;
@@ -67,6 +66,12 @@ class BodyResponse {
   void projectAtEnd(double* v) { end_.projectVelocities(*rows_, v); }
   void projectAtStart(double* v) { start_.projectVelocities(*rows_, v); }
 
+  /// [m/s^2] free (3 x n): accelerations without the sticks, which accelerate adds to.
+  void setFree(const Points& free);
+  /// out (3 x n) = free + W J^T lambda with J out = -J' v: lengths stay as they are under
+  /// velocities v at the end, or the start. Returns lambda [kg/s^2], padded.
+  const Eigen::VectorXd& accelerate(bool at_end, const double* v, double* out);
+
   /// The rows' answers at the end, or the start.
   void assemble(Schur& schur, bool at_end) { schur.assemble(*rows_, at_end ? end_ : start_); }
 
@@ -84,7 +89,9 @@ class BodyResponse {
   StickSolver start_, end_;
   PaddedRows D1_;
   Eigen::VectorXd residual_, correction_;
-  Points pose_;
+  Points pose_, free_;
+  PaddedRows pulls_, rates_;  ///< of the sticks: free_, velocities
+  Eigen::VectorXd lambda_;
 };
 
 }  // namespace ragdoll

@@ -18,9 +18,12 @@ constexpr double kMostRatio = 1 - kConstant / 2;  ///< above, impulses may be gr
 constexpr double kEndless = 1e-3;  ///< what the ratio of changes that do not shrink is off 1
 constexpr int kEndlessSweeps = 4;  ///< so many of them: impulses grow without end, no solution
 
-// --- Batches of sweeps, where they alone do not settle (schur.cpp).
-constexpr int kMemory = 5;           ///< batches that are combined
-constexpr int kBatch = 2 * kMemory;  ///< [sweeps] what converges fast is then done
+// --- Batches of sweeps, where they alone do not settle (Schur::solveOn, anderson.h).
+constexpr int kMemory = 5;             ///< batches that are combined
+constexpr int kBatch = 2 * kMemory;    ///< [sweeps] what converges fast is then done
+constexpr int kBatches = 4 * kMemory;  ///< a cap
+constexpr double kNoChange = 1e-6;     ///< share by which changes of no end differ
+constexpr double kMostGrowth = 1e4;    ///< of impulses: rows contradict each other, no use
 
 // --- Not tuned: the unit in which bodies are large or small.
 constexpr double kHumanStick = 0.25;  ///< [m] a usual length

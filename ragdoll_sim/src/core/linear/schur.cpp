@@ -1,6 +1,5 @@
 #include "core/linear/schur.h"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -191,40 +190,23 @@ void Schur::addRates(int i, int count, const double* impulses) {
 }
 
 bool Schur::solveOn(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p) {
-  constexpr int kBatches = 20;
-  constexpr double kNoChange = 1e-6;  // share by which changes of no end differ
-  constexpr double kMost = 1e4;       // times as large: of rows that contradict each other, no use
-  const int m = size();
-  const Eigen::VectorXd start = p;
+  start_ = p;
   // Impulses in units in which all rows yield alike.
-  const Eigen::VectorXd scale = now_.A.leftCols(m).diagonal().cwiseMax(0).cwiseSqrt();
-  Eigen::MatrixXd changes(m, kMemory), results(m, kMemory);  // from batch to batch
-  Eigen::VectorXd change, result, last_change, last_result;
-  int known = 0, next = 0;
+  scale_ = now_.A.leftCols(size()).diagonal().cwiseMax(0).cwiseSqrt();
+  anderson_.start();
   for (int batch = 0; batch < kBatches; ++batch) {
-    const Eigen::VectorXd before = p;
+    scaled_ = scale_.cwiseProduct(p);
     if (sweepFrom(b, p, true)) return true;
-    result = scale.cwiseProduct(p);
-    change = result - scale.cwiseProduct(before);
-    if (batch > 0) {
-      changes.col(next) = change - last_change;
-      if (changes.col(next).norm() < kNoChange * change.norm()) break;
-      results.col(next) = result - last_result;
-      next = (next + 1) % kMemory;
-      known = std::min(known + 1, kMemory);
-    }
-    last_change = change;
-    last_result = result;
-    if (known == 0) continue;
-    const Eigen::VectorXd share = changes.leftCols(known).colPivHouseholderQr().solve(change);
-    const Eigen::VectorXd better = result - results.leftCols(known) * share;
-    if (better.allFinite()) putAllowed(better, scale, p);
+    swept_ = scale_.cwiseProduct(p);
+    if (!anderson_.mix(scaled_, swept_, better_)) break;
+    if (batch > 0 && better_.allFinite()) putAllowed(better_, scale_, p);
   }
-  if (!(scale.cwiseProduct(p).norm() <= kMost * scale.cwiseProduct(start).norm())) p = start;
+  if (!(scale_.cwiseProduct(p).norm() <= kMostGrowth * scale_.cwiseProduct(start_).norm()))
+    p = start_;
   return false;
 }
 
-void Schur::putAllowed(const Eigen::VectorXd& scaled, const Eigen::VectorXd& scale,
+void Schur::putAllowed(const RowValues& scaled, const RowValues& scale,
                        Eigen::Ref<Eigen::VectorXd> p) {
   const auto put = [&](int i) { p[i] = scale[i] > 0 ? scaled[i] / scale[i] : p[i]; };
   for (const SchurBlock& block : blocks_) {

@@ -14,6 +14,7 @@
 
 #include "core/base/growing.h"
 #include "core/contact/contact.h"
+#include "core/linear/anderson.h"
 #include "core/linear/stick_solver.h"
 #include "ragdoll_sim/core/limits.h"
 
@@ -90,7 +91,7 @@ class Schur {
   /// Goes on, with the same b, where solve gave up at p. Where rows all but contradict each other,
   /// as those of a limb between two obstacles, sweeps alone would take thousands: Anderson
   /// acceleration [Walker2011] of batches of them. Returns whether it settled; if not, p is as it
-  /// was where it would have grown without bound. Allocates.
+  /// was where it would have grown without bound.
   bool solveOn(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p);
 
   /// out (3 x n, columns) += what the impulses p do, the sticks answering as at assemble.
@@ -124,8 +125,7 @@ class Schur {
   bool sweepFrom(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
                  bool batch);
   /// p, as allowed, from impulses times the scale; what cannot move stays.
-  void putAllowed(const Eigen::VectorXd& scaled, const Eigen::VectorXd& scale,
-                  Eigen::Ref<Eigen::VectorXd> p);
+  void putAllowed(const RowValues& scaled, const RowValues& scale, Eigen::Ref<Eigen::VectorXd> p);
 
   int first_ = 0, columns_ = 0;
   int count_ = 0;  ///< of the body's coordinates
@@ -133,7 +133,8 @@ class Schur {
   bool assembled_ = false;  ///< now_
   std::vector<int> known_;
   std::vector<SchurBlock> blocks_;
-  RowValues w_;
+  RowValues w_, start_, scale_, scaled_, swept_, better_;  ///< all but w_: of solveOn
+  Anderson anderson_;
   Eigen::VectorXd moved_;
 };
 

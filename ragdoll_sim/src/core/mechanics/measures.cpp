@@ -36,11 +36,7 @@ double springEnergy(const Model& model, const State& state) {
   sweepObstacles(model, state, {}, obstacles);
   for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
     appendContacts(model, obstacles, state.x, state.x, static_cast<int>(i), 0, contacts);
-  for (const Contact& c : contacts) {
-    double gap = -c.offset;
-    for (int k = 0; k < c.count; ++k) gap += c.weight[k] * c.normal.dot(state.x.col(c.particle[k]));
-    if (c.isSoft() && gap < 0) e += 0.5 * gap * gap / c.give.compliance;
-  }
+  for (const Contact& c : contacts) e += c.storedEnergy(c.gapAt(state.x));
   return e;
 }
 

@@ -21,12 +21,8 @@ double errorOver(double h) {
   Body& body = one.body();
   Points dx(3, 2), v1(3, 2);
   Eigen::VectorXd lambda(body.rows->s);
-  BodyResponse& response = body.memory->response;
-  StickSolver stages;
-  stages.resize(*body.rows);
-  body.stages.free.setZero(3, 2);
-  rungeKutta(*body.rows, response.start(), stages, body.xData(), body.vData(), body.stages.free,
-             nullptr, h, body.stages, dx, v1, lambda.data());
+  rungeKutta(body.memory->response, body.xData(), body.vData(), Points::Zero(3, 2), nullptr, h,
+             body.stages, dx, v1, lambda.data());
   const Vec3 middle(0.5, 0, 0);
   const Vec3 right = middle + 0.5 * Vec3(std::cos(kTurn * h), std::sin(kTurn * h), 0);
   return (one.world.x(1) + dx.col(1) - right).norm();

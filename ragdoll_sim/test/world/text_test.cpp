@@ -1,0 +1,52 @@
+#include "ragdoll_sim/world/text.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "particles.h"
+#include "ragdoll_sim/core/build_model.h"
+#include "ragdoll_sim/core/error.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+TEST(Text, ListsTwentyNamesAndCountsTheRest) {
+  std::vector<std::string> names(20, "a");
+  EXPECT_EQ(listed(names).find("more"), std::string::npos);
+  names.resize(27, "b");
+  const std::string text = listed(names);
+  EXPECT_EQ(text.substr(text.size() - 11), " and 7 more");
+  EXPECT_EQ(text.find('b'), std::string::npos);
+}
+
+TEST(Text, ShowsVectorsAndWhatAModelHas) {
+  EXPECT_EQ(shown(Vec3(1, -2.5, 0)), "(1, -2.5, 0)");
+  Scene scene = particles(2);
+  scene.obstacles.push_back(floorPlane());
+  EXPECT_EQ(contents(buildModel(scene)), "2 ragdolls, 1 obstacle");
+}
+
+TEST(Text, NamesWhatIsNotFinite) {
+  EXPECT_NO_THROW(checkFinite(Vec3(1, 2, 3), "force", "[N]"));
+  try {
+    checkFinite(Vec3(1, std::numeric_limits<double>::quiet_NaN(), 3), "force", "[N]");
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("force"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("[N]"), std::string::npos);
+  }
+}
+
+TEST(Text, FullNamesHaveTheRagdoll) {
+  const Model model = buildModel(particles(2));
+  BodyRef body;
+  body.ragdoll = 1;
+  EXPECT_EQ(fullName(model, body, "p"), "other_1/p");
+  EXPECT_EQ(fullName(model, body, "other_1/p"), "other_1/p");
+}
+
+}  // namespace
+}  // namespace ragdoll
