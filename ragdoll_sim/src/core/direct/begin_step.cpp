@@ -36,7 +36,8 @@ void movePins(Body& body) {
 
 /// Impulses of the last step: the body's own, and between the island's bodies.
 void fillCaches(Island& island) {
-  for (const CachedImpulse& impulse : island.context.state.impulses) {
+  const StepContext& step = island.context;
+  for (const CachedImpulse& impulse : step.before ? *step.before : step.state.impulses) {
     const int place = island.placeOf(impulse.ragdoll);
     if (place < 0) continue;
     Body& body = *island.bodies[place];

@@ -39,6 +39,10 @@ struct StepContext {
   Supports& supports;
   ContactLog* log = nullptr;  ///< of this step; null: nobody asks
   int worker = 0;             ///< which thread takes the step: whose scratch it uses
+  const std::vector<CachedImpulse>* before = nullptr;  ///< pressed before; null: the state's
+  double whole = 0;  ///< [s] the step that h is a part of; 0: all of it
+
+  double wholeStep() const { return whole > 0 ? whole : h; }
 };
 
 /// Of one body, kept from step to step: what is known of a step's end serves at the next start.

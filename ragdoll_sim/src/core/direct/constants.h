@@ -76,9 +76,27 @@ constexpr double kMostGiven = 0.01;
 /// Of a stick's length, how far an iteration moves its ends; [rad] of a rigid motion: more is lost.
 constexpr double kLargestTurn = 0.5;
 
-// --- Adaptive rk; textbook values, not measured.
-constexpr double kSafety = 0.9;       ///< of the substep that the estimate allows
-constexpr double kLargestGrowth = 4;  ///< from one substep to the next; its inverse the smallest
+// --- Adaptive steps; textbook values, not measured.
+/// [s] sqrt(kLever / g): as long an error of velocities moves a limb before gravity turns it, so
+/// that it counts as one of positions.
+constexpr double kSwingTime = 0.1;
+/// How much more the positions' error counts where something is met or let go: velocities, which jump
+/// a little sooner or later there, do not. 1: 1 window in 5 with contact is off at 1e-4 m/s.
+constexpr double kOfJumps = 8;
+/// Of the tolerance, what a part aims at, so that most stand at once [Hairer1993, II.4].
+constexpr double kAim = 0.38;
+constexpr double kLargestGrowth = 4;      ///< from one part to the next; its inverse the smallest
+constexpr int kOrderOfRk = 4;             ///< of the embedded estimate's error per second
+constexpr int kOrderOfShake = 2;          ///< likewise of step doubling
+constexpr double kDoubling = 3;           ///< 2^2 - 1: the difference over the halves' error
+/// [s] at a tolerance of 1 m/s; shorter with its square root, as of a method of second order.
+constexpr double kShortestPart = 5e-3;
+constexpr double kShortEnough = 1.01;      ///< of the shortest part: rounding is near
+constexpr double kReserved = 0.5;         ///< of the tolerance, for the parts that follow in a step
+constexpr double kLeastOfOrder = 0.25;    ///< of the order: a shorter part that gains less is in vain
+constexpr int kMaxInVain = 2;             ///< in a row: the motion has a jump or a fork there
+constexpr int kMaxUnknown = 4;            ///< likewise where the step guard acts, or nothing is found
+constexpr double kUnknownRate = 1e300;    ///< [m/s] where no motion was found
 
 // --- Not tuned: what several files take for rounding.
 constexpr double kSnap = 1e-6;          ///< of the substep: nearer to its ends is there

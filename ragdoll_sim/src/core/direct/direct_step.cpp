@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "core/direct/adaptive_step.h"
 #include "core/direct/begin_step.h"
 #include "core/direct/motion.h"
 #include "core/direct/step_island.h"
@@ -9,6 +10,12 @@
 
 namespace ragdoll {
 namespace {
+
+bool hasTolerance(const StepContext& context) {
+  const SolverSpec& solver = context.model.solver;
+  return solver.tolerance > 0 && context.guarded && !context.relaxed &&
+         (solver.method == Method::kShake || solver.method == Method::kRk);
+}
 
 /// What pressed on sleepers goes on doing so.
 void keepSleepersImpulses(const StepContext& context, std::vector<CachedImpulse>& impulses) {
@@ -43,8 +50,12 @@ void stepBodies(const StepContext& context, const std::vector<int>& bodies,
                 const std::vector<int>& sleepers, std::vector<CachedImpulse>& impulses,
                 std::vector<BodyPair>& pressing, StepReport& report) {
   Island island(context, scratchOf(context).island);
-  bindIsland(island, bodies, sleepers);
-  stepIsland(island, report);
+  if (hasTolerance(context)) {
+    stepWithinTolerance(context, bodies, sleepers, report);
+  } else {
+    bindIsland(island, bodies, sleepers);
+    stepIsland(island, report);
+  }
   for (const Body* body : island.bodies) {
     const std::vector<CachedImpulse>& own = body->cache.impulses();
     for (const CachedImpulse& impulse : own)
@@ -61,7 +72,7 @@ void stepApart(const StepContext& context, const std::vector<int>& bodies, StepR
   DirectWorkspace& ws = context.ws;
   std::vector<BodyPair>& pressing = context.supports.pressing;
   const int count = static_cast<int>(bodies.size());
-  if (count < 2 || Workers::count(context.model.solver.threads) < 2) {
+  if (count < 2 || threadsOf(context) < 2) {
     for (const int i : bodies) {
       ws.scratch[0].lone_body.assign(1, i);
       stepBodies(context, ws.scratch[0].lone_body, ws.no_bodies, ws.impulses, pressing, report);

@@ -14,7 +14,7 @@ bool isPushed(const Body& body) {
   const StepContext& step = *body.context;
   return std::any_of(step.inputs.pokes.begin(), step.inputs.pokes.end(), [&](const Poke& poke) {
     return poke.body.ragdoll == body.index && poke.body.particles.size() > 1 &&
-           !poke.point.isZero(0) && isActive(poke, step.state.time, step.h);
+           !poke.point.isZero(0) && isActive(poke, step.state.time, step.wholeStep());
   });
 }
 
@@ -31,6 +31,7 @@ void startDriving(Body& body) {
   // The relaxation's guard adds what others press with: its forces are those of the start.
   body.pushed = step.force && !step.relaxed && isPushed(body);
   accelerate(body);
+  if (step.whole > 0) driveAt(body, body.xData());  // the force is that of the whole step's start
 }
 
 void driveAt(Body& body, const double* x) {
@@ -39,7 +40,7 @@ void driveAt(Body& body, const double* x) {
   const Eigen::Map<const Points> pose(x, 3, body.n);
   body.force.setZero();
   for (const Poke& poke : step.inputs.pokes)
-    if (poke.body.ragdoll == body.index && isActive(poke, step.state.time, step.h))
+    if (poke.body.ragdoll == body.index && isActive(poke, step.state.time, step.wholeStep()))
       addForce(poke, pose, body.first, body.force);
   accelerate(body);
 }

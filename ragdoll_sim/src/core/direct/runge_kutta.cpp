@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/direct/constants.h"
+
 namespace ragdoll {
 namespace {
 
@@ -75,7 +77,7 @@ double rungeKuttaError(BodyResponse& body, const double* x1, const double* v1, c
   body.accelerate(false, v1, error + half);
   s.start *= kE[kStages];
   kernels::addWeighted(error, s.slopes.data(), kE, kStages, 2 * half, error);
-  return std::max(h * largest(error, points), h * h * largest(error + half, points));
+  return std::max(h * largest(error, points), h * kSwingTime * largest(error + half, points));
 }
 
 }  // namespace ragdoll

@@ -33,7 +33,8 @@ void rungeKutta(BodyResponse& body, const double* x, const double* v, const Poin
                 double* first_lambda);
 
 /// [m] Estimate of the error that the last rungeKutta made over h: the largest distance of a
-/// particle, or of h times its velocity, from the embedded motion of fourth order [Dormand1980].
+/// particle, or of kSwingTime times its velocity, from the embedded motion of fourth order
+/// [Dormand1980].
 /// x1 and v1: of the motion's end, where the body's start is; scratch: as rungeKutta left it.
 double rungeKuttaError(BodyResponse& body, const double* x1, const double* v1, const Drive& drive,
                        double h, RungeKuttaScratch& scratch);

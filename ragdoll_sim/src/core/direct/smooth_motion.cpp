@@ -8,14 +8,12 @@
 #include "core/direct/driving.h"
 #include "core/direct/impact.h"
 #include "core/direct/motion.h"
-#include "core/direct/step_island.h"
 #include "core/direct/velocity_solver.h"
 
 namespace ragdoll {
 namespace {
 
-constexpr int kRefinements = 3;     ///< of the time at which rk arrives
-constexpr int kMaxAdaptive = 1024;  ///< substeps of one step; as small as they get
+constexpr int kRefinements = 3;  ///< of the time at which rk arrives
 
 Drive driveOf(Body& body) {
   if (!forcesFollow(body)) return {};
@@ -77,55 +75,6 @@ SmoothTrial stopAtImpact(Island& island, double h) {
   return {std::max(until, kSnap * h), true};
 }
 
-/// How far a step of h has come in substeps that keep the tolerance.
-struct AdaptiveStep {
-  double h;      ///< [s]
-  double& next;  ///< [s] the substep to try next; in the state, as the next step begins with it
-  double left;   ///< [s]
-  int taken = 0;
-
-  void accept(double took) {
-    left -= took;
-    ++taken;
-  }
-};
-
-/// After a motion over sub that met something; whole: it was found.
-void meet(Island& island, AdaptiveStep& step, double sub, bool whole, StepReport& report) {
-  const SmoothTrial impact = whole ? stopAtImpact(island, sub) : SmoothTrial{0, false};
-  if (impact.ok && impact.took != 0) return step.accept(impact.took);
-  restore(island);  // contacts and limits that press: the order is theirs
-  takeSubsteps(island, sub, report);
-  step.next = std::min(2 * sub, step.h);
-  step.accept(sub);
-}
-
-/// After a free motion over sub: accepted if its error is small enough, or it cannot be smaller.
-void judge(Island& island, AdaptiveStep& step, double sub, bool whole, StepReport& report) {
-  Body& body = *island.bodies[0];
-  const double tolerance = island.context.model.solver.tolerance;
-  const bool least = sub < 1.01 * step.h / kMaxAdaptive;
-  take(body);
-  const double rate =
-      rungeKuttaError(body.memory->response, body.xData(), body.vData(), driveOf(body), sub,
-                      body.stages) /
-      sub;
-  const bool ok = whole && rate < 1e300;
-  if (!ok && least) {  // not for an explicit method
-    restore(island);
-    takeSubsteps(island, step.left, report);
-    step.left = 0;
-    return;
-  }
-  // The estimate is of fourth order, so that its rate falls with the fourth power of the substep.
-  const double growth =
-      ok ? kSafety * std::pow(std::max(rate / tolerance, 1e-12), -0.25) : 1 / kLargestGrowth;
-  step.next = sub * std::clamp(growth, 1 / kLargestGrowth, kLargestGrowth);
-  if (!ok || (rate > tolerance && !least)) return restore(island);
-  report.unresolved += rate > tolerance;
-  step.accept(sub);
-}
-
 }  // namespace
 
 SmoothTrial moveSmoothly(Island& island, double h) {
@@ -138,21 +87,15 @@ SmoothTrial moveSmoothly(Island& island, double h) {
   return {h, true};
 }
 
-void stepWithinTolerance(Island& island, double h, StepReport& report) {
+bool moveFreely(Island& island, double h, double& error) {
   Body& body = *island.bodies[0];
-  AdaptiveStep step{h, body.multipliers()[2 * body.rows->s], h};
-  if (!(step.next > 0)) step.next = h;
-  while (step.left > kNothingLeft * h) {
-    const double sub = step.left / std::ceil(step.left / std::min(step.next, step.left) - 1e-6);
-    save(island);
-    const bool whole = integrate(body, sub);
-    findCandidates(body, sub);
-    if (isFree(body))
-      judge(island, step, sub, whole, report);
-    else
-      meet(island, step, sub, whole, report);
-  }
-  report.substeps = std::max(report.substeps, step.taken);
+  const bool whole = integrate(body, h);
+  findCandidates(body, h);
+  if (!whole || !isFree(body)) return false;
+  take(body);
+  error = rungeKuttaError(body.memory->response, body.xData(), body.vData(), driveOf(body), h,
+                          body.stages);
+  return std::isfinite(error);
 }
 
 }  // namespace ragdoll

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "core/direct/island.h"
-#include "ragdoll_sim/core/step_report.h"
 
 namespace ragdoll {
 
@@ -15,8 +14,8 @@ struct SmoothTrial {
 };
 SmoothTrial moveSmoothly(Island& island, double h);
 
-/// The whole step of a lone body in substeps whose estimated error per simulated second stays
-/// within the scene's tolerance; where something touches, substeps of the step guard.
-void stepWithinTolerance(Island& island, double h, StepReport& report);
+/// Moves a lone body by it over h, whose error [m] is then known. False: it meets something or no
+/// motion was found, and what it has done is to be taken back.
+bool moveFreely(Island& island, double h, double& error);
 
 }  // namespace ragdoll

@@ -7,7 +7,6 @@
 #include "core/direct/constants.h"
 #include "core/direct/driving.h"
 #include "core/direct/energy.h"
-#include "core/direct/smooth_motion.h"
 #include "core/direct/stability.h"
 #include "core/direct/trial.h"
 
@@ -105,11 +104,8 @@ void takeSubsteps(Island& island, double h, StepReport& report) {
 
 void stepIsland(Island& island, StepReport& report) {
   beginStep(island, report);
-  const SolverSpec& solver = island.context.model.solver;
   if (!island.context.guarded)
     stepUnguarded(island);
-  else if (solver.method == Method::kRk && solver.tolerance > 0 && island.isLone())
-    stepWithinTolerance(island, island.context.h, report);
   else
     takeSubsteps(island, island.context.h, report);
   endStep(island);

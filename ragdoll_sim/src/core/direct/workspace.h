@@ -7,6 +7,7 @@
 
 #include "core/base/workers.h"
 #include "core/contact/detect.h"
+#include "core/direct/adaptive_scratch.h"
 #include "core/direct/body.h"
 #include "core/direct/island.h"
 #include "core/direct/island_builder.h"
@@ -29,6 +30,7 @@ struct DirectWorkspace {
   /// Per thread; a deque, as what is in use must not move.
   std::deque<WorkerScratch> scratch = std::deque<WorkerScratch>(1);
   IslandBuilder builder;
+  AdaptiveScratch adaptive;
   std::vector<CachedImpulse> impulses;  ///< of this step
   std::vector<int> awake, no_bodies;
   std::vector<Outcome> outcomes;  ///< of bodies that several threads step apart
@@ -39,12 +41,18 @@ inline WorkerScratch& scratchOf(const StepContext& context) {
   return context.ws.scratch[context.worker];
 }
 
+/// Parts of a step within a tolerance move the obstacles, which all bodies share: one at a time.
+inline int threadsOf(const StepContext& context) {
+  const SolverSpec& solver = context.model.solver;
+  return solver.tolerance > 0 ? 1 : Workers::count(solver.threads);
+}
+
 /// part(context, k) for k = 0 ... count - 1, on the solver's threads, each with a context of its own:
 /// parts of a step that do not touch each other.
 template <class Part>
 void forEachPart(const StepContext& context, int count, const Part& part) {
   DirectWorkspace& ws = context.ws;
-  const int threads = Workers::count(context.model.solver.threads);
+  const int threads = threadsOf(context);
   if (static_cast<int>(ws.scratch.size()) < threads) ws.scratch.resize(threads);
   ws.workers.run(threads, count, [&](int k, int worker) {
     StepContext own = context;

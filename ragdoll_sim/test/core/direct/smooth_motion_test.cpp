@@ -32,13 +32,14 @@ TEST(SmoothMotion, GoesAsFarAsTheFirstImpact) {
   EXPECT_NEAR(one.world.v(0).z(), 1 + 9.81 * t, 1e-7);
 }
 
-TEST(SmoothMotion, GoesOnAfterIt) {
-  const double t = 0.004;
-  DirectIsland one(ball(heightOf(t), 1e-6));
-  stepWithinTolerance(one.island, one.h, one.report);
-  const double left = one.h - t, up = 1 + 9.81 * t;
-  EXPECT_NEAR(one.world.x(0).z(), 0.1 + up * left - 0.5 * 9.81 * left * left, 1e-8);
-  EXPECT_GE(one.report.substeps, 2);
+TEST(SmoothMotion, ThatIsFreeKnowsItsErrorAndOneThatIsNotIsNone) {
+  double error = -1;
+  DirectIsland high(ball(heightOf(1), 1e-6));
+  EXPECT_TRUE(moveFreely(high.island, high.h, error));
+  EXPECT_NEAR(error, 0, 1e-15);  // a parabola is exact
+  EXPECT_NEAR(high.world.x(0).z(), 0.1 + heightOf(1) - heightOf(high.h), 1e-12);
+  DirectIsland low(ball(heightOf(0.5 * high.h), 1e-6));
+  EXPECT_FALSE(moveFreely(low.island, low.h, error));
 }
 
 }  // namespace

@@ -1,0 +1,82 @@
+#include "core/direct/error_control.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/direct/constants.h"
+
+namespace ragdoll {
+
+ErrorControl::ErrorControl(double h, double tolerance, double& next)
+    : h_(h),
+      tolerance_(tolerance),
+      shortest_(kShortestPart * std::sqrt(tolerance)),
+      next_(next),
+      left_(h) {
+  if (!(next_ > 0)) next_ = h;
+  choosePart();
+}
+
+bool ErrorControl::done() const { return !(left_ > kNothingLeft * h_); }
+
+double ErrorControl::from() const { return h_ - left_; }
+
+void ErrorControl::choosePart() {
+  const double longest = std::min(next_, left_);
+  part_ = longest > 0 ? left_ / std::ceil(left_ / longest - kSnap) : 0;
+}
+
+double ErrorControl::allowed(int order) const {
+  const double rest = tolerance_ * h_ - spent_ - kReserved * tolerance_ * (left_ - part_);
+  return order == kOrderOfRk ? std::min(rest, tolerance_ * part_) : rest;  // free: there is no event
+}
+
+bool ErrorControl::helps(double rate, int order) {
+  const bool known = rate < kUnknownRate;
+  if (other_rate_ > 0 && known == (other_rate_ < kUnknownRate)) {
+    const double least = other_rate_ * std::pow(part_ / other_part_, kLeastOfOrder * order);
+    in_vain_ = part_ <= other_part_ ? (rate > least ? in_vain_ + 1 : 0)
+                                   : (rate < least || !known ? in_vain_ : 0);
+  } else {
+    in_vain_ = 0;
+  }
+  other_rate_ = rate;
+  other_part_ = part_;
+  return in_vain_ < (known ? kMaxInVain : kMaxUnknown);
+}
+
+bool ErrorControl::accepts(double error, int order) {
+  const double may_have = allowed(order);
+  const double rate = error / part_, allowed_rate = may_have / part_;
+  const bool kept = rate <= allowed_rate;
+  const double wanted = std::pow(kAim * allowed_rate / std::max(rate, 1e-300), 1.0 / order);
+  const double growth = std::clamp(wanted, 1 / kLargestGrowth, kLargestGrowth);
+  if (!kept && part_ > kShortEnough * shortest_ && helps(rate, order)) {
+    next_ = std::max(part_ * growth, shortest_);
+    choosePart();
+    return false;
+  }
+  // One that stands is no reason for shorter ones: where they gain nothing they would have no end.
+  // Where shorter parts were in vain the next one is longer, and is held against this one.
+  const double steady = other_rate_ > 0 ? 1 : std::max(growth, 1.0);
+  next_ = std::min(part_ * (kept ? steady : kLargestGrowth), h_);
+  if (kept) {
+    other_rate_ = 0;
+    in_vain_ = 0;
+  }
+  missed_ = missed_ || !kept;
+  if (rate < kUnknownRate) made_ += error;
+  spent_ += std::min(error, may_have);
+  left_ -= part_;
+  ++taken_;
+  choosePart();
+  return true;
+}
+
+void ErrorControl::tell(int bodies, StepReport& report) const {
+  report.substeps = std::max(report.substeps, taken_);
+  report.error_estimate = std::max(report.error_estimate, made_ / h_);
+  if (missed_) report.tolerance_missed += bodies;
+}
+
+}  // namespace ragdoll

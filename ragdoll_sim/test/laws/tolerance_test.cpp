@@ -1,0 +1,210 @@
+// A tolerance is kept whatever the step, and what is missed is told.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/worlds.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+struct Outcome {
+  Points x;
+  StepReport report;
+  int parts = 0;
+};
+
+/// From the scene's start, or from a state that another run has come to.
+Outcome runOf(Scene scene, Method method, double step, double tolerance, double seconds,
+          const State* start = nullptr) {
+  scene.solver.method = method;
+  scene.solver.step = step;
+  scene.solver.tolerance = tolerance;
+  World world(scene);
+  if (start) {
+    world.state = *start;
+    world.state.step = 0;
+    world.state.time = 0;
+  }
+  Outcome run;
+  for (int i = 0; i < static_cast<int>(std::lround(seconds / step)); ++i) {
+    const StepReport report = world.steps(1);
+    run.report += report;
+    run.parts += report.substeps;
+  }
+  run.x = world.state.x;
+  return run;
+}
+
+double distance(const Points& a, const Points& b) { return (a - b).colwise().norm().maxCoeff(); }
+
+void removeJoints(Scene& scene) {
+  SkeletonSpec skeleton = *scene.ragdolls[0].skeleton;
+  skeleton.joints.clear();
+  scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(std::move(skeleton));
+}
+
+/// A human without joints that swings from a hand.
+Scene hung() {
+  Scene scene = parseScene(
+      "ragdolls: [{model: human_lumped, position: [0, 0, 2]}]\npins: [ragdoll/right_hand]\n");
+  removeJoints(scene);
+  return scene;
+}
+
+TEST(Tolerance, OfRkIsMoreThanTheErrorOfASmoothMotionFromAnyStep) {
+  const Points best = runOf(hung(), Method::kRk, 1.0 / 16000, 0, 1).x;
+  for (const double step : {1e-3, 1.0 / 120, 1.0 / 30, 0.1})
+    for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-8}) {
+      const Outcome run = runOf(hung(), Method::kRk, step, tolerance, 1);
+      EXPECT_LT(distance(run.x, best), tolerance) << step;
+      EXPECT_EQ(run.report.tolerance_missed, 0);
+      EXPECT_GT(run.report.error_estimate, 0);
+      EXPECT_LE(run.report.error_estimate, tolerance);
+    }
+}
+
+TEST(Tolerance, OfShakeIsATenthOfTheErrorOfASmoothMotionAtMostFromAnyStep) {
+  const Points best = runOf(hung(), Method::kRk, 1.0 / 16000, 0, 1).x;
+  for (const double step : {1e-3, 1.0 / 120, 0.1})
+    for (const double tolerance : {1e-2, 1e-3, 1e-4})
+      EXPECT_LT(distance(runOf(hung(), Method::kShake, step, tolerance, 1).x, best), 10 * tolerance)
+          << step;
+}
+
+enum class Kind { kSmooth, kLimits, kContact, kDamped };
+
+/// A body that turns at random: without joints and with, by a hand; onto the ground, and damped.
+Scene sceneOf(Kind kind, std::mt19937& random) {
+  std::uniform_real_distribution<double> turn(-180, 180), speed(-3, 3);
+  const bool falls = kind == Kind::kContact || kind == Kind::kDamped;
+  Scene scene = parseScene(
+      std::string("ragdolls: [{model: ") + (kind == Kind::kSmooth ? "human_lumped" : "human") +
+      ", position: [0, 0, " + (falls ? "1.3" : "2") + "], rpy_deg: [" +
+      std::to_string(turn(random) / 9) + ", " + std::to_string(turn(random) / 9) + ", " +
+      std::to_string(turn(random)) + "], angular_velocity: [" + std::to_string(speed(random)) +
+      ", " + std::to_string(speed(random)) + ", " + std::to_string(speed(random)) + "]}]\n" +
+      (falls ? "obstacles: [{type: plane}]\n" : "pins: [ragdoll/right_hand]\n"));
+  if (kind == Kind::kSmooth) removeJoints(scene);
+  if (kind == Kind::kDamped) scene.solver.joint_damping = 2;
+  scene.solver.method = Method::kShake;
+  scene.solver.step = 1.0 / 240;
+  return scene;
+}
+
+constexpr double kWindow = 0.1;  ///< [s]
+
+struct Window {
+  Scene scene;
+  State start;
+  Points exact;
+  double uncertain = 0;  ///< [m] how far references of other steps are off
+};
+
+std::vector<Window> windowsOf(Kind kind, int count) {
+  std::vector<Window> windows;
+  for (int seed = 0; seed < count; ++seed) {
+    std::mt19937 random(seed + 1000 * static_cast<int>(kind));
+    Window w{sceneOf(kind, random), {}, {}};
+    World world(w.scene);
+    world.steps(24 + static_cast<int>(random() % 240));
+    w.start = world.state;
+    const Method best = kind == Kind::kSmooth ? Method::kRk : Method::kShake;
+    const auto end = [&](double rate) {
+      return runOf(w.scene, best, 1 / rate, 0, kWindow, &w.start).x;
+    };
+    w.exact = end(16000);
+    w.uncertain = std::max(distance(w.exact, end(8000)), 0.25 * distance(w.exact, end(4000)));
+    windows.push_back(w);
+  }
+  return windows;
+}
+
+/// Windows that a reference knows well enough: a fork is none; those whose error is within three
+/// times what the tolerance allows; those in which it is not, and nothing was told.
+struct Count {
+  int known = 0, kept = 0, silent = 0;
+  long parts = 0;
+};
+
+void count(const std::vector<Window>& windows, Method method, double tolerance, Count& all) {
+  for (const Window& w : windows) {
+    if (w.uncertain > 0.3 * tolerance * kWindow) continue;
+    const Outcome run = runOf(w.scene, method, kWindow / 6, tolerance, kWindow, &w.start);
+    const bool kept = distance(run.x, w.exact) < 3 * tolerance * kWindow;
+    ++all.known;
+    all.kept += kept;
+    all.silent += !kept && run.report.tolerance_missed == 0;
+    all.parts += run.parts;
+  }
+}
+
+TEST(Tolerance, IsKeptIn95Of100WindowsOfAllKinds) {
+  std::vector<std::vector<Window>> windows;
+  for (const Kind kind : {Kind::kSmooth, Kind::kLimits, Kind::kContact, Kind::kDamped})
+    windows.push_back(windowsOf(kind, 20));
+  for (const Method method : {Method::kShake, Method::kRk})
+    for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
+      Count all;
+      for (const std::vector<Window>& some : windows) count(some, method, tolerance, all);
+      SCOPED_TRACE(tolerance);
+      EXPECT_GE(all.known, 30);
+      EXPECT_LE(all.known - all.kept, std::ceil(0.05 * all.known));
+      EXPECT_LE(all.silent, 0.05 * all.known);
+      std::printf("%g: %d of %d, %d not told, %.0f parts per second\n", tolerance, all.kept,
+                  all.known, all.silent, all.parts / (kWindow * all.known));
+    }
+}
+
+/// What the control may cost where nothing it does helps: two bodies on each other and on the floor.
+TEST(Tolerance, BoundsTheWork) {
+  constexpr double kTolerance = 1e-3, kSeconds = 0.5;
+  Scene scene = parseScene(
+      "ragdolls: [{name: a, model: human, position: [0, 0, 0.3], rpy_deg: [0, -90, 0]},\n"
+      "           {name: b, model: human, position: [0.1, 0.1, 0.7], rpy_deg: [0, 80, 30]}]\n"
+      "obstacles: [{type: plane}]\nragdoll_collision: true\nsolver: {joint_damping: 2}\n");
+  const Outcome run = runOf(scene, Method::kShake, 1.0 / 60, kTolerance, kSeconds);
+  EXPECT_GT(run.parts, 2 * 30);
+  EXPECT_LT(run.parts, kSeconds / (5e-3 * std::sqrt(kTolerance)));
+}
+
+TEST(Tolerance, GivesTheSameBitsForAnyNumberOfThreads) {
+  Scene scene = parseScene("ragdolls: [{model: human, position: [0, 0, 1.2]}]\n"
+                           "obstacles: [{type: plane}]\n");
+  for (int i = 1; i < 8; ++i) {
+    scene.ragdolls.push_back(scene.ragdolls[0]);
+    scene.ragdolls[i].name = "b" + std::to_string(i);
+    scene.ragdolls[i].pose.position += Vec3(3 * i, 0, 0.03 * i);
+  }
+  scene.solver.threads = 1;
+  const Outcome one = runOf(scene, Method::kShake, 1.0 / 60, 1e-3, 0.6);
+  scene.solver.threads = 3;
+  const Outcome three = runOf(scene, Method::kShake, 1.0 / 60, 1e-3, 0.6);
+  EXPECT_EQ(distance(one.x, three.x), 0);
+  EXPECT_EQ(one.parts, three.parts);
+}
+
+TEST(Tolerance, OfBodiesThatMeetIsControlledToo) {
+  Scene scene = test::sceneOf(oneStick(1, 1, 0.1));
+  scene.gravity.setZero();
+  scene.ragdolls.push_back(scene.ragdolls[0]);
+  scene.ragdolls[0].name = "a";
+  scene.ragdolls[1].name = "b";
+  scene.ragdolls[1].pose.position = Vec3(0.3, 0.1, 0.25);
+  scene.ragdolls[1].velocity = Vec3(0, 0, -1);
+  scene.ragdoll_collision = true;
+  const Outcome run = runOf(scene, Method::kShake, 1.0 / 60, 1e-2, 0.2);
+  EXPECT_GT(run.report.error_estimate, 0);
+  EXPECT_EQ(runOf(scene, Method::kShake, 1.0 / 60, 0, 0.2).report.error_estimate, 0);
+}
+
+}  // namespace
+}  // namespace ragdoll
