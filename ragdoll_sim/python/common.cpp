@@ -38,11 +38,6 @@ void apply(Scene& scene, const py::object& settings, const std::string& prefix, 
   for (const auto& [key, value] : others) applySetting(scene, key, value);
 }
 
-bool isText(const std::string& scene) {
-  return scene.find('\n') != std::string::npos || scene.find(": ") != std::string::npos ||
-         scene.find('{') != std::string::npos;
-}
-
 }  // namespace
 
 Scene sceneFrom(const py::object& scene, const py::object& solver, const py::object& settings,
@@ -52,7 +47,7 @@ Scene sceneFrom(const py::object& scene, const py::object& solver, const py::obj
                              "; a scene's name, a path or YAML text is expected");
   const bool path = !py::isinstance<py::str>(scene);
   const std::string text = py::str(path ? scene.attr("__fspath__")() : scene).cast<std::string>();
-  const bool yaml = !path && isText(text);
+  const bool yaml = !path && isSceneText(text);
   Scene result = yaml ? parseScene(text) : loadScene(text);
   if (source) *source = yaml ? "" : text;
   fixFrames(result);

@@ -287,6 +287,11 @@ Scene loadScene(const std::string& path) {
   return io::readScene(root, folder.empty() ? "." : folder);
 }
 
+bool isSceneText(const std::string& scene) {
+  return scene.find('\n') != std::string::npos || scene.find(": ") != std::string::npos ||
+         scene.find('{') != std::string::npos;
+}
+
 void fixFrames(Scene& scene) {
   for (ObstacleSpec& obstacle : scene.obstacles) obstacle.frame.clear();
   for (PinSpec& pin : scene.pins) pin.frame.clear();

@@ -29,10 +29,12 @@ constexpr int kCallbackThreads = 4;  ///< a long ~step leaves some for the other
 
 ragdoll::World loadWorld(const std::string& parameter, const ragdoll::Parameters& parameters,
                          const ragdoll::GivenSettings& given) {
-  const std::string& name = parameters.scene;
+  const bool is_text = ragdoll::isSceneText(parameters.scene);
+  const std::string name = is_text ? "" : parameters.scene;
   ragdoll::Scene scene;
   try {
-    scene = ragdoll::loadScene(ragdoll::resolvePackage(name));
+    scene = is_text ? ragdoll::parseScene(parameters.scene, "scene")
+                    : ragdoll::loadScene(ragdoll::resolvePackage(name));
   } catch (const ragdoll::Error& e) {
     throw ragdoll::Error("parameter " + parameter, e.what());
   }
@@ -40,7 +42,8 @@ ragdoll::World loadWorld(const std::string& parameter, const ragdoll::Parameters
   try {
     ragdoll::World world(std::move(scene), name, parameters.frame_prefix);
     ragdoll::tellChecks(world);
-    ROS_INFO("scene '%s': %s", name.c_str(), ragdoll::contents(*world.model()).c_str());
+    ROS_INFO("scene '%s': %s", is_text ? "of the parameter" : name.c_str(),
+             ragdoll::contents(*world.model()).c_str());
     return world;
   } catch (const ragdoll::Error& e) {
     throw ragdoll::Error("parameter " + parameter, e.what());

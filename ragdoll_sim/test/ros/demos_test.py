@@ -84,6 +84,13 @@ class DemosTest(unittest.TestCase):
             self.assertEqual({v for w in ragdoll.velocities for v in (w.x, w.y, w.z)}, {0})
         self.end(launch)
 
+    def test_a_crowd_of_any_size_by_any_preset(self):
+        launch = self.start('crowd.launch', 'rviz:=false', 'bodies:=30', 'preset:=fast')
+        client = Client()
+        self.assertEqual(len(client.model.ragdolls), 30)
+        self.assertIn('method: fast', client.model.scene_yaml)
+        self.end(launch)
+
     def test_a_data_set_is_there_and_the_same_for_the_same_seed(self):
         first, second = (self.record_falls(out) for out in ('first', 'second'))
         for out in (first, second):

@@ -40,6 +40,7 @@ CASES = [
     ('sleep', '1', ['true or false']),
     ('scene', 'nowhere', ['nowhere', 'stairs']),
     ('scene', '/nowhere/at_all.yaml', ['/nowhere/at_all.yaml']),
+    ('scene', '{ragdolls: [{model: nobody}]}', ['nobody', 'human']),
     ('scene', 'package://no_such_package/x.yaml', ['no_such_package']),
 ]
 

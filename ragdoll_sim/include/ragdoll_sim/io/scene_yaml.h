@@ -16,6 +16,9 @@ Scene loadScene(const std::string& path);
 /// `name` is what messages call the text; paths of models are relative to the current folder.
 Scene parseScene(const std::string& text, const std::string& name = "<text>");
 
+/// Whether it is a scene's text itself, not the name of a scene or the path of a file.
+bool isSceneText(const std::string& scene);
+
 /// The scene as YAML that stands alone: models inlined, every value written out so that parsing it
 /// gives the same bits. It is what Scene::text holds after loading.
 std::string toYaml(const Scene& scene);
