@@ -13,6 +13,7 @@ import subprocess
 import tempfile
 import time
 
+import rosgraph
 import rospy
 from ragdoll_msgs.msg import Model, State
 from std_srvs.srv import SetBool, Trigger
@@ -111,6 +112,7 @@ def main():
         time.sleep(2)
         demo = subprocess.Popen(['roslaunch', '-p', str(PORT), 'ragdoll', 'ragdoll.launch', 'paused:=true',
                                  'realtime_factor:=%g' % SLOW], **quiet)
+        wait_for('the master', rosgraph.is_master_online)
         rospy.init_node('record', disable_signals=True)
         rospy.wait_for_service('/ragdoll/reset', 60)
         with tempfile.TemporaryDirectory() as folder:

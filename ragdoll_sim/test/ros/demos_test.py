@@ -62,6 +62,19 @@ class DemosTest(unittest.TestCase):
         launch.wait(LONG)
         return os.path.join(self.folder, out)
 
+    def test_every_launch_file_starts_rviz(self):
+        """With its default arguments, rviz among them: what roslaunch would start."""
+        folder = os.path.join(roslib.packages.get_pkg_dir('ragdoll'), 'launch')
+        for name in sorted(n for n in os.listdir(folder) if n.endswith('.launch')):
+            with self.subTest(name):
+                given = ['bag:=fall.bag'] if name == 'playback.launch' else []
+                run = subprocess.run(['roslaunch', '--nodes', os.path.join(folder, name)] + given,
+                                     stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=LONG,
+                                     universal_newlines=True)
+                self.assertEqual(run.returncode, 0, run.stdout)
+                if name != 'fall_dataset.launch':
+                    self.assertIn('/rviz', run.stdout)
+
     def test_a_crowd_falls_and_comes_to_rest(self):
         launch = self.start('crowd.launch', 'rviz:=false', 'realtime_factor:=8')
         client = Client()
