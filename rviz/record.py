@@ -18,12 +18,14 @@ import rospy
 from ragdoll_msgs.msg import Model, State
 from std_srvs.srv import SetBool, Trigger
 
+HERE = os.path.dirname(os.path.abspath(__file__))
 PORT, DISPLAY = 11983, ':93'
 SLOW = 0.125        # simulated per wall time
 RATE = 2.5          # [Hz] of pictures in wall time: 20 per simulated second
 LEFT, TOP, WIDTH, HEIGHT = 16, 62, 1098, 688  # [pixels] of the view, within rviz's window
 POKE = (465, 42)    # [pixels] the tool's button
-FALL, PUSH = 4.2, 1.9  # [s] of simulated time
+FALL, PUSH, UNTIL_PUSH = 2.6, 2.6, 0.3  # [s] of simulated time
+STRENGTH = 2500     # [N] for 0.1 s: what the tool gives is seen
 # Of rviz/ragdoll.rviz: Orbit.
 FOCUS, DISTANCE, YAW, PITCH, FIELD = (0.65, 0, 1.05), 6, 5.05, 0.28, 0.785398
 
@@ -90,45 +92,63 @@ def record(folder):
     first = film((x, y), FALL, os.path.join(folder, '0.mkv'))
     pause(False)
     first.wait()
+    pause(True)
+    reset()
+    time.sleep(2)
     second = film((x, y), PUSH, os.path.join(folder, '1.mkv'))
+    pause(False)
+    time.sleep(UNTIL_PUSH / SLOW)
     right, down = pixel(middle_of_trunk())
-    output('xdotool', 'mousemove', str(int(x + LEFT + right)), str(int(y + TOP + down)))
-    time.sleep(1.0 / RATE)
-    output('xdotool', 'click', '1')
+    output('xdotool', 'mousemove', str(int(x + LEFT + right)), str(int(y + TOP + down)), 'sleep', '0.4', 'click', '1')
     second.wait()
+
+
+def view(folder):
+    """The shipped view, with a stronger push."""
+    with open(os.path.join(HERE, 'ragdoll.rviz')) as file:
+        text = file.read()
+    path = os.path.join(folder, 'record.rviz')
+    with open(path, 'w') as file:
+        file.write(text.replace('Strength: 600', 'Strength: %d' % STRENGTH))
+    return path
+
+
+def join(parts, options):
+    play = 'setpts=%g*PTS' % SLOW
+    subprocess.run(
+        ['ffmpeg', '-loglevel', 'error', '-y', '-i', parts[0], '-i', parts[1], '-filter_complex',
+         '[0]%s[a];[1]%s[b];[a][b]concat=n=2,fps=%g,scale=%d:-1:flags=lanczos,split[c][d];'
+         '[d]palettegen=max_colors=128:stats_mode=full[p];[c][p]paletteuse=dither=none:diff_mode=rectangle'
+         % (play, play, RATE / SLOW, options.width), options.out], check=True)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split('\n')[0])
     parser.add_argument('out')
-    parser.add_argument('--width', type=int, default=560, help='[pixels]')
+    parser.add_argument('--width', type=int, default=720, help='[pixels]')
     options = parser.parse_args()
     os.environ.update(ROS_MASTER_URI='http://127.0.0.1:%d' % PORT, ROS_IP='127.0.0.1', DISPLAY=DISPLAY,
                       LIBGL_ALWAYS_SOFTWARE='1')
     quiet = {'stdout': subprocess.DEVNULL, 'stderr': subprocess.DEVNULL}
     screen = subprocess.Popen(['Xvfb', DISPLAY, '-screen', '0', '1440x860x24', '-nolisten', 'tcp'], **quiet)
-    demo = None
+    started = [screen]
+    folder = tempfile.TemporaryDirectory()
     try:
         time.sleep(2)
-        demo = subprocess.Popen(['roslaunch', '-p', str(PORT), 'ragdoll', 'ragdoll.launch', 'paused:=true',
-                                 'realtime_factor:=%g' % SLOW], **quiet)
+        started.append(subprocess.Popen(['roslaunch', '-p', str(PORT), 'ragdoll', 'ragdoll.launch', 'paused:=true',
+                                         'rviz:=false', 'realtime_factor:=%g' % SLOW], **quiet))
         wait_for('the master', rosgraph.is_master_online)
         rospy.init_node('record', disable_signals=True)
         rospy.wait_for_service('/ragdoll/reset', 60)
-        with tempfile.TemporaryDirectory() as folder:
-            record(folder)
-            parts = [os.path.join(folder, name) for name in ('0.mkv', '1.mkv')]
-            play = 'setpts=%g*PTS' % SLOW
-            subprocess.run(
-                ['ffmpeg', '-loglevel', 'error', '-y', '-i', parts[0], '-i', parts[1], '-filter_complex',
-                 '[0]%s[a];[1]%s[b];[a][b]concat=n=2,fps=%g,scale=%d:-1:flags=lanczos,split[c][d];'
-                 '[d]palettegen=max_colors=96:stats_mode=diff[p];[c][p]paletteuse=dither=none:diff_mode=rectangle'
-                 % (play, play, RATE / SLOW, options.width), options.out], check=True)
+        started.append(subprocess.Popen(['sh', os.path.join(HERE, 'with_plugins.sh'), 'rviz', '-d', view(folder.name),
+                                         '-f', 'world'], **quiet))
+        record(folder.name)
+        join([os.path.join(folder.name, name) for name in ('0.mkv', '1.mkv')], options)
     finally:
-        for process in (demo, screen):
-            if process:
-                process.terminate()
-                process.wait()
+        for process in reversed(started):
+            process.terminate()
+            process.wait()
+        folder.cleanup()
     print('%s: %.1f MB' % (options.out, os.path.getsize(options.out) / 1e6))
 
 
