@@ -192,6 +192,74 @@ TEST_P(CompliantContact, FrictionIsOfTheSpringsForce) {
   }
 }
 
+/// Down a slope, on a spring and a damper that press all the way: mu times the normal impulse, which
+/// is the change of the normal velocity less gravity's.
+TEST_P(CompliantContact, ABallSlidesDownASpringFloorByTheFormula) {
+  constexpr double kSlope = 50 * M_PI / 180, kMu = 0.3, kTime = 0.2, kBegin = 1;
+  constexpr double kStiffness = 2500, kDamping = 10, kIn = -0.05;
+  const double pull = kGravity * std::cos(kSlope), rest = -pull / kStiffness;
+  const double a = kDamping / 2, w = std::sqrt(kStiffness - a * a);
+  const double c = -rest, d = (kIn + a * c) / w, decay = std::exp(-a * kTime);
+  const double gap = rest + decay * (c * std::cos(w * kTime) + d * std::sin(w * kTime));
+  const double along = kBegin * kTime + kGravity * std::sin(kSlope) * kTime * kTime / 2 -
+                       kMu * (gap - kIn * kTime + pull * kTime * kTime / 2);
+  const auto error = [&](double step) {
+    const Vec3 normal(std::sin(kSlope), 0, std::cos(kSlope)), down(normal.z(), 0, -normal.x());
+    Scene scene = sceneOf(oneParticle(1, kRadius), kRadius * normal);
+    scene.ragdolls[0].velocity = kIn * normal + kBegin * down;
+    scene.gravity = Vec3(0, 0, -kGravity);
+    ObstacleSpec plane = floorPlane(kMu);
+    plane.normal = normal;
+    plane.contact = {kStiffness, kDamping};
+    scene.obstacles.push_back(plane);
+    scene.solver.method = GetParam();
+    scene.solver.step = step;
+    World world(scene);
+    world.steps(static_cast<int>(std::lround(kTime / step)));
+    return (world.x(0) - (kRadius + gap) * normal - along * down).norm();
+  };
+  EXPECT_LT(error(1e-3), 5e-6);
+  EXPECT_NEAR(std::log2(error(1e-3) / error(5e-4)), 2, 0.1);
+}
+
+/// A soft sphere met beside its middle turns the direction of the push on the way; against the
+/// motion in the plane, integrated apart.
+TEST_P(CompliantContact, ABallOffTheMiddleOfASoftSphereIsOfSecondOrder) {
+  constexpr double kStiffness = 4000, kSphere = 0.3, kTime = 0.5;
+  Eigen::Vector4d z(0.12, 1, 0, -3);  // x, z and velocities
+  const auto rate = [](const Eigen::Vector4d& at) {
+    const double far = at.head<2>().norm(), depth = std::max(0.0, kSphere + kRadius - far);
+    Eigen::Vector4d out;
+    out << at.tail<2>(), kStiffness * depth / far * at.head<2>();
+    return out;
+  };
+  constexpr int kParts = 100000;
+  const double h = kTime / kParts;
+  for (int i = 0; i < kParts; ++i) {
+    const Eigen::Vector4d k1 = rate(z), k2 = rate(z + h / 2 * k1), k3 = rate(z + h / 2 * k2),
+                          k4 = rate(z + h * k3);
+    z += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  }
+  const auto error = [&](double step) {
+    Scene scene = sceneOf(oneParticle(1, kRadius), Vec3(0.12, 0, 1));
+    scene.ragdolls[0].velocity = Vec3(0, 0, -3);
+    scene.gravity.setZero();
+    ObstacleSpec sphere;
+    sphere.type = ObstacleSpec::Type::kSphere;
+    sphere.radius = kSphere;
+    sphere.friction = 0;
+    sphere.contact = {kStiffness, 0};
+    scene.obstacles.push_back(sphere);
+    scene.solver.method = GetParam();
+    scene.solver.step = step;
+    World world(scene);
+    world.steps(static_cast<int>(std::lround(kTime / step)));
+    return std::hypot(world.x(0).x() - z[0], world.x(0).z() - z[1]);
+  };
+  EXPECT_LT(error(1e-3), 5e-4);
+  EXPECT_LT(error(2.5e-4), 5e-5);
+}
+
 TEST(CompliantContactOfABody, SpringsAreInSeriesAndDampersLikewise) {
   const char* text =
       "ragdolls: [{contact: compliant, position: [0, 0, 0.1], model: {particles: {p: {position: [0, 0, 0], "

@@ -51,13 +51,21 @@ Compliance inSeries(const Compliance& a, const Compliance& b) {
   return {a.compliance + b.compliance, sum > 0 ? a.damping * b.damping / sum : 0};
 }
 
-/// Where the sphere is first in touch on its way, or would be at the end; false: it stays clear.
+/// Share of the way at which a plane is tangent where nothing comes to touch on it: the end, so that
+/// nothing sinks in there. A spring that presses all the way pushes as it does half way, to second
+/// order.
+double tangentShare(const Compliance& give, double start) {
+  return give.compliance > 0 && start <= kResting ? 0.5 : 1;
+}
+
+/// Where the sphere is first in touch on its way, or would be at its tangent share; false: it stays
+/// clear.
 bool particleTouch(const Obstacle& o, const Vec3& p0, const Vec3& p1, double radius, double margin,
-                   double start, Vec3& at) {
+                   double start, double share, Vec3& at) {
   const auto gap = [&](double s) { return signedDistanceValue(o, p0 + s * (p1 - p0)) - radius; };
   const double travel = (p1 - p0).norm(), end = gap(1);
   const bool closes = start > kResting && end <= 0;
-  at = p1;
+  at = share < 1 ? Vec3(p0 + share * (p1 - p0)) : p1;
   if (o.type == ObstacleSpec::Type::kPlane) return end <= margin || start <= margin;
   if (start > -radius && travel > 0.5 * radius) {
     // Far enough to pass through something. Touching already: p0.
@@ -76,14 +84,16 @@ bool particleTouch(const Obstacle& o, const Vec3& p0, const Vec3& p1, double rad
 }
 
 void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double radius,
-                     double margin, Contact& c, bool& found) {
+                     const Compliance& give, double margin, Contact& c, bool& found) {
   const Vec3 p0 = m.toStart(x0), p1 = m.toEnd(x1);
   const double start = signedDistanceValue(*m.obstacle, p0) - radius;
   found = start <= (p1 - p0).norm() + margin;
   Vec3 at;
-  found = found && particleTouch(*m.obstacle, p0, p1, radius, margin, start, at);
+  found = found && particleTouch(*m.obstacle, p0, p1, radius, margin, start,
+                                 tangentShare(give, start), at);
   if (!found) return;
   c = tangentAt(m, at, radius);
+  c.give = give;
   c.gap_start = start;
 }
 
@@ -237,9 +247,9 @@ double flatEnd(const Axis& axis, double t, double end) {
   return std::abs(along - t) > kStickEnd ? along : t;
 }
 
-/// The capsule at the instant of its first touch, or at the step's end; nothing if it stays clear.
-std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double margin,
-                             double& start) {
+/// The capsule at the instant of its first touch, or at its tangent share; nothing if it stays clear.
+std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, const Compliance& give,
+                             double margin, double& start) {
   const Obstacle& o = *m.obstacle;
   const Vec3 a0 = m.toStart(k.a0), b0 = m.toStart(k.b0), a1 = m.toEnd(k.a1), b1 = m.toEnd(k.b1);
   const double travel = std::max((a1 - a0).norm(), (b1 - b0).norm());
@@ -264,7 +274,7 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double ma
     return axisAt(closes && d > 0 ? firstTouch(gapAt, s, d, 1, end) : s);
   }
   if (std::min(start, end) > margin) return std::nullopt;
-  return axisAt(closes ? firstTouch(gapAt, 0, start, 1, end) : 1);
+  return axisAt(closes ? firstTouch(gapAt, 0, start, 1, end) : tangentShare(give, start));
 }
 
 /// The same of a capsule at a place t of its axis. Where its axis runs through the middle of the
@@ -336,14 +346,14 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
   bool found;
   for (int i = r.first; i < r.first + s.named; ++i) {
     if (passesBy(m, x0.col(i), x1.col(i), model.radius[i], margin)) continue;
-    particleContact(m, x0.col(i), x1.col(i), model.radius[i], margin, c, found);
+    const Compliance give =
+        model.compliant ? giveOf(*m.obstacle, r, s.particle_contact[i - r.first]) : Compliance();
+    particleContact(m, x0.col(i), x1.col(i), model.radius[i], give, margin, c, found);
     if (!found || W(i - r.first, i - r.first) == 0) continue;  // nothing pushes what a pin holds
     c.particle[0] = i;
     c.weight[0] = 1;
     c.count = 1;
     c.ragdoll = index;
-    if (model.compliant)
-      c.give = giveOf(*m.obstacle, r, s.particle_contact[i - r.first]);
     contacts.push_back(c);
   }
   if (m.obstacle->type == ObstacleSpec::Type::kPlane) return;  // a capsule's lowest point is an end
@@ -358,9 +368,9 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
         capsule.a0.cwiseMax(capsule.b0).cwiseMax(capsule.a1).cwiseMax(capsule.b1).array() + pad};
     if (!overlap(bounds, m.bounds, margin)) continue;
     double start = 0;
-    const std::optional<Axis> axis = touching(m, capsule, margin, start);
-    if (axis)
-      stickContacts(m, *axis, start, a, b, index, giveOf(model, *m.obstacle, r, k), contacts);
+    const Compliance give = giveOf(model, *m.obstacle, r, k);
+    const std::optional<Axis> axis = touching(m, capsule, give, margin, start);
+    if (axis) stickContacts(m, *axis, start, a, b, index, give, contacts);
   }
 }
 
