@@ -29,7 +29,7 @@ const char* const kTurned =
 
 TEST(WrenchPokes, AreTheForceInTheFramesAxes) {
   const World world(parseScene(kTurned));
-  const std::string frame = "ragdoll/torso";
+  const std::string frame = "ragdoll/pelvis";
   const Vec3 force(100, 50, -80);
   const Sum sum = sumOf(world, wrenchPokes(world, frame, force, Vec3::Zero()));
   EXPECT_LT((sum.force - world.frame(frame)->orientation * force).norm(), 1e-9);
@@ -37,7 +37,7 @@ TEST(WrenchPokes, AreTheForceInTheFramesAxes) {
 
 TEST(WrenchPokes, ATorqueIsAMomentWithoutForce) {
   const World world(parseScene(kTurned));
-  const std::string frame = "ragdoll/torso";
+  const std::string frame = "ragdoll/pelvis";
   const Vec3 torque(3, -4, 12);
   const Sum sum = sumOf(world, wrenchPokes(world, frame, Vec3::Zero(), torque));
   EXPECT_LT(sum.force.norm(), 1e-9);
@@ -46,7 +46,7 @@ TEST(WrenchPokes, ATorqueIsAMomentWithoutForce) {
 
 TEST(WrenchPokes, OfNothingAreNone) {
   const World world(parseScene(kTurned));
-  EXPECT_TRUE(wrenchPokes(world, "ragdoll/torso", Vec3::Zero(), Vec3::Zero()).empty());
+  EXPECT_TRUE(wrenchPokes(world, "ragdoll/pelvis", Vec3::Zero(), Vec3::Zero()).empty());
 }
 
 TEST(WrenchPokes, OnAnUnknownFrameListWhatThereIs) {
@@ -55,7 +55,7 @@ TEST(WrenchPokes, OnAnUnknownFrameListWhatThereIs) {
     wrenchPokes(world, "nobody", Vec3::UnitX(), Vec3::Zero());
     FAIL();
   } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("ragdoll/torso"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("ragdoll/pelvis"), std::string::npos);
   }
 }
 

@@ -7,6 +7,13 @@
 namespace ragdoll {
 namespace {
 
+Eigen::VectorXd vectorOf(double a, double b) {
+  Eigen::VectorXd v = Eigen::VectorXd::Zero(4);  // of two, gcc 12 warns of memory that is not there
+  v[0] = a;
+  v[1] = b;
+  return v;
+}
+
 /// x <- M x + c with eigenvalues up to 0.999: alone 16000 times for what three changes tell.
 TEST(Anderson, SolvesALinearIterationFromAsManyChangesAsItHasEigenvalues) {
   const Eigen::Vector3d rates(0.999, 0.9, -0.5), c(1, 2, 3);
@@ -29,12 +36,12 @@ TEST(Anderson, SolvesALinearIterationFromAsManyChangesAsItHasEigenvalues) {
 TEST(Anderson, SaysThatADriftHasNoEnd) {
   Anderson anderson;
   RowValues before, result, better;
-  before.setZero(2);
-  result = Eigen::Vector2d(1, -1);
+  before.setZero(4);
+  result = vectorOf(1, -1);
   anderson.start();
   EXPECT_TRUE(anderson.mix(before, result, better));
   before = result;
-  result = Eigen::Vector2d(2, -2);
+  result = vectorOf(2, -2);
   EXPECT_FALSE(anderson.mix(before, result, better));
 }
 
@@ -42,13 +49,13 @@ TEST(Anderson, SaysThatADriftHasNoEnd) {
 TEST(Anderson, TakesDependentChangesOnce) {
   Anderson anderson;
   RowValues before, result, better;
-  before = Eigen::Vector2d(1, 0);
+  before = vectorOf(1, 0);
   anderson.start();
   for (int i = 0; i < 3; ++i) {
-    result = Eigen::Vector2d(0.5 * before[0] + 1, 0);
+    result = vectorOf(0.5 * before[0] + 1, 0);
     ASSERT_TRUE(anderson.mix(before, result, better));
     ASSERT_TRUE(better.allFinite());
-    if (i < 1) before = result;
+    before = i == 0 ? result : better;
   }
   EXPECT_NEAR(better[0], 2, 1e-12);
 }
