@@ -84,13 +84,13 @@ std::string plotScript(const Survey& survey, const std::string& title, const std
     });
   out << block("presets", survey, [](const Measurement& m) { return m.configuration.is_preset; })
       << frontBlock(survey);
-  out << "set terminal " << terminal << " size 900,600 font 'sans,12' background 'white'\n"
+  out << "set terminal " << terminal << " size 1000,600 font 'sans,12' background 'white'\n"
       << "set output " << quoted(file) << "\n"
       << "set title " << quoted(title) << " noenhanced\n"
       << "set logscale xy\nset format x '10^{%L}'\nset format y '10^{%L}'\n"
       << "set xlabel 'CPU time per simulated second [us]'\n"
       << "set ylabel 'error [m], RMS over particles'\n"
-      << "set grid lc rgb '#dddddd'\nset key inside left bottom opaque box lc rgb '#cccccc'\nset "
+      << "set grid lc rgb '#dddddd'\nset key outside right center\nset "
          "border lc rgb '#444444'\n";
   out << "u = " << survey.reference.uncertainty << "\n";
   out << "plot $front using 1:2 with steps lw 8 lc rgb '#d8d8d8' title 'Pareto front'";
