@@ -58,26 +58,31 @@ std::set<std::string> headings(const fs::path& page) {
   return all;
 }
 
-TEST(Docs, LinksLeadSomewhere) {
-  if (!fs::exists(root / "docs")) GTEST_SKIP() << "the package stands alone, without docs/";
-  const std::regex link("\\]\\(([^)#\\s]*)(#([^)\\s]+))?\\)");
-  int links = 0;
+/// visit(page, where, match) of every match in the pages; how many there are.
+template <class Visit>
+int eachMatch(const std::regex& what, const Visit& visit) {
+  int count = 0;
   for (const fs::path& page : pages()) {
     std::ifstream in(page);
     std::string line;
     for (int number = 1; std::getline(in, line); ++number)
-      for (std::sregex_iterator it(line.begin(), line.end(), link), end; it != end; ++it) {
-        const std::string to = (*it)[1], heading = (*it)[3];
-        if (to.rfind("http", 0) == 0) continue;
-        ++links;
-        const fs::path file = to.empty() ? page : page.parent_path() / to;
-        EXPECT_TRUE(fs::exists(file)) << page << ":" << number << " leads to " << to;
-        if (!heading.empty())
-          EXPECT_EQ(headings(file).count(heading), 1u)
-              << page << ":" << number << " leads to " << to << "#" << heading;
-      }
+      for (std::sregex_iterator it(line.begin(), line.end(), what), end; it != end; ++it, ++count)
+        visit(page, page.string() + ":" + std::to_string(number), *it);
   }
-  EXPECT_GT(links, 100);
+  return count;
+}
+
+TEST(Docs, LinksLeadSomewhere) {
+  if (!fs::exists(root / "docs")) GTEST_SKIP() << "the package stands alone, without docs/";
+  const std::regex link("\\]\\((?!http)([^)#\\s]*)(#([^)\\s]+))?\\)");
+  const auto leads = [](const fs::path& page, const std::string& where, const std::smatch& found) {
+    const std::string to = found[1], heading = found[3];
+    const fs::path file = to.empty() ? page : page.parent_path() / to;
+    EXPECT_TRUE(fs::exists(file)) << where << " leads to " << to;
+    EXPECT_TRUE(heading.empty() || headings(file).count(heading) == 1)
+        << where << " leads to " << to << "#" << heading;
+  };
+  EXPECT_GT(eachMatch(link, leads), 100);
 }
 
 TEST(Docs, NameSourcesThatExist) {
@@ -85,16 +90,10 @@ TEST(Docs, NameSourcesThatExist) {
   std::set<std::string> ends = endsOfSources(package);
   if (fs::exists(root / "ragdoll_rviz")) ends.merge(endsOfSources(root / "ragdoll_rviz"));
   const std::regex name("`([a-z0-9_/]+\\.(h|cpp|py))`");
-  int names = 0;
-  for (const fs::path& page : pages()) {
-    std::ifstream in(page);
-    std::string line;
-    for (int number = 1; std::getline(in, line); ++number)
-      for (std::sregex_iterator it(line.begin(), line.end(), name), end; it != end; ++it, ++names)
-        EXPECT_EQ(ends.count((*it)[1]), 1u)
-            << page << ":" << number << " names " << (*it)[1] << ", which is not there";
-  }
-  EXPECT_GT(names, 50);
+  const auto is_there = [&](const fs::path&, const std::string& where, const std::smatch& found) {
+    EXPECT_EQ(ends.count(found[1]), 1u) << where << " names " << found[1] << ", which is not there";
+  };
+  EXPECT_GT(eachMatch(name, is_there), 50);
 }
 
 }  // namespace

@@ -67,6 +67,9 @@ class Parts {
     return {whole_.model, s_.inputs,       part,       whole_.force,   whole_.guarded, false,   whole_.state,
             whole_.ws,    whole_.supports, whole_.log, whole_.worker, &before,         whole_.h};
   }
+  /// Of the island's bodies.
+  void copyMotion(const Points& x, const Points& v, Points& x1, Points& v1) const;
+  void copyMultipliers(const std::vector<double>& from, std::vector<double>& to) const;
   /// Where pins and obstacles are at both ends of a part.
   void lead(double from, double part);
   /// One part: as it comes, from what pressed before it to what does so at its end. second: of the
@@ -105,30 +108,34 @@ void Parts::lead(double from, double part) {
   sweepObstacles(whole_.model, whole_.state, s_.inputs.obstacles, whole_.ws.obstacles);
 }
 
+void Parts::copyMotion(const Points& x, const Points& v, Points& x1, Points& v1) const {
+  for (const int i : bodies_) {
+    const Span span = spanOf(i);
+    x1.middleCols(span.first, span.n) = x.middleCols(span.first, span.n);
+    v1.middleCols(span.first, span.n) = v.middleCols(span.first, span.n);
+  }
+}
+
+void Parts::copyMultipliers(const std::vector<double>& from, std::vector<double>& to) const {
+  for (const int i : bodies_) {
+    const Span span = spanOf(i);
+    std::copy_n(from.begin() + span.multiplier, span.multipliers, to.begin() + span.multiplier);
+  }
+}
+
 void Parts::save() {
   const State& state = whole_.state;
   s_.x.resize(3, state.x.cols());
   s_.v.resize(3, state.x.cols());
   s_.multipliers.resize(state.multipliers.size());
-  for (const int i : bodies_) {
-    const Span span = spanOf(i);
-    s_.x.middleCols(span.first, span.n) = state.x.middleCols(span.first, span.n);
-    s_.v.middleCols(span.first, span.n) = state.v.middleCols(span.first, span.n);
-    std::copy_n(state.multipliers.begin() + span.multiplier, span.multipliers,
-                s_.multipliers.begin() + span.multiplier);
-  }
+  copyMotion(state.x, state.v, s_.x, s_.v);
+  copyMultipliers(state.multipliers, s_.multipliers);
   s_.logged = whole_.log ? whole_.log->impulses.size() : 0;
 }
 
 void Parts::restore() {
-  State& state = whole_.state;
-  for (const int i : bodies_) {
-    const Span span = spanOf(i);
-    state.x.middleCols(span.first, span.n) = s_.x.middleCols(span.first, span.n);
-    state.v.middleCols(span.first, span.n) = s_.v.middleCols(span.first, span.n);
-    std::copy_n(s_.multipliers.begin() + span.multiplier, span.multipliers,
-                state.multipliers.begin() + span.multiplier);
-  }
+  copyMotion(s_.x, s_.v, whole_.state.x, whole_.state.v);
+  copyMultipliers(s_.multipliers, whole_.state.multipliers);
   if (whole_.log) whole_.log->impulses.resize(s_.logged);
 }
 
@@ -136,11 +143,7 @@ void Parts::keepCoarse() {
   const State& state = whole_.state;
   s_.coarse_x.resize(3, state.x.cols());
   s_.coarse_v.resize(3, state.x.cols());
-  for (const int i : bodies_) {
-    const Span span = spanOf(i);
-    s_.coarse_x.middleCols(span.first, span.n) = state.x.middleCols(span.first, span.n);
-    s_.coarse_v.middleCols(span.first, span.n) = state.v.middleCols(span.first, span.n);
-  }
+  copyMotion(state.x, state.v, s_.coarse_x, s_.coarse_v);
 }
 
 double Parts::distanceFromCoarse(double swing) const {
