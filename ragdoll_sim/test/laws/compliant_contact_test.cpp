@@ -260,6 +260,31 @@ TEST_P(CompliantContact, ABallOffTheMiddleOfASoftSphereIsOfSecondOrder) {
   EXPECT_LT(error(2.5e-4), 5e-5);
 }
 
+/// A stick that meets a soft capsule crosswise, off the middle of both, turns on it and leaves: nothing
+/// takes its energy.
+TEST_P(CompliantContact, AStickLeavesASoftCapsuleWithItsEnergy) {
+  Scene scene = parseScene(R"(
+gravity: [0, 0, 0]
+ragdolls:
+  - position: [0.13, 0.07, 0.6]
+    rpy_deg: [0, 20, 15]
+    velocity: [0.2, 0.1, -2]
+    model:
+      particles: {a: {position: [-0.5, 0, 0], radius: 0.05}, b: {position: [0.5, 0, 0], radius: 0.05}}
+      sticks: [[a, b]]
+      segments: {ab: {from: a, to: b, mass: 3, gyration: 0.289}}
+obstacles:
+  - {type: capsule, from: [0, -1, 0.2], to: [0.1, 1, 0.25], radius: 0.1, friction: 0, stiffness: 6000}
+)");
+  scene.solver.method = GetParam();
+  scene.solver.step = 1e-3;
+  World world(scene);
+  const double before = kineticEnergy(world.model, world.state);
+  world.steps(500);
+  EXPECT_GT(world.v(0).z() + world.v(1).z(), 0) << "it is thrown back";
+  EXPECT_NEAR(kineticEnergy(world.model, world.state) / before, 1, 1e-5);
+}
+
 TEST(CompliantContactOfABody, SpringsAreInSeriesAndDampersLikewise) {
   const char* text =
       "ragdolls: [{contact: compliant, position: [0, 0, 0.1], model: {particles: {p: {position: [0, 0, 0], "
