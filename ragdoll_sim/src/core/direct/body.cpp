@@ -20,7 +20,7 @@ void Body::bind(const StepContext& c, int r) {
   tolerances = tolerancesFor(c.h);
   lengths = {rows->length2.data(), rows->inverse_length2.data(), kLengthTolerance};
   pin_speed = 0;
-  driven = limited = gripped = pushed = damps_within = false;
+  driven = pushed = damps_within = false;
   given = 0;
   located = 0;
   overlaps = OverlapPolicy::kResolve;
@@ -34,7 +34,8 @@ double* Body::multipliers() const {
 }
 
 const Points& poseAfter(const Body& body) {
-  Points& pose = body.context->ws.predicted;
+  Points& pose = scratchOf(*body.context).poses;
+  pose.resize(3, body.context->model.size());
   const double *x = body.xData(), *dx = body.motion.dx.data();
   double* out = pose.data() + 3 * body.first;
   for (int i = 0; i < 3 * body.n; ++i) out[i] = x[i] + dx[i];

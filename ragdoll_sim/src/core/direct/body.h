@@ -84,10 +84,8 @@ struct Body {
   StickLengths lengths;  ///< that sticks keep in this step
   double pin_speed = 0;  ///< [m/s] of pins that move
   bool driven = false;   ///< something moves that gives energy: obstacles, pins
-  bool limited = false;  ///< energy was taken out in this step
   int located = 0;       ///< impacts found in time in this step
   OverlapPolicy overlaps = OverlapPolicy::kResolve;
-  bool gripped = false;  ///< a contact with an obstacle stuck in the last motion
   // Forces that follow the motion (driving.h).
   bool pushed = false;        ///< a poke acts off its body's own point
   bool damps_within = false;  ///< damping is part of the motion, else of the step's two ends
@@ -126,7 +124,8 @@ inline MassMatrix massOf(Body& body) { return {*body.rows, body.energy}; }
 /// Values in State::multipliers of one body.
 inline int multiplierCount(const StickRows& rows) { return 2 * rows.s + 1; }
 
-/// All positions (3 x N) with this body's at the end of its motion; valid until the next call.
+/// Positions (3 x N) with this body's columns at the end of its motion; the others mean nothing.
+/// Valid until the thread's next call.
 const Points& poseAfter(const Body& body);
 /// Limit angles at a pose (3 x N), there, and at the present positions.
 LimitAngles::Pose& anglesAt(const Body& body, const Points& pose);

@@ -41,7 +41,6 @@ void prepareDirect(const StepContext& context) {
     count += multiplierCount(*model.systemOf(r).direct.rows);
   }
   if (static_cast<int>(state.multipliers.size()) != count) state.multipliers.assign(count, 0.0);
-  ws.predicted.resize(3, model.size());
   sweepObstacles(model, state, context.inputs.obstacles, ws.obstacles);
   ws.impulses.clear();
 }
@@ -60,7 +59,7 @@ void stepBodies(const StepContext& context, const std::vector<int>& bodies,
     const std::vector<CachedImpulse>& own = body->cache.impulses();
     for (const CachedImpulse& impulse : own)
       if (impulse.obstacle >= 0) context.supports.pressed[body->index] = 1;
-    context.supports.gripped[body->index] = body->gripped;
+    context.supports.gripped[body->index] = body->cache.gripped();
     append(own, impulses);
   }
   const std::vector<CachedImpulse>& shared = island.pairs.cache.impulses();

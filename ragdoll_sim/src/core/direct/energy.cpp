@@ -131,10 +131,7 @@ double wildGain(Island& island) {
 bool removeEnergy(Island& island, double gain) {
   if (!(gain > 0)) return true;
   double before = 0;
-  for (Body* body : island.bodies) {
-    body->limited = body->limited || gain > kReportedGain;
-    before += kineticEnergy(*body);
-  }
+  for (Body* body : island.bodies) before += kineticEnergy(*body);
   const double left = takeEnergyOut(island.context.model, island.s.ragdolls, isHeld(island), gain,
                                     island.context.state, island.s.removal);
   return left <= kRedoGain * before;

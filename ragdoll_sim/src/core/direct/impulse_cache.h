@@ -17,10 +17,16 @@ CachedImpulse keyOf(const LimitRow& limit);
 /// One body's, or those between the bodies of an island.
 class ImpulseCache {
  public:
-  void clear() { impulses_.clear(); }
+  void clear() {
+    impulses_.clear();
+    gripped_ = false;
+  }
   bool empty() const { return impulses_.empty(); }
   const std::vector<CachedImpulse>& impulses() const { return impulses_; }
   void add(const CachedImpulse& impulse) { impulses_.push_back(impulse); }
+  /// Whether the friction of an obstacle held one of the contacts.
+  bool gripped() const { return gripped_; }
+  void setGripped() { gripped_ = true; }
   /// The last one added.
   CachedImpulse& last() { return impulses_.back(); }
 
@@ -37,6 +43,7 @@ class ImpulseCache {
  private:
   std::vector<CachedImpulse> impulses_;
   std::vector<std::uint8_t> handed_out_;
+  bool gripped_ = false;
 };
 
 }  // namespace ragdoll

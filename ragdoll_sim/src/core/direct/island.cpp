@@ -13,10 +13,18 @@
 namespace ragdoll {
 namespace {
 
-/// Where the bodies' motions lead, sleepers where they are (placeSleepers).
+/// Where the bodies' motions lead, sleepers where they are; as poseAfter.
 const Points& posesAfter(const Island& island) {
+  const StepContext& step = island.context;
   for (const Body* body : island.bodies) poseAfter(*body);
-  return island.context.ws.predicted;
+  Points& poses = scratchOf(step).poses;
+  for (const int i : island.s.all) {
+    if (island.placeOf(i) >= 0) continue;
+    const Ragdoll& r = step.model.ragdolls[i];
+    const int n = step.model.skeletonOf(r).size();
+    poses.middleCols(r.first, n) = step.state.x.middleCols(r.first, n);
+  }
+  return poses;
 }
 
 void startPair(const Island& island, Contact& c, double h) {
@@ -58,14 +66,6 @@ void bindIsland(Island& island, const std::vector<int>& bodies, const std::vecto
     s.bodies.back()->bind(island.context, i);
   }
   s.pairs.clear();
-}
-
-void placeSleepers(const StepContext& context, const std::vector<int>& sleepers) {
-  for (const int i : sleepers) {
-    const Ragdoll& r = context.model.ragdolls[i];
-    const int n = context.model.skeletonOf(r).size();
-    context.ws.predicted.middleCols(r.first, n) = context.state.x.middleCols(r.first, n);
-  }
 }
 
 void bindLone(Island& island, Body& body) {

@@ -77,8 +77,6 @@ Body& takePlace(const Model& model, int ragdoll, IslandScratch& scratch);
 
 /// Binds the island's places to bodies (awake, ascending); others: sleepers near them.
 void bindIsland(Island& island, const std::vector<int>& bodies, const std::vector<int>& others);
-/// Before islands near these sleepers are stepped: islands share them, and only read them.
-void placeSleepers(const StepContext& context, const std::vector<int>& sleepers);
 /// Binds an island to a body that is a place of another one.
 void bindLone(Island& island, Body& body);
 

@@ -171,7 +171,6 @@ bool IslandBuilder::stepIslands(const StepContext& context) {
     if (!isNew(members_[r], still)) continue;
     parts_.push_back(r);
     takeTurn(members_[r][0]);
-    placeSleepers(context, still);
   }
   forEachPart(context, static_cast<int>(parts_.size()), [this](StepContext& own, int k) {
     stepTogether(own, members_[parts_[k]], sleepers_[parts_[k]]);

@@ -74,7 +74,7 @@ RigidMotion findRigidMotion(Body& body, double& t) {
 
 }  // namespace
 
-void moveRigidly(Island& island, double h, StepReport& report) {
+bool moveRigidly(Island& island, double h, StepReport& report) {
   ++report.rigid;
   Body& body = *island.bodies[0];
   const std::vector<int>& pins = body.pinned->pins;
@@ -97,9 +97,10 @@ void moveRigidly(Island& island, double h, StepReport& report) {
   const bool touches = !pins.empty() || !body.touching.contacts.empty();
   if (!body.v().allFinite() ||
       (touches && gainedEnergy(body, 0) > kEnergyRounding * kineticEnergy(body))) {
-    body.limited = true;
     body.v().setZero();
+    return true;
   }
+  return false;
 }
 
 }  // namespace ragdoll

@@ -7,7 +7,7 @@
 namespace ragdoll {
 
 /// What a lone body would do over h with its joints frozen, as far as the first touch; then it
-/// stands.
-void moveRigidly(Island& island, double h, StepReport& report);
+/// stands. Whether it is stopped, so that it gains no energy.
+bool moveRigidly(Island& island, double h, StepReport& report);
 
 }  // namespace ragdoll

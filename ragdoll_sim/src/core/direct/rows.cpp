@@ -146,7 +146,6 @@ void warmStart(const Body& body, double h, Eigen::Ref<Eigen::VectorXd> p) {
 
 void rememberImpulses(Body& body, double h) {
   body.cache.clear();
-  body.gripped = false;
   bool pressed = false;  // the contact whose friction follows
   for (int i = 0; i < body.constraints.own_rows; ++i) {
     const Schur::Row& row = body.memory->schur.row(i);
@@ -157,7 +156,8 @@ void rememberImpulses(Body& body, double h) {
     }
     pressed = row.kind == Kind::kNormal && force != 0;
     if (force == 0) continue;
-    if (row.kind == Kind::kNormal && !body.gripped) body.gripped = grips(body, i);
+    if (row.kind == Kind::kNormal && !body.cache.gripped() && grips(body, i))
+      body.cache.setGripped();
     body.cache.add(keyOfRow(body, row));
     body.cache.last().impulse =
         row.kind == Kind::kLimit ? Vec3(force, 0, 0) : Vec3(force * row.direction);

@@ -66,11 +66,6 @@ bool losesAngularMomentum(const Island& island, Way way) {
   return way == Way::kImplicit || (way == Way::kExplicit && pressesItself(island));
 }
 
-bool isLimited(const Island& island) {
-  return std::any_of(island.bodies.begin(), island.bodies.end(),
-                     [](const Body* body) { return body->limited; });
-}
-
 /// Explicit steps as they come, to measure what the guard costs.
 void stepUnguarded(Island& island) {
   double left = island.context.h;
@@ -79,7 +74,7 @@ void stepUnguarded(Island& island) {
 
 }  // namespace
 
-void takeSubsteps(Island& island, double h, StepReport& report) {
+bool takeSubsteps(Island& island, double h, StepReport& report) {
   SubstepControl control(island, h);
   while (!control.done()) {
     save(island);
@@ -94,12 +89,13 @@ void takeSubsteps(Island& island, double h, StepReport& report) {
     }
     if (verdict.gain > 0)
       for (Body* body : island.bodies) restorePins(*body, body->saved.v);
-    control.accept(trial.took);
+    control.accept(trial.took, trial.limited || verdict.gain > kReportedGain);
     report.contacts += trial.contacts;
   }
   control.tell(report);
-  if (control.guarded() || isLimited(island))
+  if (control.guarded() || control.limited())
     for (Body* body : island.bodies) makeAffine(*body);  // rigid velocities carry what is off it
+  return control.limited();
 }
 
 void stepIsland(Island& island, StepReport& report) {

@@ -53,7 +53,8 @@ bool SubstepControl::canHalve() const {
 
 bool SubstepControl::canHalveTwice() const { return 0.5 * substep_ > 0.99 * h_ / most(); }
 
-void SubstepControl::accept(double took) {
+void SubstepControl::accept(double took, bool limited) {
+  limited_ = limited_ || limited;
   left_ -= took;
   ++taken_;
   substep_ = std::min(substep_, left_);
@@ -100,16 +101,15 @@ void SubstepControl::retry() {
 
 void SubstepControl::tell(StepReport& report) const {
   int located = 0;
-  bool limited = false, ignored = false;
+  bool ignored = false;
   for (const Body* body : island_.bodies) {
     located = std::max(located, body->located);
-    limited = limited || body->limited;
     ignored = ignored || body->overlaps != OverlapPolicy::kResolve;
   }
   const int size = static_cast<int>(island_.bodies.size());
   report.substeps = std::max(report.substeps, taken_);
   if (guarded_ || ignored || taken_ > 1 + located) report.guarded += size;
-  if (limited) report.limited += size;
+  if (limited_) report.limited += size;
   report.unresolved += ignored;
 }
 

@@ -30,6 +30,7 @@ class SubstepControl {
   double left() const { return left_; }        ///< [s]
   int taken() const { return taken_; }
   bool guarded() const { return guarded_; }  ///< some trial was not explicit
+  bool limited() const { return limited_; }  ///< of some, energy was taken out
 
   /// Whether the trial may be done again for more exactness: at half (kMaxSubsteps of them at most,
   /// 1 if squeezed; below h / most implicitly); and so that what its tension has become is halved
@@ -37,7 +38,8 @@ class SubstepControl {
   bool canHalve() const;
   bool canHalveTwice() const;
 
-  void accept(double took);
+  /// limited: energy was taken out of it.
+  void accept(double took, bool limited);
   /// After a failed trial that has been taken back.
   void retry();
   void tell(StepReport& report) const;
@@ -54,7 +56,7 @@ class SubstepControl {
   Way way_ = Way::kExplicit;
   double substep_, left_;
   int taken_ = 0;
-  bool guarded_ = false;
+  bool guarded_ = false, limited_ = false;
 };
 
 }  // namespace ragdoll

@@ -102,16 +102,19 @@ Trial implicitTrial(Island& island, double h, StepReport& report) {
   return {h, isFinite(island)};
 }
 
-/// Where all else fails: each body by itself, as if the others were not there.
-void stepEachAlone(Island& island, double h, StepReport& report) {
+/// Where all else fails: each body by itself, as if the others were not there. Whether energy was
+/// taken out of one.
+bool stepEachAlone(Island& island, double h, StepReport& report) {
   island.pairs.cache.clear();
   island.pairs.touching.clear();
+  bool limited = false;
   for (Body* body : island.bodies) {
     Island alone(island.context, scratchOf(island.context).lone);
     bindLone(alone, *body);
-    takeSubsteps(alone, h, report);
+    limited = takeSubsteps(alone, h, report) || limited;
   }
   ++report.unresolved;
+  return limited;
 }
 
 }  // namespace
@@ -132,6 +135,7 @@ Trial takeExplicitTrial(Island& island, double h, int taken) {
 }
 
 Trial takeTrial(Island& island, const SubstepControl& control, StepReport& report) {
+  Trial trial{control.substep()};
   switch (control.way()) {
     case Way::kExplicit:
       return takeExplicitTrial(island, control.substep(), control.taken());
@@ -140,12 +144,13 @@ Trial takeTrial(Island& island, const SubstepControl& control, StepReport& repor
       return implicitTrial(island, control.substep(), report);
     case Way::kRigid:
       dampWithin(island, control.substep());
-      moveRigidly(island, control.substep(), report);
-      return {control.substep()};
+      trial.limited = moveRigidly(island, control.substep(), report);
+      return trial;
     case Way::kAlone:
-      stepEachAlone(island, control.left(), report);
+      trial.took = control.left();
+      trial.limited = stepEachAlone(island, control.left(), report);
   }
-  return {control.left()};
+  return trial;
 }
 
 }  // namespace ragdoll

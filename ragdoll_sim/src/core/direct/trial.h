@@ -12,6 +12,7 @@ struct Trial {
   double took = 0;   ///< [s]
   bool ok = true;    ///< false: no motion was found
   int contacts = 0;  ///< that pressed
+  bool limited = false;  ///< energy was taken out within
 };
 
 /// By the control's way, over its substep or to the first impact.

@@ -18,6 +18,7 @@ namespace ragdoll {
 /// What one thread steps bodies in.
 struct WorkerScratch {
   IslandScratch island, lone;  ///< lone: of bodies that an island gave up
+  Points poses;                ///< [m] 3 x N: of poseAfter, posesAfter
   std::vector<int> lone_body;  ///< an island of one
 };
 
@@ -25,7 +26,6 @@ struct DirectWorkspace {
   std::vector<SweptObstacle> obstacles;
   std::vector<BodyMemory> bodies;     ///< per ragdoll
   std::vector<int> first_multiplier;  ///< per ragdoll: its first in the state
-  Points predicted;                   ///< [m] 3 x N: where motions lead (poseAfter)
   Workers workers;
   /// Per thread; a deque, as what is in use must not move.
   std::deque<WorkerScratch> scratch = std::deque<WorkerScratch>(1);

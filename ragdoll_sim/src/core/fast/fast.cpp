@@ -58,7 +58,7 @@ class PackRun {
         force_(context.force),
         scratch_(scratch),
         pack_(pack),
-        predicted_(context.ws.predicted),
+        predicted_(pack.predicted),
         state_(context.state),
         batch_(batch),
         body_(scratch.bodies[batch.system]),
@@ -77,6 +77,7 @@ class PackRun {
   int ragdollOf(int l) const { return scratch_.order[batch_.begin + l]; }
 
   void prepare() {
+    predicted_.resize(3, model_.size());
     const SolverSpec& solver = model_.solver;
     const int n = 3 * body_.tree.particles, limits = static_cast<int>(body_.limits.size());
     step_.h = h_;

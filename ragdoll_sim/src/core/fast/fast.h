@@ -30,6 +30,7 @@ struct PackScratch {
   std::vector<LaneImpulse> impulses;
   std::vector<std::vector<LaneContact>> contacts;  ///< per lane
   std::vector<Contact> found;
+  Points predicted;  ///< [m] 3 x N: where free motions lead; of the pack's bodies only
 };
 
 /// Bodies of one system that are stepped together, and what came of it.

@@ -20,9 +20,23 @@ TEST(SubstepControl, TakesWhatTheTensionAllows) {
   EXPECT_DOUBLE_EQ(control.substep(), one.h / 3);
   for (int i = 0; i < 3; ++i) {
     EXPECT_FALSE(control.done());
-    control.accept(control.substep());
+    control.accept(control.substep(), false);
   }
   EXPECT_TRUE(control.done());
+}
+
+TEST(SubstepControl, TellsWhoseEnergyWasTakenOut) {
+  DirectIsland one(weightless(oneStick()));
+  SubstepControl control(one.island, one.h);
+  StepReport report;
+  control.accept(0.5 * one.h, false);
+  control.tell(report);
+  EXPECT_EQ(report.limited, 0);
+  control.accept(0.25 * one.h, true);
+  control.accept(0.25 * one.h, false);  // once is enough
+  EXPECT_TRUE(control.limited());
+  control.tell(report);
+  EXPECT_EQ(report.limited, 1);
 }
 
 /// The table of substep_control.h.
