@@ -79,33 +79,36 @@ Matrix runMatrix(const MatrixOptions& options, Progress& progress) {
   if (options.tests && matrix.rows.empty())
     throw Error("--only", "no test's name contains '" + options.only + "'");
   matrix.random = {{"random scenes", randomExtreme, options.random, {}},
-                   {"random piles", randomPile, options.piles, {}}};
+                   {"random piles", randomPile, options.piles, {}},
+                   {"random driven scenes", randomDriven, options.driven, {}}};
   const std::size_t cells = matrix.rows.size() * columns;
-  const std::size_t scenes = options.random + options.piles;
-  std::vector<Verdict> random(scenes * columns);
-  const auto groupOf = [&](std::size_t k) -> RandomGroup& {
-    return matrix.random[k / columns < static_cast<std::size_t>(options.random) ? 0 : 1];
+  struct RandomCell {
+    RandomGroup* group;
+    std::uint32_t seed;
+    std::size_t method;
+    Verdict verdict;
   };
-  const auto seed = [&](std::size_t k) {
-    const std::size_t before = &groupOf(k) == &matrix.random[0] ? 0 : options.random;
-    return options.seed + static_cast<std::uint32_t>(k / columns - before);
-  };
+  std::vector<RandomCell> random;
+  for (RandomGroup& group : matrix.random) {
+    group.tallies.resize(columns);
+    for (int i = 0; i < group.scenes; ++i)
+      for (std::size_t m = 0; m < columns; ++m)
+        random.push_back({&group, options.seed + static_cast<std::uint32_t>(i), m, {}});
+  }
   const auto work = [&](std::size_t i) {
     if (i < cells) {
       MatrixRow& row = matrix.rows[i / columns];
       row.verdicts[i % columns] = judge(row.test, matrix.methods[i % columns]);
     } else {
-      const std::size_t k = i - cells;
-      random[k] = judge(groupOf(k).scene(seed(k)), matrix.methods[k % columns]);
+      RandomCell& cell = random[i - cells];
+      cell.verdict = judge(cell.group->scene(cell.seed), matrix.methods[cell.method]);
     }
   };
   onAllProcessors(cells + random.size(), work, [&](std::size_t finished) {
     progress.show(static_cast<double>(finished) / static_cast<double>(cells + random.size()),
                   finished < cells ? matrix.rows[finished / columns].test.group : "random scenes");
   });
-  for (RandomGroup& group : matrix.random) group.tallies.resize(columns);
-  for (std::size_t k = 0; k < random.size(); ++k)
-    groupOf(k).tallies[k % columns].add(seed(k), random[k]);
+  for (const RandomCell& cell : random) cell.group->tallies[cell.method].add(cell.seed, cell.verdict);
   return matrix;
 }
 

@@ -45,6 +45,7 @@ struct MatrixOptions {
   bool tests = true;  ///< false: random scenes alone
   int random = 0;     ///< scenes
   int piles = 0;
+  int driven = 0;          ///< scenes
   std::uint32_t seed = 0;  ///< of the first
   std::string only;        ///< only tests whose name contains this
   std::string method;      ///< only this one; empty: all

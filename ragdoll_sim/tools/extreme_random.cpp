@@ -60,8 +60,45 @@ void putObstacles(Draw& draw, int most, std::ostringstream& text) {
   }
 }
 
+constexpr double kRates[] = {30, 60, 120, 240};  ///< [Hz]
+
 constexpr const char* kBodies[] = {"head", "right_hand", "left_foot", "torso", "right_thigh"};
 constexpr int kParticles = 3;  ///< of these, the first, are particles
+
+constexpr double kDriven = 2;           ///< [s] that things are driven for
+constexpr double kLargestSwing = 0.5;   ///< [m] of what is driven, to either side
+constexpr double kLargestTurn = 1;      ///< [rad] likewise
+constexpr double kSlowest = 1;          ///< [rad/s]
+constexpr double kFastest = 12;         ///< [rad/s] 6 m/s; a hand shakes as fast
+
+/// To and fro along a line, and about an axis; what is driven ends wherever it is.
+struct Swing {
+  Vec3 direction = Vec3::Zero();  ///< [m] as far as it goes
+  Vec3 turn = Vec3::Zero();       ///< [rad] likewise
+  double rate = 0;                ///< [rad/s]
+
+  double at(double time) const { return std::sin(rate * std::min(time, kDriven)); }
+  Pose moved(const Pose& start, double time) const {
+    const double angle = turn.norm() * at(time);
+    Pose pose = start;
+    pose.position += at(time) * direction;
+    if (turn.norm() > 0) pose.orientation = Eigen::AngleAxisd(angle, turn.normalized()) * pose.orientation;
+    return pose;
+  }
+};
+
+Swing drawSwing(Draw& draw) {
+  Swing swing;
+  const auto vector = [&draw] {
+    const double x = draw.uniform(-1, 1), y = draw.uniform(-1, 1), z = draw.uniform(-1, 1);
+    return Vec3(x, y, z);
+  };
+  swing.rate = draw.uniform(kSlowest, kFastest);
+  const double far = draw.uniform(0, kLargestSwing), turn = draw.uniform(0, kLargestTurn);
+  swing.direction = far * vector().normalized();
+  swing.turn = turn * vector().normalized();
+  return swing;
+}
 
 }  // namespace
 
@@ -117,7 +154,6 @@ Extreme randomPile(std::uint32_t seed) {
   }
   text << "ragdoll_collision: true\n";
   if (draw.chance(0.5)) text << "self_collision: true\n";
-  constexpr double kRates[] = {30, 60, 120, 240};  // [Hz]
   Extreme e;
   e.step = 1 / kRates[draw.below(std::size(kRates))];
   e.group = "random piles";
@@ -125,6 +161,41 @@ Extreme randomPile(std::uint32_t seed) {
   e.scene = parseScene(text.str(), "extreme");
   e.seconds = 3;
   e.laws.joined = 0;
+  return e;
+}
+
+Extreme randomDriven(std::uint32_t seed) {
+  Draw draw(seed);
+  const double speed = std::pow(10, draw.uniform(-1, 0.7));
+  std::ostringstream start, rest;
+  start << "position: [0, 0, " << draw.uniform(1.5, 3) << "], rpy_deg: " << draw.vector(180)
+        << ", velocity: " << draw.vector(speed)
+        << ", angular_velocity: " << draw.vector(draw.uniform(0, 10));
+  putObstacles(draw, 5, rest);
+  if (draw.chance(0.5)) rest << "pins: [" << kBodies[draw.below(kParticles)] << "]\n";
+  if (draw.chance(0.2)) rest << "self_collision: true\n";
+  Extreme e;
+  e.step = 1 / kRates[draw.below(std::size(kRates))];
+  e.group = "random driven scenes";
+  e.name = "seed " + std::to_string(seed);
+  e.scene = humanScene(start.str(), rest.str());
+  e.seconds = 2 * kDriven;
+  e.laws.joined = e.laws.settled = kDriven + e.step;
+  e.laws.squeezed = true;
+  if (!e.scene.pins.empty()) e.laws.depth = kUnbounded;  // a pin may be driven into an obstacle
+  e.laws.speed = 100;
+  std::vector<Swing> swings(e.scene.obstacles.size());
+  for (std::size_t i = 1; i < swings.size(); ++i)  // the floor stands
+    if (draw.chance(0.7)) swings[i] = drawSwing(draw);
+  e.drive = [swings, first = std::vector<Pose>()](double time, std::vector<Pose>& poses) mutable {
+    if (first.empty()) first = poses;
+    for (std::size_t i = 0; i < poses.size(); ++i) poses[i] = swings[i].moved(first[i], time);
+  };
+  const Swing hand = drawSwing(draw);
+  e.drive_pins = [hand, first = std::vector<Vec3>()](double time, std::vector<Vec3>& pins) mutable {
+    if (first.empty()) first = pins;
+    for (std::size_t i = 0; i < pins.size(); ++i) pins[i] = first[i] + hand.at(time) * hand.direction;
+  };
   return e;
 }
 

@@ -14,4 +14,8 @@ Extreme randomExtreme(std::uint32_t seed);
 /// poke; steps of 30 to 240 Hz.
 Extreme randomPile(std::uint32_t seed);
 
+/// Random scene number `seed` in which obstacles and a pin are driven for two seconds, given step by
+/// step at up to 6 m/s, and then stand: a human that is thrown among them; steps as of piles.
+Extreme randomDriven(std::uint32_t seed);
+
 }  // namespace ragdoll::lab

@@ -20,7 +20,9 @@ struct Laws {
                                 ///< work since; by relaxation above the start plus work
   double stick_error = 1e-3;    ///< relative, from `joined` on
   double joined = 1;            ///< [s]
+  double settled = 0;           ///< [s] from which on nothing is driven; only then energy is watched
   double depth = 5e-3;          ///< [m] in any obstacle, from `joined` on (0: from the start)
+  bool squeezed = false;        ///< deeper where the report says that there was no way out
   double lowest = -kUnbounded;  ///< [m] z of any particle, ever
   double speed = kUnbounded;    ///< [m/s] of any particle, ever
   double drift = kUnbounded;    ///< [m] of the centre of mass after half of the time
@@ -39,6 +41,8 @@ struct Extreme {
   Laws laws;
   /// Obstacles that move: their poses at `time` [s]; empty: none does.
   std::function<void(double time, std::vector<Pose>& obstacles)> drive;
+  /// Pins that move, likewise.
+  std::function<void(double time, std::vector<Vec3>& pins)> drive_pins;
 };
 
 /// Every test but the random scenes. quick: a part of them that takes seconds.

@@ -79,11 +79,13 @@ int extremesCommand(const Words& words) {
   add("random", po::value(&options.random)->default_value(1000), "Number of random scenes");
   add("piles", po::value(&options.piles)->default_value(100),
       "Number of random scenes of two to four bodies that meet");
+  add("driven", po::value(&options.driven)->default_value(200),
+      "Number of random scenes in which obstacles and a pin are driven");
   add("random-only", po::bool_switch(&random_only), "Random scenes and piles alone");
   add("seed", po::value(&seed)->default_value(0), "Of the first random scene and the first pile");
   add("only", po::value(&options.only),
-      "Only tests whose name contains this, such as \"step: 0.1\"; --random 0 --piles 0 leave out "
-      "the random scenes");
+      "Only tests whose name contains this, such as \"step: 0.1\"; --random 0 --piles 0 --driven 0 "
+      "leave out the random scenes");
   add("method", po::value(&options.method), "Only this one: jakobsen, shake or rk");
   add("guard-cost", po::value(&rounds)->implicit_value(41),
       "Instead: what the step guard costs on shipped scenes, with and without it in turn so many "
@@ -93,10 +95,10 @@ int extremesCommand(const Words& words) {
       "with --random-only its lines <!-- random-only --> and so on, and so for --guard-cost");
   if (!parse(line, words)) return kOk;
   for (const auto& [name, scenes] :
-       {std::pair("--random", options.random), {"--piles", options.piles}})
+       {std::pair("--random", options.random), {"--piles", options.piles}, {"--driven", options.driven}})
     if (scenes < 0) throw Error(name, "is negative; a number of scenes is expected");
   if (seed < 0 || seed > std::numeric_limits<std::uint32_t>::max() -
-                             std::int64_t{std::max(options.random, options.piles)})
+                             std::int64_t{std::max({options.random, options.piles, options.driven})})
     throw Error("--seed",
                 std::to_string(seed) + " is none: 0 to 2^32 less the number of scenes is");
   options.seed = static_cast<std::uint32_t>(seed);

@@ -134,6 +134,17 @@ TEST(Extremes, ImplicitStepsThatGoAstrayAreNotTaken) {
   EXPECT_LT(verdict.energy_rise, 2e-3);
 }
 
+/// Bodies that hang on a pin that moves while obstacles come at them: whatever an explicit step gave
+/// was taken for the pin's work, up to 113 kJ in one.
+TEST(Extremes, WhatIsDrivenGivesNoMoreThanItCan) {
+  const ExtremeMethod method{"shake", preset("balanced"), true};
+  for (const std::uint32_t seed : {152u, 339u, 681u}) {
+    const Verdict verdict = judge(randomDriven(seed), method);
+    EXPECT_TRUE(verdict.kept()) << seed << ": " << textOf(verdict);
+    EXPECT_LT(verdict.speed, 40) << seed;
+  }
+}
+
 /// A limit that presses too much in a poke, so that it is open at the end, is not one that holds.
 TEST(Extremes, LimitsThatLetGoGiveNoEnergy) {
   const Verdict verdict = judge(randomExtreme(24283), {"shake", preset("balanced"), true});

@@ -62,6 +62,8 @@ class WatchedRun {
 
   /// Where the obstacles are at the end of the next step; one pose each.
   void moveObstacles(const std::vector<Pose>& poses) { inputs_.obstacles = poses; }
+  /// The same of the pins.
+  void movePins(const std::vector<Vec3>& positions) { inputs_.pins = positions; }
 
   /// As of Workspace.
   void keepContacts(ContactLog* log) { workspace_.keepContacts(log); }

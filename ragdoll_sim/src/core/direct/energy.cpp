@@ -38,6 +38,18 @@ bool isSmooth(const Body& body) {
          std::all_of(impulses.begin(), impulses.end(), touches);
 }
 
+/// [J] at the most, by what drives the body at `drive` [m/s]. Seen from there it gains nothing; here
+/// it may be faster by twice the speed, and be lifted against what else acts on it.
+double drivenWork(Body& body, double drive) {
+  const StepContext& step = *body.context;
+  const double mass = body.rows->mass.sum();
+  // Of what all but stands it may round to less than nothing.
+  const double before = std::max(0.0, kineticEnergy(*body.rows, body.saved.v, body.energy));
+  double force = mass * step.model.gravity.norm();
+  if (step.force) force += step.force->middleCols(body.first, body.n).colwise().norm().sum();
+  return drive * (2 * mass * (std::sqrt(2 * before / mass) + drive) + force * step.h);
+}
+
 /// Whether an obstacle touches the body or presses it.
 bool meetsObstacle(const Body& body) {
   const auto isObstacle = [](const auto& c) { return c.obstacle >= 0; };
@@ -65,11 +77,14 @@ double swingScale(Body& body) {
   return kineticEnergy(body) + rows.mass.sum() * body.context->model.gravity.norm() * rows.scale;
 }
 
-double driveSpeed(const Body& body) {
-  if (!body.driven) return 0;
-  double speed = body.pin_speed;
-  for (const Contact& c : body.constraints.contacts)
-    speed = std::max(speed, c.surface_motion.norm() / body.context->h);
+double driveSpeed(const Island& island) {
+  double speed = 0;
+  for (const Body* body : island.bodies) {
+    if (!body->driven) continue;
+    speed = std::max(speed, body->pin_speed);
+    for (const Contact& c : body->constraints.contacts)
+      speed = std::max(speed, c.surface_motion.norm() / body->context->h);
+  }
   return speed;
 }
 
@@ -83,27 +98,19 @@ double gainedEnergy(Body& body, double drive) {
   if (step.force && !body.pushed)
     gain -= step.force->middleCols(body.first, body.n).cwiseProduct(moved).sum();
   gain -= releasedEnergy(body);
-  if (drive > 0) {
-    // Seen from what drives it the body gains nothing; here it may be faster by twice its speed.
-    const double mass = rows.mass.sum();
-    const double before = kineticEnergy(rows, body.saved.v, body.energy);
-    gain -= 2 * mass * drive * (std::sqrt(2 * before / mass) + drive);
-  }
-  return gain;
+  return drive > 0 ? gain - drivenWork(body, drive) : gain;
 }
 
 bool isSmooth(const Island& island) {
   return island.pairs.cache.empty() && island.pairs.touching.empty() &&
-         std::all_of(island.bodies.begin(), island.bodies.end(),
-                     [](const Body* body) { return isSmooth(*body); });
+         std::all_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
+           return body->pin_speed == 0 && isSmooth(*body);
+         });
 }
 
-double explicitGain(Island& island, bool smooth) {
+double gainedEnergy(Island& island, double drive) {
   double gain = 0;
-  for (Body* body : island.bodies) {
-    if (body->pin_speed > 0) return 0;
-    gain += gainedEnergy(*body, smooth ? 0 : driveSpeed(*body));
-  }
+  for (Body* body : island.bodies) gain += gainedEnergy(*body, drive);
   return gain;
 }
 
@@ -112,12 +119,6 @@ bool isLargeGain(Island& island, double gain, bool smooth) {
   double energy = 0;
   for (Body* body : island.bodies) energy += smooth ? swingScale(*body) : kineticEnergy(*body);
   return smooth ? std::abs(gain) > kRedoGain * energy : gain > kRedoGain * energy;
-}
-
-double implicitGain(Island& island) {
-  double gain = 0;
-  for (Body* body : island.bodies) gain += gainedEnergy(*body, driveSpeed(*body));
-  return gain;
 }
 
 double wildGain(Island& island) {

@@ -14,22 +14,20 @@ double swingScale(Body& body);
 /// [J] by how much the body gained more since it was saved than what acts on it, driven at `drive`
 /// [m/s], can have given it.
 double gainedEnergy(Body& body, double drive);
-/// [m/s] of what moves the body from outside: pins, obstacles that it may touch.
-double driveSpeed(const Body& body);
+/// The same of all bodies of an island.
+double gainedEnergy(Island& island, double drive);
+/// [m/s] of what moves the bodies from outside: pins, obstacles that they may touch.
+double driveSpeed(const Island& island);
 
-/// Whether the trial met nothing but limits that pressed all the while: the energy stays but for
-/// leapfrog's swing, which is not to be taken out.
+/// Whether the trial met nothing but limits that pressed all the while, and no pin moves: the
+/// energy stays but for leapfrog's swing, which is not to be taken out.
 bool isSmooth(const Island& island);
 
-/// [J] the gain of an explicit trial; 0 while pins move.
-double explicitGain(Island& island, bool smooth);
 /// Whether a trial that gained so much is to be done again at half.
 bool isLargeGain(Island& island, double gain, bool smooth);
 
-/// [J] the gain of an implicit trial; and what a trial that gains more than that has gone astray
-/// by: more than the kinetic energy, and than would bring the bodies from rest to a speed that no
-/// overlap opens at.
-double implicitGain(Island& island);
+/// [J] A trial that gains more has gone astray: more than the kinetic energy, and than would bring
+/// the bodies from rest to a speed that no overlap opens at.
 double wildGain(Island& island);
 
 /// Whether something takes the bodies' momentum: a pin, an obstacle, a sleeper.

@@ -35,7 +35,7 @@ Verdict judgeExplicit(Island& island, const Trial& trial, const SubstepControl& 
   };
   const double h = control.substep(), took = trial.took;
   const bool steady = smooth && !any([&](Body& body) { return swings(body, took); });
-  const double gain = steady ? 0 : explicitGain(island, smooth);
+  const double gain = steady ? 0 : gainedEnergy(island, smooth ? 0 : driveSpeed(island));
   const bool large = isLargeGain(island, gain, smooth);
   if (control.canHalve() && (large || any([&](Body& body) { return exceedsStable(body, h, 2); })))
     return {false, 0};
@@ -47,7 +47,7 @@ Verdict judgeExplicit(Island& island, const Trial& trial, const SubstepControl& 
 }
 
 Verdict judgeImplicit(Island& island) {
-  const double gain = implicitGain(island);
+  const double gain = gainedEnergy(island, driveSpeed(island));
   // Another solution than the one sought: not to be taken out.
   return {!(gain > wildGain(island)), std::max(0.0, gain)};
 }
