@@ -92,6 +92,19 @@ class PagesTest(unittest.TestCase):
         force = Inbox('/ragdoll/wrenches/attach_right_hand', WrenchStamped)
         force.first(lambda m: m.wrench.force.x < -30, 'the force of a body that is dragged')
 
+    def test_the_scene_of_a_robot(self):
+        """The page's YAML, without the robot: the body lies on its back."""
+        scene = self.path('casualty.yaml')
+        with open(scene, 'w') as file:
+            file.write(re.search(r'```yaml\n(.*?)```', text_of('robot.md'), re.DOTALL).group(1))
+        lab = roslib.packages.find_node('ragdoll_sim', 'ragdoll_lab')[0]
+        run = subprocess.run([lab, 'run', scene, '--seconds', '5', '--summary'], timeout=LIMIT,
+                             stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        summary = json.loads(run.stdout)
+        self.assertEqual(summary['asleep'], 1)
+        self.assertLess(summary['max_penetration'], 1e-3)
+
     def test_node(self):
         printed = self.run_page('node.md')
         self.assertIn('ragdoll/head: (100, 0, 0) N', printed)
