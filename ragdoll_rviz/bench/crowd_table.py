@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Prints the table "What a crowd costs" of docs/ros_api.md: a node and rviz for 1, 20, 200 and 1000 bodies.
+"""Prints the table "What a crowd costs" of docs/rviz_tables.md: a node and rviz for 1, 20, 200 and 1000 bodies.
 
 crowd_table.py [--seconds S] [--markers] [--smooth] [BODIES ...]. Needs an environment with the packages, the target
 view_bench, Xvfb, and a machine with nothing else to do; starts a roscore of its own.

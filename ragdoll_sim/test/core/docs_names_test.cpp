@@ -96,4 +96,34 @@ TEST(Docs, NameSourcesThatExist) {
   EXPECT_GT(eachMatch(name, is_there), 50);
 }
 
+/// visit(line) of every line of the file.
+template <class Visit>
+void eachLine(const fs::path& file, const Visit& visit) {
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) visit(line);
+}
+
+TEST(Docs, ListTheSourcesThatAreCited) {
+  if (!fs::exists(root / "docs")) GTEST_SKIP() << "the package stands alone, without docs/";
+  const std::regex listed("^(- )?\\[([A-Z][A-Za-z-]+(19|20)[0-9]{2})\\] [A-Z]");
+  const std::regex cited("(\\[|; )([A-Z][A-Za-z-]+(19|20)[0-9]{2})[\\],;]");
+  std::set<std::string> known;
+  std::smatch found;
+  for (const fs::path& page : pages())
+    eachLine(page, [&](const std::string& line) {
+      if (std::regex_search(line, found, listed)) known.insert(found[2]);
+    });
+  int count = 0;
+  const auto check = [&](const fs::path& file) {
+    eachLine(file, [&](const std::string& line) {
+      for (std::sregex_iterator it(line.begin(), line.end(), cited), end; it != end; ++it, ++count)
+        EXPECT_EQ(known.count((*it)[2]), 1u) << file.string() << " cites " << (*it)[2];
+    });
+  };
+  for (const fs::path& page : pages()) check(page);
+  for (const auto& entry : fs::recursive_directory_iterator(package))
+    if (entry.path().extension() == ".h" || entry.path().extension() == ".cpp") check(entry.path());
+  EXPECT_GT(count, 80);
+}
+
 }  // namespace
