@@ -71,7 +71,7 @@ Matrix runMatrix(const MatrixOptions& options, Progress& progress) {
     if (options.method.empty() || method.name == options.method) matrix.methods.push_back(method);
   if (matrix.methods.empty())
     throw Error("--method", "there is no method '" + options.method +
-                                "' in the matrix; there are jakobsen, shake and rk");
+                                "' in the matrix; there are jakobsen, fast, shake and rk");
   const std::size_t columns = matrix.methods.size();
   for (const Extreme& test : extremeTests(options.quick))
     if (options.tests && (test.group + ": " + test.name).find(options.only) != std::string::npos)

@@ -110,6 +110,7 @@ class Watch {
 
 std::vector<ExtremeMethod> extremeMethods() {
   return {{"jakobsen", preset("thesis"), false},
+          {"fast", preset("fast"), false},
           {"shake", preset("balanced"), true},
           {"rk", preset("reference"), false}};
 }

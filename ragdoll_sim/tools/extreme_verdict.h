@@ -16,7 +16,7 @@ struct ExtremeMethod {
   bool is_default = false;
 };
 
-/// jakobsen as preset thesis, shake as the default, rk as preset reference.
+/// jakobsen as preset thesis, fast as preset fast, shake as the default, rk as preset reference.
 std::vector<ExtremeMethod> extremeMethods();
 
 struct Verdict {

@@ -86,7 +86,7 @@ int extremesCommand(const Words& words) {
   add("only", po::value(&options.only),
       "Only tests whose name contains this, such as \"step: 0.1\"; --random 0 --piles 0 --driven 0 "
       "leave out the random scenes");
-  add("method", po::value(&options.method), "Only this one: jakobsen, shake or rk");
+  add("method", po::value(&options.method), "Only this one: jakobsen, fast, shake or rk");
   add("guard-cost", po::value(&rounds)->implicit_value(41),
       "Instead: what the step guard costs on shipped scenes, with and without it in turn so many "
       "times");

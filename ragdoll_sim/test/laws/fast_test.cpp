@@ -136,6 +136,28 @@ TEST(Fast, HangsByAPin) {
   EXPECT_LT(maxStickError(world.model, world.state), 1e-13);
 }
 
+/// Limbs that run into their limits while the body swings or tumbles: no step gains more than what
+/// leapfrog's energy swings by. Of what hangs, velocities are those of the middle of a step: so is
+/// its height.
+TEST(Fast, LimitsGiveNoEnergyToWhatSwingsOrTumbles) {
+  for (const char* text :
+       {"ragdolls: [{model: human, position: [0, 0, 2], rpy_deg: [0, 60, 0]}]\npins: [right_hand]\n",
+        "ragdolls: [{model: human, angular_velocity: [6, -4, 5]}]\ngravity: [0, 0, 0]\n"}) {
+    World world(fastScene(text));
+    const auto height = [&] { return potentialEnergy(world.model, world.state); };
+    double before = height(), last = 0, rise = 0, most = 0;
+    for (int i = 0; i < 600; ++i) {
+      world.steps(1);
+      const double energy = kineticEnergy(world.model, world.state) + 0.5 * (before + height());
+      if (i > 0) rise = std::max(rise, energy - last);
+      most = std::max(most, kineticEnergy(world.model, world.state));
+      before = height();
+      last = energy;
+    }
+    EXPECT_LT(rise, 4e-3 * most) << text;  // [J]
+  }
+}
+
 TEST(Fast, SlidesAsFarAsFrictionLetsIt) {
   Scene scene =
       fastScene("ragdolls: [{model: human}]\nobstacles: [{type: plane, friction: 0.4}]\n");

@@ -38,6 +38,8 @@ constexpr double kMostStickDeep = 0.015;  ///< [m] of a stick
 constexpr double kDeeper = 1e-3;          ///< [m] what a sunken stick may sink on
 constexpr double kMostAngle = 0.15;       ///< [rad] of a limit
 
+constexpr double kReportedShare = 1e-6;  ///< of a motion: less that is drawn back is rounding
+
 constexpr int kSlots = 4;  ///< contacts of one particle or stick beside those with planes
 
 }  // namespace ragdoll::fast

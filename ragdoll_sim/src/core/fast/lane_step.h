@@ -169,19 +169,24 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
       for (int i = 0; i < n; ++i) lanes[l].predicted[i] = lanes[l].x[i] + lane(w.dx[i], l);
 }
 
-/// [J] that what an obstacle pressed may have at the step's end: what it had, and the work of
-/// forces along w.dx; no bound where something drives it or nothing pressed.
+/// [J] that what is pressed or hangs may have after a share of the step: what it had, and the work
+/// of forces along w.dx; no bound where something drives it or nothing holds it. What hangs has
+/// velocities of the middle of its steps: forces act along half of the step before, too.
 template <class L>
 typename L::R energyBound(const FastBody& b, const PackStep& step, const Lane* lanes, L& w,
-                          const typename L::R& pressed) {
+                          const typename L::R& pressed, double share) {
   using R = typename L::R;
   using N = typename L::N;
+  const bool hangs = b.tree.roots[0].pinned;
+  const N now = N(hangs ? 0.5 : share), last = N(hangs ? 0.5 * step.h : 0);
   R bound = w.before;
   for (int i = 0; i < b.tree.particles; ++i)
-    for (int c = 0; c < 3; ++c) bound += N(b.tree.mass[i] * step.gravity[c]) * w.dx[3 * i + c];
-  if (w.forced)
-    for (int i = 0; i < 3 * b.tree.particles; ++i)
-      bound += N(1 / (step.h * step.h)) * w.force[i] * w.dx[i];
+    for (int c = 0; c < 3; ++c) {
+      const int k = 3 * i + c;
+      const R moved = now * w.dx[k] + last * w.v[k];
+      bound += N(b.tree.mass[i] * step.gravity[c]) * moved;
+      if (w.forced) bound += N(1 / (step.h * step.h)) * w.force[k] * moved;
+    }
   R free = select(less(R{}, pressed), R{}, R{} + N(1));
   for (int l = 0; l < L::W; ++l)
     if (lanes[l].driven) setLane(free, l, N(1));
@@ -195,7 +200,7 @@ RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* 
   using R = typename L::R;
   using N = typename L::N;
   const R after = energyOf(b, w, w.dx, 1 / (step.h * step.h));
-  const R bound = energyBound(b, step, lanes, w, pressed);
+  const R bound = energyBound(b, step, lanes, w, pressed, 0.5);  // w.dx: of its middle
   const auto much = less(bound, after);
   if (!any(much)) return;
   // share^2 after = before + share work
@@ -208,7 +213,7 @@ RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* 
     w.total[k] = scale * w.total[k];
   }
   setPose(b, w);
-  for (int l = 0; l < L::W; ++l) lanes[l].limited = lane(scale, l) < N(1);
+  for (int l = 0; l < L::W; ++l) lanes[l].limited = lane(scale, l) < N(1 - kReportedShare);
 }
 
 /// The same of the velocities at the end (w.dx, times h).
@@ -223,7 +228,8 @@ RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, La
   const R share = squareRoot(atLeast(bound, N(0)) / atLeast(after, N(1e-30)));
   const R scale = select(much, share, R{} + N(1));
   for (int i = 0; i < 3 * b.tree.particles; ++i) w.dx[i] = scale * w.dx[i];
-  for (int l = 0; l < L::W; ++l) lanes[l].limited = lanes[l].limited || lane(scale, l) < N(1);
+  for (int l = 0; l < L::W; ++l)
+    lanes[l].limited = lanes[l].limited || lane(scale, l) < N(1 - kReportedShare);
 }
 
 /// One sweep of the velocity stage over contacts: what pressed does not approach any more, or comes
@@ -422,9 +428,12 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
     setPose(b, w);
   }
   checkBounds(b, w);
-  R pressed{};
+  R pressed = R{} + N(b.tree.roots[0].pinned ? 1 : 0);
   for (int i = 0; i < w.contact_count; ++i)
     pressed = larger(pressed, select(less(R{}, w.contacts[i].press), R{} + N(1), R{}));
+  for (int i = 0; i < w.limit_count; ++i)
+    if (w.limits[i].limit->compliance == 0)
+      pressed = larger(pressed, select(less(R{}, w.limits[i].press), R{} + N(1), R{}));
   const bool any_pressed = any(less(R{}, pressed));
   if (any_pressed) {
     w.before = energyOf(b, w, w.v, 1.0);
@@ -432,7 +441,7 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
   }
   tree::place(b.tree, w.tree, w.x, w.dx, w.x);  // the new positions
   R bound{};
-  if (any_pressed) bound = energyBound(b, step, lanes, w, pressed);
+  if (any_pressed) bound = energyBound(b, step, lanes, w, pressed, 1);
   endVelocities(b, step, w);
   if (any_pressed) limitVelocities(b, step, lanes, w, bound);
   store(b, step, lanes, w);
