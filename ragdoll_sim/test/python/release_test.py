@@ -2,6 +2,7 @@
 """What a release says of itself agrees: versions, and the commands of README, Dockerfile and workflow."""
 
 import json
+import os
 import pathlib
 import re
 import shutil
@@ -79,6 +80,15 @@ class Commands(unittest.TestCase):
         launch = text('launch/ragdoll.launch')
         for argument in json.loads(dockerfile('CMD')[0])[1:]:
             self.assertIn('<arg name="%s"' % argument.split(':=')[0], launch)
+
+    @unittest.skipUnless(shutil.which('roslaunch'), 'roslaunch is not installed')
+    def test_the_bag_is_where_it_is_asked_for(self):
+        for bag, path in (('/bags/fall.bag', '/bags/fall.bag'), ('fall.bag', str(ROOT) + '/fall.bag')):
+            command = subprocess.run(
+                ['roslaunch', '--args', '/record', 'launch/ragdoll.launch', 'rviz:=false', 'bag:=' + bag],
+                cwd=ROOT, env=dict(os.environ, PWD=str(ROOT)), stdout=subprocess.PIPE,
+                universal_newlines=True).stdout
+            self.assertIn(' -O %s /tf /ragdoll/state' % path, command)
 
 
 if __name__ == '__main__':
