@@ -58,8 +58,8 @@ class Ragdolls : public ::testing::Test {
     ASSERT_TRUE(waitFor([&] { return triangles() > 0; })) << status();
   }
 
-  /// Once. Paused, the node tells a state to who is new, and the display is there already: a reset tells it
-  /// to all.
+  /// Once. Paused, the node tells a state to who is new, and the display is there already: a reset
+  /// tells it to all.
   void subscribe() {
     model_subscriber_ = nh_.subscribe("/ragdoll/model", 1, &Ragdolls::hearModel);
     state_subscriber_ = nh_.subscribe("/ragdoll/state", 1, &Ragdolls::hearState);

@@ -104,8 +104,8 @@ void checkText(const std::string& text, const std::string& name) {
   char last = 0;
   for (const char c : text) {
     if (c == '\n') ++line;
-    // Before 0.7 yaml-cpp finds a token without a character here, again and again until memory ends.
-    // Where quotes and comments end it alone knows, so ":]" is refused there, too.
+    // Before 0.7 yaml-cpp finds a token without a character here, again and again until memory
+    // ends. Where quotes and comments end it alone knows, so ":]" is refused there, too.
     if (last == ':' && c == ']')
       throw Error(place(name, line), "':' before ']'; a space is expected between them");
     last = c;
@@ -143,8 +143,8 @@ std::shared_ptr<const Value> parseDocument(const std::string& text, const std::s
   if (isEmpty(text)) throw Error(place(name, 1), "the text is empty; a mapping is expected");
   TreeBuilder tree(name);
   try {
-    // The mark of a document's end: before 0.7 yaml-cpp takes what follows a ':' at the end of the text for
-    // a token, without end, and reads past its last token after an anchor or a tag there.
+    // The mark of a document's end: before 0.7 yaml-cpp takes what follows a ':' at the end of the
+    // text for a token, without end, and reads past its last token after an anchor or a tag there.
     std::istringstream stream(text + "\n...\n");
     YAML::Parser parser(stream);
     parser.HandleNextDocument(tree);

@@ -4,10 +4,11 @@
 // Angular motion is what particles show, measured here without the product's code: of a group, the
 // rotation that takes its points from one update to the next (Kabsch 1976, by singular values); of
 // a bone, the angle between its directions. A group has no freedom beyond that. A bone's twist is
-// nothing that its own two particles show: its frame is carried along by its parent's and by the smallest
-// rotation of its direction (parallel transport), and may turn beyond that by kPull times what the bone and
-// the one beyond it are seen to move then (docs/body.md). A flip turns a frame while next to nothing moves.
-// Step by step that follows from how frames are made, whatever the motion; kTurned is what many steps add up to.
+// nothing that its own two particles show: its frame is carried along by its parent's and by the
+// smallest rotation of its direction (parallel transport), and may turn beyond that by kPull times
+// what the bone and the one beyond it are seen to move then (docs/body.md). A flip turns a frame
+// while next to nothing moves. Step by step that follows from how frames are made, whatever the
+// motion; many add up to less than kTurned (0.48 to 0.66 in ten minutes of tumbling).
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,7 +23,7 @@
 namespace ragdoll::test {
 
 constexpr double kPull = 1.5;  ///< [rad/rad] in one update
-constexpr double kTurned = 1;  ///< [rad/rad] of the bones' turns to the motion around them, in a run; 0.48 to 0.66
+constexpr double kTurned = 1;  ///< [rad/rad] of the bones' turns to the motion around, in a run
 
 /// [rad] exact for small angles
 inline double angle(const Quat& a, const Quat& b) {
@@ -48,12 +49,13 @@ class AngularMotion {
 
   /// [rad] of the part alone
   double own(int part) const { return own_[part]; }
-  /// [rad] by which the bone's frame turned beyond parallel transport, and what was seen to move then.
+  /// [rad] turn of the bone's frame beyond parallel transport, and what was seen to move then.
   std::pair<double, double> beyondTransport(int part) const {
     const Part& bone = tree_.parts[part];
     const Posture &before = tracker_.previous(), &now = tracker_.now();
     const Quat& frame = before.parts[tracker_.firstPart(ragdoll_) + part];
-    const Quat parent_before = orientation(before, bone.parent), parent = orientation(now, bone.parent);
+    const Quat parent_before = orientation(before, bone.parent);
+    const Quat parent = orientation(now, bone.parent);
     const Vec3 from = parent_before.conjugate() * direction(before, part);
     const Vec3 to = parent.conjugate() * direction(now, part);
     const Quat transport = parent * Quat::FromTwoVectors(from, to) * parent_before.conjugate();

@@ -74,9 +74,10 @@ TEST(Order, ShakeIsSecondAndJakobsenFirst) {
   EXPECT_NEAR(fittedOrder(Method::kJakobsen, {1.0 / 1024, 1.0 / 2048, 1.0 / 4096}), 1, 0.15);
 }
 
-// Leapfrog does not keep E = 1/2 v M v but E + h^2/24 a M a, of which a M a h^2/8 is what the velocities in
-// the middle of the steps before and after have more than those between them. So E swings, by what the
-// accelerations on the way say: the law is in what is kept, which no rounding of a chaotic motion changes.
+// Leapfrog does not keep E = 1/2 v M v but E + h^2/24 a M a, of which a M a h^2/8 is what the
+// velocities in the middle of the steps before and after have more than those between them. So E
+// swings, by what the accelerations on the way say: the law is in what is kept, which no rounding
+// of a chaotic motion changes.
 
 /// A minute at 120 Hz, looked at every step.
 void expectKeptForAMinute(const std::string& text) {
