@@ -13,7 +13,7 @@ needed_packages() {
   local package
   echo build-essential clang cmake ninja-build python3 libeigen3-dev libyaml-cpp-dev \
     nlohmann-json3-dev libtbb-dev libboost-program-options-dev libgtest-dev libgmock-dev gnuplot-nox \
-    qtbase5-dev xvfb pybind11-dev python3-dev python3-numpy \
+    libopengl-dev qtbase5-dev xvfb pybind11-dev python3-dev python3-numpy \
     libhdf5-dev python3-h5py python3-distributed
   if is_noetic; then
     for package in catkin diagnostic-msgs diagnostic-updater dynamic-reconfigure geometry-msgs \
@@ -54,7 +54,7 @@ not_installed() {
 }
 
 install_missing() {
-  command -v dpkg-query >/dev/null || die "needs Debian 12, or Ubuntu with ROS Noetic"
+  command -v dpkg-query >/dev/null || die "needs Debian 11 or 12, or Ubuntu with ROS Noetic"
   local missing as_root=() log
   missing=$(not_installed $(needed_packages))
   [ -z "$missing" ] && return

@@ -214,7 +214,10 @@ class Run:
                     complain('the scheduler is gone; what is finished stays: start again to go on')
             bar.show(total)
         finally:
-            self.client.cancel(list(futures.values()))
+            try:
+                self.client.cancel(list(futures.values()))
+            except (OSError, TimeoutError):
+                pass  # the scheduler is gone, and the futures with it
         bar.end()
         if self.missing(shards):
             complain('%s does not show the shards that workers wrote: do they see the same folder?' %

@@ -49,17 +49,23 @@ class Ragdolls : public ::testing::Test {
       if (root->getDisplayAt(i)->getClassId() == "ragdoll_rviz/Ragdolls")
         display_ = root->getDisplayAt(i);
     ASSERT_NE(display_, nullptr);
-    // Once: paused, the node tells a state to who is new only.
-    if (!model_subscriber_)
-      model_subscriber_ = nh_.subscribe("/ragdoll/model", 1, &Ragdolls::hearModel);
-    if (!state_subscriber_)
-      state_subscriber_ = nh_.subscribe("/ragdoll/state", 1, &Ragdolls::hearState);
+    if (!model_subscriber_) subscribe();
     ASSERT_TRUE(waitFor([&] { return model_ && state_; }));
     for (const auto& [name, value] : std::vector<std::pair<const char*, const char*>>{
              {"Coat", "node's"}, {"Colors", "own"}, {"Node", "/ragdoll"}})
       set(name, value);
     set("Alpha", 1);
     ASSERT_TRUE(waitFor([&] { return triangles() > 0; })) << status();
+  }
+
+  /// Once. Paused, the node tells a state to who is new, and the display is there already: a reset
+  /// tells it to all.
+  void subscribe() {
+    model_subscriber_ = nh_.subscribe("/ragdoll/model", 1, &Ragdolls::hearModel);
+    state_subscriber_ = nh_.subscribe("/ragdoll/state", 1, &Ragdolls::hearState);
+    ASSERT_TRUE(ros::service::waitForService("/ragdoll/reset", ragdoll_test::kLimit));
+    std_srvs::Trigger reset;
+    ASSERT_TRUE(ros::service::call("/ragdoll/reset", reset) && reset.response.success);
   }
 
   static void TearDownTestSuite() {

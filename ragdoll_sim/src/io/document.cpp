@@ -101,14 +101,30 @@ void checkText(const std::string& text, const std::string& name) {
                 "larger than " + std::to_string(kMaxBytes >> 20) + " MiB; no scene needs that");
   }
   int line = 1;
+  char last = 0;
   for (const char c : text) {
     if (c == '\n') ++line;
+    // Before 0.7 yaml-cpp finds a token without a character here, again and again until memory
+    // ends. Where quotes and comments end it alone knows, so ":]" is refused there, too.
+    if (last == ':' && c == ']')
+      throw Error(place(name, line), "':' before ']'; a space is expected between them");
+    last = c;
     const auto byte = static_cast<unsigned char>(c);
     const bool space = c == '\n' || c == '\r' || c == '\t';
     if ((byte < 0x20 && !space) || byte == 0x7f) {
       throw Error(place(name, line), "not a text file (control character); YAML is expected");
     }
   }
+}
+
+/// Nothing but comments.
+bool isEmpty(const std::string& text) {
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t at = line.find_first_not_of(" \t\r");
+    if (at != std::string::npos && line[at] != '#') return false;
+  }
+  return true;
 }
 
 /// The parser calls a tab in the indentation many things.
@@ -124,9 +140,12 @@ bool isIndentedByTab(const std::string& text, int line) {
 
 std::shared_ptr<const Value> parseDocument(const std::string& text, const std::string& name) {
   checkText(text, name);
+  if (isEmpty(text)) throw Error(place(name, 1), "the text is empty; a mapping is expected");
   TreeBuilder tree(name);
   try {
-    std::istringstream stream(text);
+    // The mark of a document's end: before 0.7 yaml-cpp takes what follows a ':' at the end of the
+    // text for a token, without end, and reads past its last token after an anchor or a tag there.
+    std::istringstream stream(text + "\n...\n");
     YAML::Parser parser(stream);
     parser.HandleNextDocument(tree);
     TreeBuilder rest(name);
@@ -139,7 +158,7 @@ std::shared_ptr<const Value> parseDocument(const std::string& text, const std::s
     throw Error(located ? place(name, error.mark.line + 1) : name,
                 "not valid YAML: " + (tab ? "indented by a tab; spaces are expected" : error.msg));
   }
-  if (!tree.root()) throw Error(place(name, 1), "the text is empty; a mapping is expected");
+  if (!tree.root()) throw Error(place(name, 1), "not valid YAML: no value");
   return tree.root();
 }
 

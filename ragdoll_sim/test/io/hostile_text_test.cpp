@@ -29,6 +29,29 @@ TEST(HostileText, BrokenYaml) {
   EXPECT_THAT(errorOfText("a: *nobody\n"), HasSubstr("scene.yaml:1"));
 }
 
+// Before 0.7 yaml-cpp took all memory for some of these, and read past its last token for others.
+TEST(HostileText, EndsInTheMiddle) {
+  EXPECT_THAT(errorOfText("ragdolls: []\na: [b:]\n"),
+              StartsWith("scene.yaml:2: ':' before ']'; a space is expected between them"));
+  EXPECT_THAT(errorOfText("ragdolls: {a:"), StartsWith("scene.yaml:"));
+  EXPECT_THAT(errorOfText("ragdolls: [{model:"), HasSubstr("not valid YAML: end of map"));
+  EXPECT_THAT(errorOfText("ragdolls: [&a"), HasSubstr("not valid YAML: end of sequence"));
+  EXPECT_THAT(errorOfText("!tag"), HasSubstr("a mapping (key: value) is expected"));
+  EXPECT_THAT(errorOfText("ragdolls: [human: ]\n"), HasSubstr("ragdolls[0]"));  // valid YAML
+}
+
+TEST(HostileText, EveryTwoCharactersAtTheEnd) {
+  const std::string all = "[]{}:,-?&*!|>'\"%#@ \n\t\ra~.\xff";
+  for (const std::string begin : {"", "a: ", "a: [", "a: {b", "- ", "--- ", "ragdolls: [{model"}) {
+    for (const char first : all) {
+      for (const char second : all) {
+        const std::string text = begin + first + second;
+        EXPECT_THAT(errorOfText(text), StartsWith("scene.yaml:")) << text;
+      }
+    }
+  }
+}
+
 TEST(HostileText, SeveralDocuments) {
   EXPECT_THAT(errorOfText("ragdolls: [{model: human}]\n---\nragdolls: []\n"),
               StartsWith("scene.yaml:3: a second YAML document"));

@@ -74,19 +74,37 @@ TEST(Order, ShakeIsSecondAndJakobsenFirst) {
   EXPECT_NEAR(fittedOrder(Method::kJakobsen, {1.0 / 1024, 1.0 / 2048, 1.0 / 4096}), 1, 0.15);
 }
 
-/// A minute at 120 Hz, looked at every second.
-void expectKeptForAMinute(const std::string& scene, double worst_energy) {
-  World world(smoothHuman(scene, Method::kShake, 1.0 / 120));
-  const double energy = kineticEnergy(world.model, world.state);
+// Leapfrog does not keep E = 1/2 v M v but E + h^2/24 a M a, of which a M a h^2/8 is what the
+// velocities in the middle of the steps before and after have more than those between them. So E
+// swings, by what the accelerations on the way say: the law is in what is kept, which no rounding
+// of a chaotic motion changes.
+
+/// A minute at 120 Hz, looked at every step.
+void expectKeptForAMinute(const std::string& text) {
+  World world(smoothHuman(text, Method::kShake, 1.0 / 120));
+  const double h = world.model.solver.step, start = kineticEnergy(world.model, world.state);
   const Vec3 spin = angularMomentum(world.model, world.state);
   const Vec3 drift = momentum(world.model, world.state);
-  double worst = 0;
-  for (int second = 0; second < 60; ++second) {
-    world.steps(120);
-    worst = std::max(worst, std::abs(kineticEnergy(world.model, world.state) / energy - 1));
+  double lowest = INFINITY, highest = 0, swing = 0, before = 0, at = start, worst = 0;
+  for (int i = 0; i < 7200; ++i) {
+    const Points x = world.state.x;
+    world.steps(1);
+    State middle = world.state;
+    middle.v = (world.state.x - x) / h;
+    const double half = kineticEnergy(world.model, middle);
+    if (i > 0) {
+      const double correction = ((before + half) / 2 - at) / 3;
+      swing = std::max(swing, correction);
+      worst = std::max(worst, std::abs(at - start));
+      lowest = std::min(lowest, at + correction);
+      highest = std::max(highest, at + correction);
+    }
+    before = half;
+    at = kineticEnergy(world.model, world.state);
   }
-  EXPECT_LT(worst, worst_energy);  // swings with h^2/24 a M a (below), but does not drift:
-  EXPECT_LT(std::abs(kineticEnergy(world.model, world.state) / energy - 1), 1e-4);
+  const double next_order = swing / 20;  // h^2 smaller: 1/50 to 1/125 in fifty such minutes
+  EXPECT_LT(highest - lowest, next_order);
+  EXPECT_LT(worst, swing + next_order);
   EXPECT_LT((angularMomentum(world.model, world.state) - spin).norm() / spin.norm(), 1e-10);
   EXPECT_LT((momentum(world.model, world.state) - drift).norm(), 1e-10);
   EXPECT_LT(maxStickError(world.model, world.state), 1e-9);
@@ -95,34 +113,10 @@ void expectKeptForAMinute(const std::string& scene, double worst_energy) {
 TEST(Conservation, AMinuteOfTheShippedTumblingAt120Hz) {
   expectKeptForAMinute(
       "gravity: [0, 0, 0]\n"
-      "ragdolls: [{name: ragdoll, model: human, angular_velocity: [1.5, 2, 0.6]}]\n",
-      1e-4);
+      "ragdolls: [{name: ragdoll, model: human, angular_velocity: [1.5, 2, 0.6]}]\n");
 }
 
-TEST(Conservation, AMinuteOfFasterTumblingAt120Hz) { expectKeptForAMinute(kTumble, 2e-4); }
-
-TEST(Conservation, TheEnergyThatLeapfrogKeeps) {
-  // Not 1/2 v M v, but that + h^2/24 a M a, of which a M a h^2/8 is what the velocities in the
-  // middle of the steps before and after have more than those between them.
-  World world(smoothHuman(kTumble, Method::kShake, 1.0 / 120));
-  const double h = world.model.solver.step;
-  double lowest = INFINITY, highest = 0, before = 0, at = 0;
-  for (int i = 0; i < 7200; ++i) {
-    const Points x = world.state.x;
-    world.steps(1);
-    State middle = world.state;
-    middle.v = (world.state.x - x) / h;
-    const double half = kineticEnergy(world.model, middle);
-    if (i > 0) {
-      const double kept = at + ((before + half) / 2 - at) / 3;
-      lowest = std::min(lowest, kept);
-      highest = std::max(highest, kept);
-    }
-    before = half;
-    at = kineticEnergy(world.model, world.state);
-  }
-  EXPECT_LT(highest / lowest - 1, 1e-5);
-}
+TEST(Conservation, AMinuteOfFasterTumblingAt120Hz) { expectKeptForAMinute(kTumble); }
 
 TEST(Conservation, RunsBackwardsToWhereItCameFrom) {
   World world(smoothHuman(kTumble, Method::kShake, 1.0 / 240));

@@ -33,7 +33,8 @@ class Recorder:
         self.uri = rosgraph.Master('/recorder').lookupNode(node)
         self.node = ServerProxy(self.uri)
         program = roslib.packages.find_node('rosbag', 'record')[0]
-        self.process = subprocess.Popen([program, '--quiet', '-O', path] + topics)
+        # Without chunks, what is recorded is in the file at once.
+        self.process = subprocess.Popen([program, '--quiet', '--chunksize=0', '-O', path] + topics)
         atexit.register(self.process.kill)  # a test that failed leaves nothing behind
         wait_for(self.is_connected, 'the recorder')
 
@@ -45,6 +46,16 @@ class Recorder:
         """Whether the node's connections show the recorder on all topics."""
         return {c[4] for c in self.connections()} >= self.topics
 
+    def stop_after(self, last):
+        """Once these messages, as they were heard, are in the bag: however far behind the recorder is."""
+        wait_for(lambda: self.has(last), 'the recorder to write the last messages')
+        self.end()
+
+    def has(self, wanted):
+        with open(self.path + '.active', 'rb') as file:
+            written = file.read()
+        return all(serialized(message) in written for message in wanted)
+
     def stop(self):
         """Once the recorder has all that the node has sent by now, and has dealt with it."""
         connections = self.connections()
@@ -53,6 +64,9 @@ class Recorder:
         numbers = {c[0] for c in recorder.getBusInfo('/recorder')[2] if c[1] == self.uri}
         wait_for(lambda: messages(recorder, 1, numbers, 2) >= sent, 'the recorder to hear all')
         wait_for(lambda: sleeps(self.process.pid), 'the recorder to rest')
+        self.end()
+
+    def end(self):
         self.process.send_signal(signal.SIGINT)
         self.process.wait(LIMIT)
         wait_for(lambda: os.path.exists(self.path), 'the bag')

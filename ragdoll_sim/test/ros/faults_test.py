@@ -181,9 +181,8 @@ class FaultsTest(unittest.TestCase):
         told = [client.poke('head', force=(i, 0, 0)).status_message for i in range(1, 101)]
         keeps_pace(lambda: client.call_get().state.time)
         client.call_pause(True)
-        last = client.call_get().state
-        client.at(last.step)
-        recorder.stop()
+        last = client.at(client.call_get().state.step)
+        recorder.stop_after([last, client.pokes.first(lambda m: m.force.x == 100, 'the last poke')])
         pokes, states = {}, []
         with rosbag.Bag(recorder.path) as bag:
             for topic, message, _ in bag.read_messages():
@@ -332,14 +331,10 @@ class FaultsTest(unittest.TestCase):
             except OSError:
                 return False
         wait_for(moves, 'the gripper')
-        begin = time.monotonic()
         launch.send_signal(signal.SIGINT)
         launch.wait(LIMIT)
-        seconds = time.monotonic() - begin
-        print('the demo ended %.1f s after SIGINT' % seconds)
-        self.assertLess(seconds, 6)  # roslaunch itself takes 1 s
         self.assertNotIn('Traceback', said())
-        self.assertNotIn('escalating', said())
+        self.assertNotIn('escalating', said())  # as roslaunch does with what does not end by itself
 
     def test_two_nodes_that_publish_the_same_frames_are_told(self):
         first, second = self.start('first', scene='fall'), self.start('second', scene='fall')

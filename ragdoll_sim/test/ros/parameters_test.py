@@ -71,6 +71,10 @@ class Node:
         """The settings that the node says it has."""
         return self.client.get_configuration(timeout=LIMIT)
 
+    def says(self, **settings):
+        """Waits: dynamic_reconfigure tells its own defaults first, and then the node's settings."""
+        wait_for(lambda: settings.items() <= self.now().items(), settings)
+
     def said(self):
         with open(self.log.name) as f:
             return f.read()
@@ -99,17 +103,13 @@ class ParametersTest(unittest.TestCase):
     def test_settings_that_are_given_override_the_scenes(self):
         node = Node(self, 'given', scene='fall', gravity_z='-1.62', preset='draft', step='0.01',
                     damping='1', sleep='false')
-        now = node.now()
-        self.assertEqual((now['gravity_z'], now['preset'], now['step'], now['damping']),
-                         (-1.62, 'draft', 0.01, 1.0))
-        self.assertFalse(now['sleep'])
-        self.assertEqual(now['method'], 1)
+        node.says(gravity_z=-1.62, preset='draft', step=0.01, damping=1.0, sleep=False, method=1)
         self.assertIn('gravity: [0, 0, -1.62]', node.model.scene_yaml)
         self.assertNotIn('unknown', node.said())
         # They go with another scene, and are there again when the node is.
         node.end(signal.SIGKILL)
         node = Node(self, 'given', scene='fall')
-        self.assertEqual(node.now()['gravity_z'], -1.62)
+        node.says(gravity_z=-1.62)
         node.end(signal.SIGINT)
         self.assertEqual(rospy.get_param('/given/gravity_z'), -1.62)
         self.assertFalse(rospy.has_param('/given/sweeps'))
@@ -117,14 +117,14 @@ class ParametersTest(unittest.TestCase):
     def test_what_an_earlier_node_wrote_is_not_given(self):
         for how in (signal.SIGINT, signal.SIGKILL):
             node = Node(self, 'earlier', scene='fall')
-            before = node.now()
+            its_own = dict(step=1 / 120, gravity_z=-9.81, realtime_factor=1.0)
+            node.says(**its_own)
             node.client.update_configuration(
                 {'step': 0.003, 'gravity_z': -3.0, 'realtime_factor': 0.5})
             wait_for(lambda: rospy.get_param('/earlier/step') == 0.003, 'the step')
             node.end(how)
             node = Node(self, 'earlier', scene='fall')
-            for name in ('step', 'gravity_z', 'realtime_factor'):
-                self.assertEqual(node.now()[name], before[name], (how, name))
+            node.says(**its_own)
             node.end(how)
 
     def test_a_wrong_parameter_is_named(self):

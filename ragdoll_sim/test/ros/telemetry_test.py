@@ -90,16 +90,23 @@ class TelemetryTest(unittest.TestCase):
         self.assertEqual(both.name, first + ['ben/' + n for n in first])
         self.assertEqual(len(both.position), len(both.name))
 
+    def markers_of(self, scene, markers, count):
+        """Messages of this scene alone, which begins with a DELETEALL, once it is loaded."""
+        seen = len(markers.all())
+        self.client.load(path=scene)
+
+        def cleared():
+            return [i for i, m in enumerate(markers.all()) if i >= seen and
+                    m.markers and m.markers[0].action == Marker.DELETEALL]
+        first = wait_for(cleared, 'a DELETEALL')[-1] + 1
+        wait_for(lambda: len(markers.all()) >= first + count, 'markers of ' + scene)
+        return markers.all()[first:]
+
     def test_markers_are_few_fixed_and_begin_anew_with_a_scene(self):
         markers = Inbox('/ragdoll/markers', MarkerArray)
         self.client.call_pause(False)
         wait_for(lambda: len(markers.all()) > 40, 'markers')
-        seen = len(markers.all())
-        self.client.load(path='stairs')
-        cleared = wait_for(lambda: [i for i, m in enumerate(markers.all()) if i >= seen and
-                                    m.markers[0].action == Marker.DELETEALL], 'a DELETEALL')[0]
-        wait_for(lambda: len(markers.all()) > cleared + 40, 'markers of the stairs')
-        after = [m for message in markers.all()[cleared + 1:] for m in message.markers]
+        after = [m for message in self.markers_of('stairs', markers, 40) for m in message.markers]
         self.assertEqual({m.action for m in after}, {Marker.ADD})
         self.assertEqual(len({(m.ns, m.id) for m in after if m.ns == 'obstacles'}), 10)
         self.assertLess(len({(m.ns, m.id) for m in after if m.ns in ('coat', 'sticks')}), 70)
@@ -173,16 +180,12 @@ class TelemetryTest(unittest.TestCase):
         def pins(message):
             return [m for m in message.markers if m.ns == 'pins']
         self.client.load(path='hang')
-        wait_for(lambda: markers.all() and pins(markers.all()[-1]), 'the pin')
-        (pin,) = pins(markers.all()[-1])
+        (pin,) = pins(markers.first(pins, 'the pin'))
         hand = position(self.client.model, self.client.states.all()[-1], 'right_hand')
         self.assertLess(max(abs(a - b) for a, b in zip(
             hand, (pin.pose.position.x, pin.pose.position.y, pin.pose.position.z))), 1e-9)
         self.assertAlmostEqual(pin.scale.x, 2 * (0.04 + 0.015))  # the hand's radius and a margin
-        self.client.load(path='fall')
-        seen = len(markers.all())
-        wait_for(lambda: len(markers.all()) > seen + 5, 'markers of fall')
-        self.assertEqual(pins(markers.all()[-1]), [])
+        self.assertEqual([m for m in self.markers_of('fall', markers, 5) if pins(m)], [])
 
     def test_markers_at_most_thirty_a_second(self):
         markers = Inbox('/ragdoll/markers', MarkerArray)
