@@ -46,7 +46,7 @@ RAGDOLL_SECTION typename L::R energyOf(const FastBody& b, L& w, const typename L
   return typename L::N(0.5 * rate2) * sum;
 }
 
-/// As joint_damping.h: velocities against those of the rigid motion with the same momenta.
+/// As joint_damping.h: velocities against those of the rigid motion with the same momenta. w.dx: used.
 template <class L>
 RAGDOLL_SECTION void dampInside(const FastBody& b, typename L::N keep, L& w) {
   using R = typename L::R;
@@ -216,18 +216,34 @@ RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* 
   for (int l = 0; l < L::W; ++l) lanes[l].limited = lane(scale, l) < N(1 - kReportedShare);
 }
 
-/// The same of the velocities at the end (w.dx, times h).
+/// The same of the velocities at the end (w.dx, times h). Where no obstacle takes momentum, motion
+/// against the rigid one with the same momenta alone, if that is enough.
 template <class L>
 RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, Lane* lanes, L& w,
-                                     const typename L::R& bound) {
+                                     const typename L::R& bound, const typename L::R& touched) {
   using R = typename L::R;
   using N = typename L::N;
+  const int n = 3 * b.tree.particles;
+  const N h = N(step.h), rate = N(1 / step.h);
   const R after = energyOf(b, w, w.dx, 1 / (step.h * step.h));
   const auto much = less(bound, after);
   if (!any(much)) return;
-  const R share = squareRoot(atLeast(bound, N(0)) / atLeast(after, N(1e-30)));
-  const R scale = select(much, share, R{} + N(1));
-  for (int i = 0; i < 3 * b.tree.particles; ++i) w.dx[i] = scale * w.dx[i];
+  for (int i = 0; i < n; ++i) {
+    w.spare[i] = w.dx[i];
+    w.v[i] = rate * w.dx[i];
+  }
+  dampInside(b, N(0), w);
+  const R rigid = select(less(R{}, touched), R{}, energyOf(b, w, w.v, 1.0));
+  const R inside = select(much, atLeast(bound - rigid, N(0)) / atLeast(after - rigid, N(1e-30)),
+                          R{} + N(1));
+  const R hung = select(less(R{}, touched), R{} + N(1), R{} + N(b.tree.roots[0].pinned ? 1 : 0));
+  const R whole = select(both(much, both(less(R{}, hung), less(bound, rigid))),
+                         squareRoot(atLeast(bound, N(0)) / atLeast(rigid, N(1e-30))), R{} + N(1));
+  const R scale = squareRoot(inside);
+  for (int i = 0; i < n; ++i) {
+    const R base = select(less(R{}, touched), R{}, h * w.v[i]);
+    w.dx[i] = select(much, whole * (base + scale * (w.spare[i] - base)), w.spare[i]);
+  }
   for (int l = 0; l < L::W; ++l)
     lanes[l].limited = lanes[l].limited || lane(scale, l) < N(1 - kReportedShare);
 }
@@ -428,22 +444,24 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
     setPose(b, w);
   }
   checkBounds(b, w);
-  R pressed = R{} + N(b.tree.roots[0].pinned ? 1 : 0);
+  R touched{};
   for (int i = 0; i < w.contact_count; ++i)
-    pressed = larger(pressed, select(less(R{}, w.contacts[i].press), R{} + N(1), R{}));
+    touched = larger(touched, select(less(R{}, w.contacts[i].press), R{} + N(1), R{}));
+  R pressed = larger(touched, R{} + N(b.tree.roots[0].pinned ? 1 : 0));
+  const R held = pressed;
   for (int i = 0; i < w.limit_count; ++i)
     if (w.limits[i].limit->compliance == 0)
       pressed = larger(pressed, select(less(R{}, w.limits[i].press), R{} + N(1), R{}));
   const bool any_pressed = any(less(R{}, pressed));
   if (any_pressed) {
     w.before = energyOf(b, w, w.v, 1.0);
-    limitMotion(b, step, lanes, w, pressed);
+    limitMotion(b, step, lanes, w, held);
   }
   tree::place(b.tree, w.tree, w.x, w.dx, w.x);  // the new positions
   R bound{};
   if (any_pressed) bound = energyBound(b, step, lanes, w, pressed, 1);
   endVelocities(b, step, w);
-  if (any_pressed) limitVelocities(b, step, lanes, w, bound);
+  if (any_pressed) limitVelocities(b, step, lanes, w, bound, touched);
   store(b, step, lanes, w);
   storePresses(b, step, lanes, w);
 }
