@@ -9,6 +9,7 @@
 #include "core/direct/constraint_set.h"
 #include "core/direct/implicit_scratch.h"
 #include "core/direct/impulse_cache.h"
+#include "core/direct/mode.h"
 #include "core/direct/runge_kutta.h"
 #include "core/direct/tolerances.h"
 #include "core/limits/limit_angles.h"
@@ -111,6 +112,7 @@ struct Body {
   EnergyScratch energy;
   PairDetector detector;  ///< of the body with itself
   RungeKuttaScratch stages;
+  Mode mode;  ///< of rk, while something touches
   ImplicitScratch implicit;
   RowValues b, total;  ///< of the Schur complement's rows: gaps or rates, impulses
   Eigen::VectorXd tension, row_sums;

@@ -12,6 +12,8 @@ struct Trial {
   double took = 0;   ///< [s]
   bool ok = true;    ///< false: no motion was found
   int contacts = 0;  ///< that pressed
+  bool exact = false;        ///< by rk from event to event
+  bool handed_over = false;  ///< rk was asked for, and this is leapfrog
 };
 
 /// By the control's way, over its substep or to the first impact.

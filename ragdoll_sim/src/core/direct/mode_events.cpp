@@ -1,0 +1,353 @@
+#include "core/direct/mode_events.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/direct/candidates.h"
+#include "core/direct/constants.h"
+#include "core/direct/contact_log.h"
+#include "core/direct/dormand_prince.h"
+#include "core/direct/driving.h"
+#include "core/direct/mode_motion.h"
+#include "core/direct/mode_rows.h"
+#include "core/direct/workspace.h"
+
+namespace ragdoll {
+namespace {
+
+using Kind = ModeRow::Kind;
+
+/// What a row may do that ends a piece: each a function that is not negative until then.
+enum Event { kGap, kForce, kFriction, kPlace, kEventsOfRow };
+
+double rateOf(const ModeRow& row, const RowPlace& place, const Body& body, const double* v) {
+  if (row.kind != Kind::kLimit) return place.contact.normal.dot(motionOf(body, place.contact, v));
+  double rate = 0;
+  for (int k = 0; k < place.limit.count; ++k)
+    rate += place.limit.gradient[k].dot(
+        Eigen::Map<const Vec3>(v + 3 * (place.limit.particle[k] - body.first)));
+  return rate;
+}
+
+/// Where the functions are not negative as long as the mode lasts, at a point whose forces are known.
+double eventValue(Body& body, std::size_t i, Event event, const ModePoint& point) {
+  constexpr double kLasting = 1;
+  const ModeRow& row = body.mode.rows[i];
+  const double none = 2 * kNoForce * body.mode.force_scale;
+  if (event == kGap) {
+    if (row.presses) return kLasting;
+    const double noise = row.gap_start < kClosedGap ? kGapNoise : 0;
+    return gapOf(body, row, point.x.data()) - std::min(0.0, row.gap_start) + noise;
+  }
+  if (!row.presses) return kLasting;
+  if (event == kForce) return point.forces.normal[i] + none;
+  if (event == kPlace)
+    return std::min(kLasting, roomOf(body, row, point.x.data(), row.feature) + kPlaceNoise);
+  if (!(row.friction > 0)) return kLasting;
+  if (row.sticks)
+    return row.friction * point.forces.normal[i] - point.forces.friction[i].norm() + none;
+  const Contact c = placeOf(body, row, point.x.data(), point.v.data(), false).contact;
+  return slipOf(body, c, point.v.data()).dot(row.slip) + kSlipNoise;
+}
+
+/// Functions at a point, whose accelerations are found if something presses.
+bool eventsAt(Body& body, ModePoint& point, std::vector<double>& values) {
+  Mode& mode = body.mode;
+  if (!accelerateInMode(body, point)) return false;
+  values.resize(kEventsOfRow * mode.rows.size());
+  for (std::size_t i = 0; i < mode.rows.size(); ++i)
+    for (int e = 0; e < kEventsOfRow; ++e)
+      values[kEventsOfRow * i + e] = eventValue(body, i, static_cast<Event>(e), point);
+  return true;
+}
+
+/// Of one of the functions at a share of the motion from mode.start to mode.end.
+bool valueAt(Body& body, double h, double share, std::size_t which, double& value) {
+  Mode& mode = body.mode;
+  const Event event = static_cast<Event>(which % kEventsOfRow);
+  interpolate(mode.start, mode.end, h, share, mode.sample);
+  if (event != kGap && !accelerateInMode(body, mode.sample)) return false;
+  value = eventValue(body, which / kEventsOfRow, event, mode.sample);
+  return true;
+}
+
+/// Zero between two shares by false position (Illinois [Dowell1971]).
+bool findZero(Body& body, double h, std::size_t which, double lo, double open, double hi,
+              double closed, double& share) {
+  int last = 0;
+  share = hi;
+  if (!(open > 0)) {
+    share = lo;
+    return true;
+  }
+  for (int k = 0; k < kZeroSearches && hi - lo > kZeroShare; ++k) {
+    share = lo + (hi - lo) * open / (open - closed);
+    double now = 0;
+    if (!valueAt(body, h, share, which, now)) return false;
+    if (now == 0) return true;
+    const int side = now > 0 ? 1 : -1;
+    (side > 0 ? lo : hi) = share;
+    (side > 0 ? open : closed) = now;
+    if (side == last) (side > 0 ? closed : open) *= 0.5;
+    last = side;
+  }
+  return true;
+}
+
+struct Found {
+  bool any = false;
+  std::size_t which = 0;
+  double share = 1;
+};
+
+/// The first event of the motion over h.
+bool findEvent(Body& body, double h, Found& found) {
+  Mode& mode = body.mode;
+  found = {};
+  if (!eventsAt(body, mode.start, mode.earlier)) return false;
+  double before = 0;
+  mode.sample = mode.end;
+  for (int k = 1; k <= kEventSamples && !found.any; ++k) {
+    const double share = k / static_cast<double>(kEventSamples);
+    ModePoint& point = k < kEventSamples ? mode.sample : mode.end;
+    if (k < kEventSamples) interpolate(mode.start, mode.end, h, share, point);
+    if (!eventsAt(body, point, mode.event)) return false;
+    for (std::size_t j = 0; j < mode.event.size(); ++j) {
+      if (mode.event[j] >= 0) continue;
+      double at = share;
+      if (!findZero(body, h, j, before, mode.earlier[j], share, mode.event[j], at)) return false;
+      if (found.any && at >= found.share) continue;
+      found = {true, j, at};
+    }
+    std::swap(mode.event, mode.earlier);
+    before = share;
+  }
+  return true;
+}
+
+/// Moves mode.end to the event, by motions that end there. time: of it.
+bool moveToEvent(Body& body, double h, const Found& found, double& time) {
+  Mode& mode = body.mode;
+  const Event event = static_cast<Event>(found.which % kEventsOfRow);
+  const double lo = std::max(0.0, found.share - kSlopeShare);
+  const double hi = std::min(1.0, lo + 2 * kSlopeShare);
+  double first = 0, second = 0;
+  if (!valueAt(body, h, lo, found.which, first) || !valueAt(body, h, hi, found.which, second))
+    return false;
+  double slope = (second - first) / ((hi - lo) * h);
+  double earlier = 0, value_earlier = 0;
+  time = found.share * h;
+  for (int k = 0; k < kEventRefinements; ++k) {
+    if (!moveInMode(body, time, mode.end) || !accelerateInMode(body, mode.end)) return false;
+    const double value = eventValue(body, found.which / kEventsOfRow, event, mode.end);
+    if (k > 0 && value != value_earlier && time != earlier)
+      slope = (value - value_earlier) / (time - earlier);
+    earlier = time;
+    value_earlier = value;
+    const double change = slope < 0 ? -value / slope : 0;
+    if (std::abs(change) < kEventTime || !(slope < 0)) return true;
+    if (std::abs(change) > 0.1 * h) return false;
+    time = std::clamp(time + change, 0.0, h);
+    if (time == earlier) return true;
+  }
+  return moveInMode(body, time, mode.end) && accelerateInMode(body, mode.end);
+}
+
+/// What touches at mode.start; whether some of it approaches. pressed: what pressed in the last step
+/// may be a little off.
+bool findClosed(Body& body, bool pressed, bool& impact) {
+  Mode& mode = body.mode;
+  impact = false;
+  for (ModeRow& row : mode.rows) {
+    row.closed = false;
+    row.gap_start = gapOf(body, row, mode.start.x.data());
+    double close = kClosedGap;
+    if (pressed && row.gap_start < kTouching / kLever) close = kTouching;
+    if (row.gap_start >= close) continue;
+    const RowPlace place = placeOf(body, row, mode.start.x.data(), mode.start.v.data(), false);
+    if (!place.inside || !place.regular) continue;
+    if (pressed && row.gap_start >= kClosedGap) {
+      const CachedImpulse* last = row.kind == Kind::kLimit ? body.cache.find(place.limit)
+                                                           : body.cache.find(place.contact);
+      const double touching = row.kind == Kind::kLimit ? body.tolerances.touching_angle
+                                                       : body.tolerances.touching;
+      if (!last || row.gap_start >= touching) continue;
+    }
+    const double rate = rateOf(row, place, body, mode.start.v.data());
+    row.closed = rate <= kLeaving;
+    impact = impact || rate < -kRestApproach;
+  }
+  return true;
+}
+
+/// The mode at mode.start: impacts first.
+bool settle(Body& body, bool pressed) {
+  Mode& mode = body.mode;
+  bool impact = false;
+  findClosed(body, pressed, impact);
+  if (impact) {
+    if (!takeModeImpact(body, mode.start)) return false;
+    ++body.located;
+    findClosed(body, pressed, impact);
+    if (impact) return false;
+  }
+  return findMode(body, mode.start) && projectPositions(body, mode.start) &&
+         projectVelocities(body, mode.start) && accelerateInMode(body, mode.start);
+}
+
+/// Writes down what pressed over h.
+void logPiece(Body& body, double h) {
+  using namespace dormand_prince;
+  if (!body.context->log || !(h > 0)) return;
+  Mode& mode = body.mode;
+  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+    const ModeRow& row = mode.rows[i];
+    if (!row.presses || row.kind == Kind::kLimit) continue;
+    const Contact c =
+        placeOf(body, row, mode.end.x.data(), mode.end.v.data(), false).contact;
+    LoggedImpact gave;
+    for (int k = 0; k < kStages; ++k)
+      gave.impulse += h * kB[k] * (mode.stages[k].normal[i] * c.normal + mode.stages[k].friction[i]);
+    logImpulse(body, c, gave, mode.end.x.data(), mode.end.v.data());
+  }
+}
+
+/// What presses at the end goes into the cache, as leapfrog's impulses per h^2 are half the force.
+void keepPressing(Body& body, int& contacts) {
+  Mode& mode = body.mode;
+  body.cache.clear();
+  body.gripped = false;
+  contacts = 0;
+  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+    const ModeRow& row = mode.rows[i];
+    if (!row.presses) continue;
+    const RowPlace place = placeOf(body, row, mode.start.x.data(), mode.start.v.data(), false);
+    const double half = 0.5 * mode.start.forces.normal[i];
+    if (row.kind == Kind::kLimit) {
+      body.cache.add(keyOf(place.limit));
+      body.cache.last().impulse = Vec3(half, 0, 0);
+      continue;
+    }
+    ++contacts;
+    body.gripped = body.gripped || row.sticks;
+    body.cache.add(keyOf(place.contact));
+    body.cache.last().impulse =
+        half * place.contact.normal + 0.5 * mode.start.forces.friction[i];
+  }
+}
+
+/// The sticks' multipliers under all that presses, for the guard and the next free motion.
+void keepMultipliers(Body& body) {
+  Mode& mode = body.mode;
+  if (forcesFollow(body))
+    drive(body, mode.start.x.data(), mode.start.v.data(), mode.free);
+  else
+    mode.free = body.acceleration;
+  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+    const ModeRow& row = mode.rows[i];
+    if (!row.presses) continue;
+    const RowPlace place = placeOf(body, row, mode.start.x.data(), mode.start.v.data(), false);
+    const auto push = [&](int particle, const Vec3& force) {
+      mode.free.noalias() += force * body.system->W.row(particle - body.first);
+    };
+    if (row.kind == Kind::kLimit)
+      for (int k = 0; k < place.limit.count; ++k)
+        push(place.limit.particle[k], mode.start.forces.normal[i] * place.limit.gradient[k]);
+    else
+      for (int k = 0; k < place.contact.count; ++k)
+        push(place.contact.particle[k],
+             place.contact.weight[k] * (mode.start.forces.normal[i] * place.contact.normal +
+                                        mode.start.forces.friction[i]));
+  }
+  BodyResponse& response = body.memory->response;
+  response.setFree(mode.free);
+  response.setEnd(mode.start.x.data());
+  const Eigen::VectorXd& lambda =
+      response.accelerate(true, mode.start.v.data(), mode.start.a.data());
+  double* m = body.multipliers();
+  for (int k = 0; k < body.rows->s; ++k) m[k] = m[k + body.rows->s] = 0.5 * lambda[k];
+}
+
+bool isFit(const Body& body) {
+  if (body.driven || !body.isWhole() || body.overlaps != OverlapPolicy::kResolve) return false;
+  for (const Contact& c : body.constraints.contacts)
+    if (c.count == 4 && std::min(c.gap_start, gapAfter(body, c)) < kClose) return false;
+  return true;
+}
+
+/// Whether the motion has met nothing that rows do not stand for.
+bool isSound(Body& body) {
+  const StepContext& step = *body.context;
+  for (const Limit& limit : body.skeleton->limits)
+    if (limit.compliance > 0 && limitValue(limit, body.mode.start.x.data()) < 0) return false;
+  if (!step.model.self_collision) return true;
+  Points& pose = step.ws.predicted;
+  std::copy_n(body.mode.start.x.data(), 3 * body.n, pose.data() + 3 * body.first);
+  ConstraintSet& set = body.constraints;
+  set.missed.clear();
+  body.detector.appendSelf(step.model, step.state.x, pose, body.index, PairSearch::overlaps(0),
+                           set.missed);
+  return set.missed.empty();
+}
+
+bool takePieces(Body& body, double h) {
+  Mode& mode = body.mode;
+  double left = h;
+  bool pressed = true;
+  for (int k = 0; k < kMaxEvents; ++k) {
+    if (!settle(body, pressed)) return false;
+    pressed = false;
+    if (!(left > 0)) return true;
+    if (!moveInMode(body, left, mode.end)) return false;
+    Found found;
+    if (!findEvent(body, left, found)) return false;
+    double took = left;
+    if (found.any && !moveToEvent(body, left, found, took)) return false;
+    logPiece(body, took);
+    body.given += mode.work;
+    std::swap(mode.start, mode.end);
+    left -= took;
+    if (!found.any) return true;
+    if (left < kNothingLeft * h) left = 0;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool moveThroughEvents(Island& island, double h, int& contacts) {
+  Body& body = *island.bodies[0];
+  Mode& mode = body.mode;
+  if (!isFit(body) || !listModeRows(body, h, mode)) return false;
+  for (ModePoint* point : {&mode.start, &mode.end, &mode.sample, &mode.stage})
+    for (Eigen::VectorXd* values : {&point->x, &point->v, &point->a})
+      values->setZero(paddedWidth(3 * body.n));
+  std::copy_n(body.xData(), 3 * body.n, mode.start.x.data());
+  std::copy_n(body.vData(), 3 * body.n, mode.start.v.data());
+  const double given = body.given;
+  const int located = body.located;
+  const std::size_t logged = logSize(island);
+  if (!takePieces(body, h) || !isSound(body)) {
+    body.given = given;
+    body.located = located;
+    cutLog(island, logged);
+    driveAt(body, body.xData());
+    return false;
+  }
+  keepPressing(body, contacts);
+  keepMultipliers(body);
+  std::copy_n(mode.start.x.data(), 3 * body.n, body.xData());
+  std::copy_n(mode.start.v.data(), 3 * body.n, body.vData());
+  driveAt(body, body.xData());
+  body.motion.dx.setZero(3, body.n);
+  body.motion.lambda.setZero(body.rows->width);
+  body.constraints.contacts.clear();
+  body.constraints.limits.clear();
+  body.touching.clear();
+  body.memory->response.setEnd(body.xData());
+  body.memory->response.endIsStart();
+  return true;
+}
+
+}  // namespace ragdoll
