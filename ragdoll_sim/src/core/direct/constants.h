@@ -115,21 +115,32 @@ constexpr double kRestApproach = 1e-5;   ///< [m/s] slower does not bounce: 5e-1
 constexpr double kNoForce = 1e-9;        ///< of the weight and of what presses
 constexpr double kOnCone = 1e-9;         ///< of mu f_n: nearer to it is on it
 constexpr double kNoAnswer = 1e-12;      ///< [1/kg] of a row that cannot move
-constexpr double kDependent = 1e-9;      ///< of rows scaled to a unit diagonal
+constexpr double kDependent = 1e-11;     ///< of rows scaled to a unit diagonal
 constexpr double kModeContradiction = 1e-7;  ///< of what is asked for, that equalities may leave
-constexpr double kSameDirection = 1e-12; ///< between slip and the acceleration that it begins with
+constexpr double kSameDirection = 1e-13;  ///< sine between slip and the motion that it begins with
+constexpr double kNearlySameDirection = 1e-9;  ///< where rounding is larger
+constexpr int kAlignments = 15;           ///< Newton iterations to that
+constexpr double kSlipTurn = 1e-6;        ///< [rad] for its derivatives
+constexpr double kMostTurn = 0.3;         ///< [rad] of one iteration
 constexpr int kModeSweeps = 300;         ///< of the first guess
 constexpr double kModeSettled = 1e-10;   ///< largest change of a force, of the largest force
 constexpr int kModeChanges = 60;         ///< until equalities and inequalities agree
 constexpr int kModeProjections = 8;      ///< onto sticks and rows in turn; 1 or 2 are usual
 constexpr double kProjected = 1e-13;     ///< [m], [rad] to which that converges
 constexpr int kEventSamples = 4;         ///< in a piece, between which event functions are looked at
-constexpr int kEventRefinements = 6;     ///< of the time of an event, by motions that end there
+constexpr int kEventRefinements = 12;    ///< of the time of an event, by motions that end there
 constexpr double kPlaceNoise = 1e-12;    ///< [m], and of a stick's length
 constexpr double kSlipNoise = 1e-12;     ///< [m/s]
 constexpr int kZeroSearches = 40;        ///< for an event within a sample: a cap
 constexpr double kZeroShare = 1e-9;      ///< of the piece; motions that end there do the rest
 constexpr double kSlopeShare = 1e-3;     ///< of the piece, over which an event function is straight
+constexpr double kEventNear = 1e-10;     ///< [s] and to which it has to
+/// [m], [rad] What opens by less before it closes again has not opened: two rows that open each other
+/// in turn would do so a thousand times.
+constexpr double kChatterGap = 1e-9;
+constexpr int kShorterPieces = 10;       ///< until an event is located in one
+constexpr double kShorterPiece = 0.125;  ///< of the one before
+constexpr double kEarly = 0.02;          ///< of a piece: an event before that is looked for again
 constexpr double kEventTime = 1e-13;     ///< [s] to which that converges
 
 // --- Not tuned: what several files take for rounding.

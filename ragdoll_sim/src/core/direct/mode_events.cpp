@@ -18,6 +18,9 @@ namespace {
 
 using Kind = ModeRow::Kind;
 
+constexpr int kMostPieces = 120;         ///< of one step, those that were too long among them
+constexpr double kMostSlipTurn = 0.999;  ///< cosine of what a slip may turn in a piece: 0.045 rad
+
 /// What a row may do that ends a piece: each a function that is not negative until then.
 enum Event { kGap, kForce, kFriction, kPlace, kEventsOfRow };
 
@@ -147,16 +150,17 @@ bool moveToEvent(Body& body, double h, const Found& found, double& time) {
     value_earlier = value;
     const double change = slope < 0 ? -value / slope : 0;
     if (std::abs(change) < kEventTime || !(slope < 0)) return true;
-    if (std::abs(change) > 0.1 * h) return false;
-    time = std::clamp(time + change, 0.0, h);
+    if (k + 1 == kEventRefinements) return std::abs(change) < kEventNear;
+    time = std::clamp(time + std::clamp(change, -0.1 * h, 0.1 * h), 0.0, h);
     if (time == earlier) return true;
   }
-  return moveInMode(body, time, mode.end) && accelerateInMode(body, mode.end);
+  return false;
 }
 
 /// What touches at mode.start; whether some of it approaches. pressed: what pressed in the last step
 /// may be a little off.
-bool findClosed(Body& body, bool pressed, bool& impact) {
+/// leaves: as closed counts, too, what opens: an impact may close it.
+void findClosed(Body& body, bool pressed, bool leaves, bool& impact) {
   Mode& mode = body.mode;
   impact = false;
   for (ModeRow& row : mode.rows) {
@@ -175,24 +179,45 @@ bool findClosed(Body& body, bool pressed, bool& impact) {
       if (!last || row.gap_start >= touching) continue;
     }
     const double rate = rateOf(row, place, body, mode.start.v.data());
-    row.closed = rate <= kLeaving;
+    row.closed = leaves || rate <= kLeaving;
     impact = impact || rate < -kRestApproach;
   }
-  return true;
+}
+
+/// Closes rows that open, and would close again before they are open by kChatterGap: where two rows
+/// open each other in turn there is no end to it. Whether there are any.
+bool closeChatter(Body& body) {
+  Mode& mode = body.mode;
+  const ModePoint& now = mode.start;
+  bool any = false;
+  for (ModeRow& row : mode.rows) {
+    if (row.closed || row.gap_start >= kClosedGap) continue;
+    const RowPlace place = placeOf(body, row, now.x.data(), now.v.data(), true);
+    if (!place.inside || !place.regular) continue;
+    const double rate = rateOf(row, place, body, now.v.data());
+    const double back = -rateOf(row, place, body, now.a.data()) - place.curvature;
+    if (!(back > 0) || rate * rate > 2 * kChatterGap * back) continue;
+    row.closed = any = true;
+  }
+  return any;
 }
 
 /// The mode at mode.start: impacts first.
 bool settle(Body& body, bool pressed) {
   Mode& mode = body.mode;
   bool impact = false;
-  findClosed(body, pressed, impact);
+  findClosed(body, pressed, false, impact);
   if (impact) {
+    findClosed(body, pressed, true, impact);
     if (!takeModeImpact(body, mode.start)) return false;
     ++body.located;
-    findClosed(body, pressed, impact);
+    findClosed(body, pressed, false, impact);
     if (impact) return false;
   }
-  return findMode(body, mode.start) && projectPositions(body, mode.start) &&
+  if (!findMode(body, mode.start)) return false;
+  for (int k = 0; k < kModeProjections && closeChatter(body); ++k)
+    if (!findMode(body, mode.start)) return false;
+  return projectPositions(body, mode.start) &&
          projectVelocities(body, mode.start) && accelerateInMode(body, mode.start);
 }
 
@@ -291,25 +316,65 @@ bool isSound(Body& body) {
   return set.missed.empty();
 }
 
+/// Whether a slip turned by more than a piece can follow, as it does where it all but ends.
+bool slipTurned(Body& body) {
+  const Mode& mode = body.mode;
+  const auto slipAt = [&](const ModeRow& row, const ModePoint& point) {
+    const Contact c = placeOf(body, row, point.x.data(), point.v.data(), false).contact;
+    return slipOf(body, c, point.v.data());
+  };
+  for (const ModeRow& row : mode.rows) {
+    if (!row.presses || row.sticks || !(row.friction > 0)) continue;
+    Vec3 before = slipAt(row, mode.start);
+    if (before.norm() < kStill) before = row.slip;  // it begins
+    const Vec3 after = slipAt(row, mode.end);
+    if (after.norm() < kStill) continue;
+    if (before.dot(after) < kMostSlipTurn * before.norm() * after.norm()) return true;
+  }
+  return false;
+}
+
+/// Moves mode.end over a piece of at most `most` in the present mode, to its first event if there is
+/// one. Where an event comes early the motion beyond it, in a mode that has ended, says little about
+/// when: it is looked for again in a shorter piece. pieces: how many may be tried.
+bool takePiece(Body& body, double most, int& pieces, double& took, bool& event) {
+  double piece = most;
+  for (int k = 0; k < kShorterPieces && pieces > 0; ++k, --pieces) {
+    Found found;
+    const bool known = moveInMode(body, piece, body.mode.end) && findEvent(body, piece, found);
+    took = piece;
+    event = found.any;
+    if (known && !event && (piece < kEventNear || !slipTurned(body))) return true;
+    if (known && event && (found.share > kEarly || piece < kEventNear) &&
+        moveToEvent(body, piece, found, took) && (piece < kEventNear || !slipTurned(body)))
+      return true;
+    const bool early = known && event && found.share <= kEarly;
+    piece *= early ? std::clamp(3 * found.share, kShorterPiece * kShorterPiece, kShorterPiece)
+                   : kShorterPiece;
+  }
+  return false;
+}
+
 bool takePieces(Body& body, double h) {
   Mode& mode = body.mode;
   double left = h;
-  bool pressed = true;
-  for (int k = 0; k < kMaxEvents; ++k) {
-    if (!settle(body, pressed)) return false;
+  bool pressed = true, event = true;
+  int events = 0, pieces = kMostPieces;
+  while (pieces > 0) {
+    if (event && (++events > kMaxEvents || !settle(body, pressed))) return false;
     pressed = false;
     if (!(left > 0)) return true;
-    if (!moveInMode(body, left, mode.end)) return false;
-    Found found;
-    if (!findEvent(body, left, found)) return false;
-    double took = left;
-    if (found.any && !moveToEvent(body, left, found, took)) return false;
+    double took = 0;
+    if (!takePiece(body, left, pieces, took, event)) return false;
     logPiece(body, took);
     body.given += mode.work;
     std::swap(mode.start, mode.end);
     left -= took;
-    if (!found.any) return true;
     if (left < kNothingLeft * h) left = 0;
+    if (!event && left == 0) return true;
+    if (event) continue;
+    --pieces;
+    for (ModeRow& row : mode.rows) row.gap_start = gapOf(body, row, mode.start.x.data());
   }
   return false;
 }

@@ -1,5 +1,6 @@
 #include "core/direct/mode_solve.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Eigen/QR>
 #include <algorithm>
@@ -167,24 +168,6 @@ bool change(const ModeMatrix& A, const ModeVector& b, double scale, std::vector<
   return true;
 }
 
-/// Contacts that begin to slip do so along the acceleration that follows. Whether all do.
-bool turnSlips(const ModeMatrix& A, const ModeVector& b, std::vector<ModeBlock>& blocks,
-               const ModeVector& p) {
-  const ModeVector w = b + A * p;
-  bool along = true;
-  for (ModeBlock& block : blocks) {
-    if (!block.presses || block.sticks || block.slips || block.friction == 0) continue;
-    const Eigen::Vector2d rate(w[block.row + 1], w[block.row + 2]);
-    const double length = rate.norm();
-    if (length * 1e9 < std::abs(p[block.row]) * A(block.row, block.row) ||
-        rate.dot(block.slip) <= 0)
-      continue;
-    along = along && (rate / length - block.slip).norm() < kSameDirection;
-    block.slip = rate / length;
-  }
-  return along;
-}
-
 }  // namespace
 
 bool solveEqualities(const ModeMatrix& A, const ModeVector& b, const std::vector<ModeBlock>& blocks,
@@ -216,6 +199,69 @@ bool solveEqualities(const ModeMatrix& A, const ModeVector& b, const std::vector
   return p.allFinite();
 }
 
+namespace {
+
+/// Contacts that begin to slip: their places among the blocks.
+using Slipping = Eigen::Matrix<int, Eigen::Dynamic, 1, 0, kMostModeRows, 1>;
+
+/// Sines of the angles from their directions to the motions that follow.
+void anglesOf(const ModeMatrix& A, const ModeVector& b, const std::vector<ModeBlock>& blocks,
+              const Slipping& which, const ModeVector& p, ModeVector& sine) {
+  const ModeVector w = b + A * p;
+  sine.setZero(which.size());
+  for (int j = 0; j < which.size(); ++j) {
+    const ModeBlock& block = blocks[which[j]];
+    const Eigen::Vector2d rate(w[block.row + 1], w[block.row + 2]);
+    const double length = rate.norm();
+    const double nothing = kOnCone * std::abs(p[block.row]) * A(block.row, block.row);
+    if (length > nothing)
+      sine[j] = (block.slip.x() * rate.y() - block.slip.y() * rate.x()) / length;
+  }
+}
+
+void turn(ModeBlock& block, double angle) {
+  block.slip = Eigen::Rotation2Dd(angle) * block.slip;
+  block.slip.normalize();
+}
+
+/// Solves the equalities with contacts that begin to slip doing so along the motion that follows, by
+/// Newton's method on their directions: taking the direction of the motion again and again swings
+/// about the solution where friction turns the motion.
+bool alignSlips(const ModeMatrix& A, const ModeVector& b, std::vector<ModeBlock>& blocks,
+                ModeVector& p) {
+  if (!solveEqualities(A, b, blocks, p)) return false;
+  Slipping which(0);
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const ModeBlock& block = blocks[i];
+    if (!block.presses || block.sticks || block.slips || block.friction == 0) continue;
+    which.conservativeResize(which.size() + 1);
+    which[which.size() - 1] = static_cast<int>(i);
+  }
+  const int m = static_cast<int>(which.size());
+  if (m == 0) return true;
+  ModeVector sine, there, other;
+  ModeMatrix J(m, m);
+  for (int k = 0; k < kAlignments; ++k) {
+    anglesOf(A, b, blocks, which, p, sine);
+    if (sine.cwiseAbs().maxCoeff() < kSameDirection) return true;
+    for (int j = 0; j < m; ++j) {
+      const Eigen::Vector2d slip = blocks[which[j]].slip;
+      turn(blocks[which[j]], kSlipTurn);
+      if (!solveEqualities(A, b, blocks, other)) return false;
+      anglesOf(A, b, blocks, which, other, there);
+      J.col(j) = (there - sine) / kSlipTurn;
+      blocks[which[j]].slip = slip;
+    }
+    const ModeVector change = J.fullPivLu().solve(sine);
+    for (int j = 0; j < m; ++j)
+      turn(blocks[which[j]], -std::clamp(change[j], -kMostTurn, kMostTurn));
+    if (!solveEqualities(A, b, blocks, p)) return false;
+  }
+  return sine.cwiseAbs().maxCoeff() < kNearlySameDirection;
+}
+
+}  // namespace
+
 bool solveComplementarity(const ModeMatrix& A, const ModeVector& b, double scale,
                           std::vector<ModeBlock>& blocks, ModeVector& p) {
   sweep(A, b, blocks, p);
@@ -230,9 +276,8 @@ bool solveComplementarity(const ModeMatrix& A, const ModeVector& b, double scale
   }
   makeIndependent(A, blocks, p);
   for (int k = 0; k < kModeChanges; ++k) {
-    if (!solveEqualities(A, b, blocks, p)) return false;
-    if (change(A, b, scale, blocks, p)) continue;
-    if (turnSlips(A, b, blocks, p)) return true;
+    if (!alignSlips(A, b, blocks, p)) return false;
+    if (!change(A, b, scale, blocks, p)) return true;
   }
   return false;
 }
