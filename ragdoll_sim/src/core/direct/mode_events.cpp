@@ -18,7 +18,7 @@ namespace {
 
 using Kind = ModeRow::Kind;
 
-constexpr int kMostPieces = 120;         ///< of one step, those that were too long among them
+constexpr int kMostPieces = 250;         ///< of one step, those that were too long among them
 constexpr double kMostSlipTurn = 0.999;  ///< cosine of what a slip may turn in a piece: 0.045 rad
 
 /// What a row may do that ends a piece: each a function that is not negative until then.
@@ -104,6 +104,36 @@ struct Found {
   double share = 1;
 };
 
+/// The first event between two shares, of those that are negative at the later one: mode.earlier and
+/// mode.event are the functions there.
+bool findFirst(Body& body, double h, double before, double share, Found& found) {
+  Mode& mode = body.mode;
+  double last = share;
+  for (int tries = 0; tries < kEventRefinements; ++tries) {
+    double first = share;
+    std::size_t which = mode.event.size();
+    for (std::size_t j = 0; j < mode.event.size(); ++j) {
+      if (mode.event[j] >= 0) continue;
+      const double open = std::max(0.0, mode.earlier[j]);
+      const double about = before + (last - before) * open / (open - mode.event[j]);
+      if (which < mode.event.size() && about >= first) continue;
+      first = about;
+      which = j;
+    }
+    if (which == mode.event.size() || (found.any && which == found.which)) return true;
+    double at = last;
+    if (!findZero(body, h, which, before, mode.earlier[which], last, mode.event[which], at))
+      return false;
+    found = {true, which, at};
+    if (at <= before) return true;
+    interpolate(mode.start, mode.end, h, at, mode.sample);
+    if (!eventsAt(body, mode.sample, mode.event)) return false;
+    mode.event[which] = std::max(0.0, mode.event[which]);
+    last = at;
+  }
+  return true;
+}
+
 /// The first event of the motion over h.
 bool findEvent(Body& body, double h, Found& found) {
   Mode& mode = body.mode;
@@ -116,13 +146,7 @@ bool findEvent(Body& body, double h, Found& found) {
     ModePoint& point = k < kEventSamples ? mode.sample : mode.end;
     if (k < kEventSamples) interpolate(mode.start, mode.end, h, share, point);
     if (!eventsAt(body, point, mode.event)) return false;
-    for (std::size_t j = 0; j < mode.event.size(); ++j) {
-      if (mode.event[j] >= 0) continue;
-      double at = share;
-      if (!findZero(body, h, j, before, mode.earlier[j], share, mode.event[j], at)) return false;
-      if (found.any && at >= found.share) continue;
-      found = {true, j, at};
-    }
+    if (!findFirst(body, h, before, share, found)) return false;
     std::swap(mode.event, mode.earlier);
     before = share;
   }

@@ -13,6 +13,8 @@
 namespace ragdoll {
 namespace {
 
+constexpr int kMostSolutions = 100;  ///< of equalities, until the directions of slips are found
+
 /// The rows of A that are equalities, and what their unknowns act by: a column of A, or the normal
 /// one with the friction that goes with it.
 void columnsOf(const ModeMatrix& A, const std::vector<ModeBlock>& blocks, ModeMatrix& columns,
@@ -225,10 +227,10 @@ void turn(ModeBlock& block, double angle) {
 }
 
 /// Solves the equalities with contacts that begin to slip doing so along the motion that follows, by
-/// Newton's method on their directions: taking the direction of the motion again and again swings
+/// Newton's method on their directions, in as many solutions as are left: taking the direction of the motion again and again swings
 /// about the solution where friction turns the motion.
 bool alignSlips(const ModeMatrix& A, const ModeVector& b, std::vector<ModeBlock>& blocks,
-                ModeVector& p) {
+                int& solutions, ModeVector& p) {
   if (!solveEqualities(A, b, blocks, p)) return false;
   Slipping which(0);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -244,6 +246,8 @@ bool alignSlips(const ModeMatrix& A, const ModeVector& b, std::vector<ModeBlock>
   for (int k = 0; k < kAlignments; ++k) {
     anglesOf(A, b, blocks, which, p, sine);
     if (sine.cwiseAbs().maxCoeff() < kSameDirection) return true;
+    solutions -= m + 1;
+    if (solutions < 0) return false;
     for (int j = 0; j < m; ++j) {
       const Eigen::Vector2d slip = blocks[which[j]].slip;
       turn(blocks[which[j]], kSlipTurn);
@@ -275,8 +279,9 @@ bool solveComplementarity(const ModeMatrix& A, const ModeVector& b, double scale
       block.slip = -Eigen::Vector2d(p[i + 1], p[i + 2]) / along;
   }
   makeIndependent(A, blocks, p);
+  int solutions = kMostSolutions;
   for (int k = 0; k < kModeChanges; ++k) {
-    if (!alignSlips(A, b, blocks, p)) return false;
+    if (!alignSlips(A, b, blocks, solutions, p)) return false;
     if (!change(A, b, scale, blocks, p)) return true;
   }
   return false;
