@@ -18,7 +18,7 @@ namespace {
 
 using Kind = ModeRow::Kind;
 
-constexpr int kMostPieces = 250;         ///< of one step, those that were too long among them
+constexpr int kMostPieces = 100;         ///< of one step, those that were too long among them
 constexpr double kMostSlipTurn = 0.999;  ///< cosine of what a slip may turn in a piece: 0.045 rad
 
 /// What a row may do that ends a piece: each a function that is not negative until then.
@@ -318,7 +318,9 @@ void keepMultipliers(Body& body) {
   for (int k = 0; k < body.rows->s; ++k) m[k] = m[k + body.rows->s] = 0.5 * lambda[k];
 }
 
+/// Within a tolerance parts are halved and compared instead, which takes leapfrog's order.
 bool isFit(const Body& body) {
+  if (body.context->model.solver.tolerance > 0) return false;
   if (body.driven || !body.isWhole() || body.overlaps != OverlapPolicy::kResolve) return false;
   for (const Contact& c : body.constraints.contacts)
     if (c.count == 4 && std::min(c.gap_start, gapAfter(body, c)) < kClose) return false;
@@ -431,8 +433,6 @@ bool moveThroughEvents(Island& island, double h, int& contacts) {
   driveAt(body, body.xData());
   body.motion.dx.setZero(3, body.n);
   body.motion.lambda.setZero(body.rows->width);
-  body.constraints.contacts.clear();
-  body.constraints.limits.clear();
   body.touching.clear();
   body.memory->response.setEnd(body.xData());
   body.memory->response.endIsStart();
