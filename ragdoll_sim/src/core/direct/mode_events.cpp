@@ -18,7 +18,9 @@ namespace {
 
 using Kind = ModeRow::Kind;
 
-constexpr int kMostPieces = 100;         ///< of one step, those that were too long among them
+constexpr double kGrowth = 3;           ///< of a piece over the one before, until the next event
+constexpr int kTryEvery = 16;           ///< [steps] where the last one was shake's
+constexpr int kMostPieces = 250;        ///< of one step, those that were too long among them
 constexpr double kMostSlipTurn = 0.999;  ///< cosine of what a slip may turn in a piece: 0.045 rad
 
 /// What a row may do that ends a piece: each a function that is not negative until then.
@@ -383,7 +385,7 @@ bool takePiece(Body& body, double most, int& pieces, double& took, bool& event) 
 
 bool takePieces(Body& body, double h) {
   Mode& mode = body.mode;
-  double left = h;
+  double left = h, most = h;
   bool pressed = true, event = true;
   int events = 0, pieces = kMostPieces;
   while (pieces > 0) {
@@ -391,10 +393,11 @@ bool takePieces(Body& body, double h) {
     pressed = false;
     if (!(left > 0)) return true;
     double took = 0;
-    if (!takePiece(body, left, pieces, took, event)) return false;
+    if (!takePiece(body, std::min(left, most), pieces, took, event)) return false;
     logPiece(body, took);
     body.given += mode.work;
     std::swap(mode.start, mode.end);
+    most = event ? h : kGrowth * took;  // where slips turned they go on turning
     left -= took;
     if (left < kNothingLeft * h) left = 0;
     if (!event && left == 0) return true;
@@ -407,10 +410,27 @@ bool takePieces(Body& body, double h) {
 
 }  // namespace
 
+namespace {
+
+/// Whether the last step was shake's, as its gaps tell, and it is not yet time to try again: where
+/// events crowd they do so for a while.
+bool waits(Body& body) {
+  if (body.context->state.step % kTryEvery == 0) return false;
+  for (const ModeRow& row : body.mode.rows) {
+    if (row.gap_start > kTouching / kLever || std::abs(row.gap_start) < kGapNoise) continue;
+    const RowPlace place = placeOf(body, row, body.xData(), body.vData(), false);
+    if (row.kind == Kind::kLimit ? body.cache.find(place.limit) : body.cache.find(place.contact))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 bool moveThroughEvents(Island& island, double h, int& contacts) {
   Body& body = *island.bodies[0];
   Mode& mode = body.mode;
-  if (!isFit(body) || !listModeRows(body, h, mode)) return false;
+  if (!isFit(body) || !listModeRows(body, h, mode) || waits(body)) return false;
   for (ModePoint* point : {&mode.start, &mode.end, &mode.sample, &mode.stage})
     for (Eigen::VectorXd* values : {&point->x, &point->v, &point->a})
       values->setZero(paddedWidth(3 * body.n));
