@@ -229,7 +229,8 @@ void writeSettings(std::ostream& out, const Scene& scene) {
       << ", method: " << io::methodNames().at(static_cast<std::size_t>(solver.method))
       << ", integrator: " << io::integratorNames().at(static_cast<std::size_t>(solver.integrator))
       << ", step: " << number(solver.step) << ", sweeps: " << solver.sweeps
-      << ", tolerance: " << number(solver.tolerance) << ", damping: " << number(solver.damping)
+      << ", tolerance: " << number(solver.tolerance)
+      << ", events: " << (solver.events ? "true" : "false") << ", damping: " << number(solver.damping)
       << ", joint_damping: " << number(solver.joint_damping)
       << ", sleep: " << (solver.sleep ? "true" : "false")
       << ", numbers: " << io::numbersNames().at(static_cast<std::size_t>(solver.numbers))

@@ -47,7 +47,7 @@ const std::vector<std::string>& coatNames() {
 const std::vector<std::string>& solverKeys() {
   static const std::vector<std::string> keys = {
       "preset",  "method",        "integrator", "step",    "sweeps", "tolerance",
-      "damping", "joint_damping", "sleep",      "numbers", "threads"};
+      "events",  "damping",       "joint_damping", "sleep", "numbers", "threads"};
   return keys;
 }
 
@@ -75,6 +75,8 @@ void readSolverKnob(const std::string& key, const Reader& value, SolverSpec& sol
     const double tolerance = value.notNegative();
     checkTolerance(value.where(), tolerance);
     solver.tolerance = tolerance;
+  } else if (key == "events") {
+    solver.events = value.boolean();
   } else if (key == "damping") {
     solver.damping = value.notNegative();
   } else if (key == "joint_damping") {

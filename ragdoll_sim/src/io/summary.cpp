@@ -23,6 +23,7 @@ std::string toJson(const Summary& s) {
                                 {"unresolved", s.guard.unresolved},
                                 {"max_substeps", s.guard.max_substeps},
                                 {"fast_fallbacks", s.guard.fast_fallbacks},
+                                {"handed_over", s.guard.handed_over},
                                 {"tolerance_missed", s.guard.tolerance_missed}};
   std::vector<std::pair<std::string, nlohmann::json>> entries = {
       {"steps", s.steps},
@@ -96,6 +97,7 @@ void WatchedRun::step() {
   summary_.guard.limited += report.limited > 0;
   summary_.guard.unresolved += report.unresolved > 0;
   summary_.guard.fast_fallbacks += static_cast<std::uint64_t>(report.fast_fallbacks);
+  summary_.guard.handed_over += static_cast<std::uint64_t>(report.handed_over);
   summary_.guard.tolerance_missed += report.tolerance_missed > 0;
   summary_.error_estimate = std::max(summary_.error_estimate, report.error_estimate);
   summary_.guard.max_substeps = std::max(summary_.guard.max_substeps, report.substeps);

@@ -14,6 +14,7 @@ struct StepReport {
   int joining = 0;   ///< ragdolls whose sticks were drawn towards their lengths from far
   int unresolved = 0;  ///< ragdolls whose constraints did not converge
   int fast_fallbacks = 0;  ///< method fast: ragdolls that took the step by shake
+  int handed_over = 0;  ///< method rk: ragdolls' motions that shake took, where it could not
   double error_estimate = 0;  ///< [m/s] local error per simulated second, largest; 0: not estimated
   int tolerance_missed = 0;   ///< ragdolls whose error was larger than the tolerance, or not known
 
@@ -31,6 +32,7 @@ inline StepReport& StepReport::operator+=(const StepReport& other) {
   joining += other.joining;
   unresolved += other.unresolved;
   fast_fallbacks += other.fast_fallbacks;
+  handed_over += other.handed_over;
   error_estimate = error_estimate > other.error_estimate ? error_estimate : other.error_estimate;
   tolerance_missed += other.tolerance_missed;
   return *this;

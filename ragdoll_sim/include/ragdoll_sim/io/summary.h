@@ -24,6 +24,7 @@ struct GuardCounts {
   std::uint64_t unresolved = 0;  ///< steps whose constraints did not converge
   int max_substeps = 1;
   std::uint64_t fast_fallbacks = 0;  ///< method fast: bodies' steps that shake took
+  std::uint64_t handed_over = 0;     ///< method rk: bodies' motions that shake took
   std::uint64_t tolerance_missed = 0;  ///< steps whose error was larger than the tolerance
 };
 

@@ -33,9 +33,14 @@ double* Body::multipliers() const {
   return context->state.multipliers.data() + context->ws.first_multiplier[index];
 }
 
+Points& posesOf(const StepContext& context) {
+  Points& poses = scratchOf(context).poses;
+  poses.resize(3, context.model.size());
+  return poses;
+}
+
 const Points& poseAfter(const Body& body) {
-  Points& pose = scratchOf(*body.context).poses;
-  pose.resize(3, body.context->model.size());
+  Points& pose = posesOf(*body.context);
   const double *x = body.xData(), *dx = body.motion.dx.data();
   double* out = pose.data() + 3 * body.first;
   for (int i = 0; i < 3 * body.n; ++i) out[i] = x[i] + dx[i];

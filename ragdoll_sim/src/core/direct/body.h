@@ -9,6 +9,7 @@
 #include "core/direct/constraint_set.h"
 #include "core/direct/implicit_scratch.h"
 #include "core/direct/impulse_cache.h"
+#include "core/direct/mode.h"
 #include "core/direct/runge_kutta.h"
 #include "core/direct/tolerances.h"
 #include "core/limits/limit_angles.h"
@@ -109,6 +110,7 @@ struct Body {
   EnergyScratch energy;
   PairDetector detector;  ///< of the body with itself
   RungeKuttaScratch stages;
+  Mode mode;  ///< of rk, while something touches
   ImplicitScratch implicit;
   RowValues b, total;  ///< of the Schur complement's rows: gaps or rates, impulses
   Eigen::VectorXd tension, row_sums;
@@ -124,8 +126,10 @@ inline MassMatrix massOf(Body& body) { return {*body.rows, body.energy}; }
 /// Values in State::multipliers of one body.
 inline int multiplierCount(const StickRows& rows) { return 2 * rows.s + 1; }
 
-/// Positions (3 x N) with this body's columns at the end of its motion; the others mean nothing.
-/// Valid until the thread's next call.
+/// The thread's scratch for positions (3 x N).
+Points& posesOf(const StepContext& context);
+/// These with this body's columns at the end of its motion; the others mean nothing. Valid until the
+/// thread's next call.
 const Points& poseAfter(const Body& body);
 /// Limit angles at a pose (3 x N), there, and at the present positions.
 LimitAngles::Pose& anglesAt(const Body& body, const Points& pose);

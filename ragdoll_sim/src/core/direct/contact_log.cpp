@@ -148,6 +148,23 @@ ContactLog& logOf(const Island& island) { return *island.context.log; }
 
 }  // namespace
 
+void logImpulse(const Body& body, const Contact& c, const LoggedImpact& impact, const double* x,
+                const double* v) {
+  const StepContext& step = *body.context;
+  ContactImpulse e = entryOf(step.model, step.state, c);
+  e.point = motionOf(body, c, x);
+  double radius = 0;
+  for (int k = 0; k < c.count; ++k) radius += c.weight[k] * step.model.radius[c.particle[k]];
+  e.depth = c.found - c.normal.dot(e.point);
+  e.point -= radius * c.normal;
+  e.impulse = impact.impulse;
+  e.approach = impact.approach;
+  const Vec3 rate = motionOf(body, c, v);
+  e.slip = (rate - rate.dot(c.normal) * c.normal).norm();
+  e.effective_mass = impact.answer > 0 ? 1 / impact.answer : 0;
+  step.log->impulses.push_back(e);
+}
+
 bool isLogged(const Island& island) { return island.context.log != nullptr; }
 
 std::size_t logSize(const Island& island) {

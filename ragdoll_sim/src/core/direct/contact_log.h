@@ -18,6 +18,16 @@ struct LoggedStage {
 /// Of one solution of the velocity stage: s.p [N s]. rates: before it [m/s].
 void logVelocities(Island& island, const RowValues& rates, int first_pair, const LoggedStage& at);
 
+struct LoggedImpact {
+  Vec3 impulse = Vec3::Zero();  ///< [N s]
+  double approach = 0;          ///< [m/s]
+  double answer = 0;            ///< [1/kg] to a push along the normal
+};
+
+/// Of a contact of a body at x (3 x n): what one impact, or a smooth motion, gave.
+void logImpulse(const Body& body, const Contact& contact, const LoggedImpact& impact,
+                const double* x, const double* v);
+
 /// Whether anyone asks.
 bool isLogged(const Island& island);
 

@@ -17,7 +17,7 @@ namespace {
 const Points& posesAfter(const Island& island) {
   const StepContext& step = island.context;
   for (const Body* body : island.bodies) poseAfter(*body);
-  Points& poses = scratchOf(step).poses;
+  Points& poses = posesOf(step);
   for (const int i : island.s.all) {
     if (island.placeOf(i) >= 0) continue;
     const Ragdoll& r = step.model.ragdolls[i];

@@ -4,23 +4,12 @@
 #include <cmath>
 
 #include "core/direct/constants.h"
+#include "core/direct/dormand_prince.h"
 
 namespace ragdoll {
 namespace {
 
-constexpr int kStages = RungeKuttaScratch::kStages;
-constexpr double kA[kStages][kStages - 1] = {
-    {},
-    {1.0 / 5},
-    {3.0 / 40, 9.0 / 40},
-    {44.0 / 45, -56.0 / 15, 32.0 / 9},
-    {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
-    {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656}};
-constexpr double kB[kStages] = {35.0 / 384,     0,        500.0 / 1113, 125.0 / 192,
-                                -2187.0 / 6784, 11.0 / 84};
-/// Weights of the fifth order less those of the fourth, the last for the stage at the end.
-constexpr double kE[kStages + 1] = {71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
-                                    -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
+using namespace dormand_prince;
 
 /// The body's free acceleration at x, v; the power.
 double driveBy(const Drive& drive, BodyResponse& body, const double* x, const double* v,

@@ -18,7 +18,6 @@ using Drive = std::function<double(const double* x, const double* v, Points& fre
 
 /// Scratch of one step.
 struct RungeKuttaScratch {
-  static constexpr int kStages = 6;
   Points free;
   PaddedRows slopes;             ///< a row for each stage: velocities, then accelerations
   Eigen::VectorXd start, stage;  ///< likewise: positions, then velocities

@@ -7,6 +7,7 @@
 #include "core/direct/constants.h"
 #include "core/direct/driving.h"
 #include "core/direct/impact.h"
+#include "core/direct/mode_events.h"
 #include "core/direct/motion.h"
 #include "core/direct/velocity_solver.h"
 
@@ -59,9 +60,9 @@ void take(Body& body) {
 SmoothTrial stopAtImpact(Island& island, double h) {
   Body& body = *island.bodies[0];
   findComing(body, h);
-  if (touchesOther(body)) return {0, true};
+  if (touchesOther(body)) return {};
   const Impact impact = firstImpact(island, h);
-  if (impact.time > h) return {0, true};
+  if (impact.time > h) return {};
   takeImpact(island, impact);
   double until = impact.time;
   for (int i = 0; i < kRefinements && until > 0; ++i) {
@@ -79,12 +80,18 @@ SmoothTrial stopAtImpact(Island& island, double h) {
 
 SmoothTrial moveSmoothly(Island& island, double h) {
   Body& body = *island.bodies[0];
-  const bool whole = integrate(body, h);
+  bool whole = integrate(body, h);
+  findCandidates(body, h);
+  if (whole && isFree(body)) {
+    take(body);
+    return {h, true};
+  }
+  int contacts = 0;
+  if (moveThroughEvents(island, h, contacts)) return {h, true, true, contacts};
+  whole = whole && integrate(body, h);
   findCandidates(body, h);
   if (!whole) return {h, false};
-  if (!isFree(body)) return stopAtImpact(island, h);
-  take(body);
-  return {h, true};
+  return stopAtImpact(island, h);
 }
 
 bool moveFreely(Island& island, double h, double& error) {

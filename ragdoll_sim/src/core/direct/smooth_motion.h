@@ -1,16 +1,19 @@
-// Fifth order while nothing touches: `method: rk`, at a fixed substep, and within a tolerance.
+// Fifth order: `method: rk`, at a fixed substep, and while nothing touches within a tolerance.
 #pragma once
 
 #include "core/direct/island.h"
 
 namespace ragdoll {
 
-/// Moves a lone body by Dormand-Prince 5 over h, or to the first impact, which it takes.
+/// Moves a lone body by Dormand-Prince 5 over h: while nothing touches, else from event to event
+/// (mode_events.h), and where that is not possible to the first impact, which it takes.
 /// Returns the time that took; 0: something touches, and the leapfrog has to do it. False in ok: no
 /// motion was found.
 struct SmoothTrial {
   double took = 0;
   bool ok = true;
+  bool exact = false;  ///< through events
+  int contacts = 0;    ///< that press
 };
 SmoothTrial moveSmoothly(Island& island, double h);
 

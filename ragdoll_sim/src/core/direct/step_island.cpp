@@ -27,7 +27,18 @@ bool presses(const Island& island) {
                      [](const Body* body) { return !body->cache.empty(); });
 }
 
+/// rk from event to event has no swing: what it gains is its error.
+Verdict judgeExact(Island& island, const SubstepControl& control) {
+  Body& body = *island.bodies[0];
+  const double gain = gainedEnergy(island, 0.0), scale = swingScale(body);
+  if (control.canHalve() &&
+      (gain > kRedoGain * scale || exceedsStable(body, control.substep(), 2)))
+    return {false, 0};
+  return {true, gain > kExactGain * scale ? gain : 0};
+}
+
 Verdict judgeExplicit(Island& island, const Trial& trial, const SubstepControl& control) {
+  if (trial.exact) return judgeExact(island, control);
   const bool smooth = isSmooth(island);
   const auto any = [&](const auto& is) {
     return std::any_of(island.bodies.begin(), island.bodies.end(),
@@ -91,6 +102,7 @@ bool takeSubsteps(Island& island, double h, StepReport& report) {
       for (Body* body : island.bodies) restorePins(*body, body->saved.v);
     control.accept(trial.took, trial.limited || verdict.gain > kReportedGain);
     report.contacts += trial.contacts;
+    if (trial.handed_over) report.handed_over += static_cast<int>(island.bodies.size());
   }
   control.tell(report);
   if (control.guarded() || control.limited())

@@ -123,11 +123,13 @@ Trial takeExplicitTrial(Island& island, double h, int taken) {
   Trial trial;
   if (island.context.model.solver.method == Method::kRk && island.isLone()) {
     const SmoothTrial smooth = moveSmoothly(island, h);
-    trial = {smooth.took, smooth.ok, 0};
+    trial = {smooth.took, smooth.ok, smooth.contacts, smooth.exact};
   }
   if (trial.ok && trial.took == 0) {
     dampWithin(island, 0.5 * h);
     trial = leapfrog(island, h, taken);
+    const SolverSpec& solver = island.context.model.solver;
+    trial.handed_over = solver.method == Method::kRk && solver.events;
     dampWithin(island, trial.took - 0.5 * h);
   }
   trial.ok = trial.ok && isFinite(island);

@@ -12,7 +12,9 @@ struct Trial {
   double took = 0;   ///< [s]
   bool ok = true;    ///< false: no motion was found
   int contacts = 0;  ///< that pressed
-  bool limited = false;  ///< energy was taken out within
+  bool exact = false;        ///< by rk from event to event
+  bool handed_over = false;  ///< rk was asked for, and this is leapfrog
+  bool limited = false;      ///< energy was taken out within
 };
 
 /// By the control's way, over its substep or to the first impact.

@@ -18,7 +18,7 @@ namespace ragdoll {
 /// What one thread steps bodies in.
 struct WorkerScratch {
   IslandScratch island, lone;  ///< lone: of bodies that an island gave up
-  Points poses;                ///< [m] 3 x N: of poseAfter, posesAfter
+  Points poses;                ///< [m] 3 x N (posesOf)
   std::vector<int> lone_body;  ///< an island of one
 };
 

@@ -144,12 +144,24 @@ void visitImpulse(Archive& a, T& cached) {
 void visit(Writer& a, const CachedImpulse& impulse) { visitImpulse(a, impulse); }
 void visit(Reader& a, CachedImpulse& impulse) { visitImpulse(a, impulse); }
 
+/// Two switches in a byte: the layout is that of before there were events.
+void visitSwitches(Writer& w, bool sleep, bool events) {
+  w(static_cast<std::uint8_t>((sleep ? 1 : 0) + (events ? 2 : 0)));
+}
+void visitSwitches(Reader& r, bool& sleep, bool& events) {
+  std::uint8_t byte = 0;
+  r(byte);
+  if (byte > 3) throw Error("snapshot", "is damaged: a switch is neither on nor off");
+  sleep = byte % 2 == 1;
+  events = byte >= 2;
+}
+
 template <class Archive, class T>
 void visitSolver(Archive& a, T& solver) {
-  auto& [preset, method, integrator, step, sweeps, tolerance, damping, joint_damping, sleep,
+  auto& [preset, method, integrator, step, sweeps, tolerance, events, damping, joint_damping, sleep,
          numbers, threads, where] = solver;
   a(preset), a(method), a(integrator), a(step), a(sweeps), a(tolerance), a(damping),
-      a(joint_damping), a(sleep), a(numbers), a(threads), a(where);
+      a(joint_damping), visitSwitches(a, sleep, events), a(numbers), a(threads), a(where);
 }
 
 template <class Archive, class T>

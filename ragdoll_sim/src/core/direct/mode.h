@@ -1,0 +1,75 @@
+// A mode of a body's motion: which limits press, which contacts with obstacles are closed, and which
+// of these stick. While it lasts the motion is smooth (docs/equations.md#event-driven-rk).
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/contact/contact.h"
+#include "core/direct/mode_solve.h"
+#include "core/linear/stick_kernels.h"
+#include "ragdoll_sim/core/limits.h"
+
+namespace ragdoll {
+
+/// What may press.
+struct ModeRow {
+  enum class Kind { kParticle, kStick, kLimit };
+  Kind kind = Kind::kParticle;
+  int a = 0, b = 0;    ///< particles of the body; of a stick both
+  int obstacle = -1;   ///< of the step's
+  int limit = -1;      ///< of the skeleton
+  double ra = 0, rb = 0;  ///< [m]
+  double friction = 0, restitution = 0;
+  // Of the present mode.
+  bool closed = false;   ///< gap and rate are zero
+  bool presses = false;  ///< an equality
+  bool sticks = false;   ///< presses: so are its tangents
+  bool moves = false;    ///< slips, in the direction:
+  Vec3 slip = Vec3::Zero();
+  std::array<int, 3> feature{};  ///< of the obstacle where it touches
+  double gap_start = 0;          ///< [m], [rad] at the start of the present piece
+};
+
+/// Where a row stands at a pose.
+struct RowPlace {
+  double gap = 0;        ///< [m], [rad]
+  double curvature = 0;  ///< second derivative of the gap along the motion, without accelerations
+  Vec3 turn = Vec3::Zero();  ///< [m/s^2] sum of w'_k v_k: what the place's motion along a stick adds
+  bool regular = true;       ///< false: it has no such derivative here
+  bool inside = true;        ///< of a stick: between its ends
+  std::array<int, 3> feature{};  ///< -1, 0, 1: beyond which faces of the obstacle's core
+  Contact contact;               ///< kParticle, kStick
+  LimitRow limit;                ///< kLimit
+};
+
+/// Forces of the rows at one instant.
+struct ModeForces {
+  std::vector<double> normal;   ///< [N], [N m]
+  std::vector<Vec3> friction;   ///< [N]
+};
+
+/// A motion's state at one instant, in padded coordinates.
+struct ModePoint {
+  Eigen::VectorXd x, v, a;
+  ModeForces forces;
+  double power = 0;  ///< [W] of what is counted in Body::given
+};
+
+struct Mode {
+  std::vector<ModeRow> rows;
+  double force_scale = 0;  ///< [N] below 1e-9 of which a force is none
+  double work = 0;         ///< [J] of what is counted in Body::given, in the last motion
+  // Scratch.
+  std::vector<RowPlace> place;
+  std::vector<int> first;  ///< of rows in the Schur complement; -1: none
+  std::vector<ModeBlock> blocks;
+  ModePoint start, end, sample, stage;
+  PaddedRows slopes;
+  std::vector<ModeForces> stages;
+  std::vector<double> event, earlier;
+  Eigen::VectorXd p;
+  Points free;
+};
+
+}  // namespace ragdoll

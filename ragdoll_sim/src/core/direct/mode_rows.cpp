@@ -1,0 +1,251 @@
+#include "core/direct/mode_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/contact/detect.h"
+#include "core/direct/constants.h"
+#include "core/direct/workspace.h"
+
+namespace ragdoll {
+namespace {
+
+using Kind = ModeRow::Kind;
+
+Eigen::Map<const Vec3> at(const double* x, int i) { return Eigen::Map<const Vec3>(x + 3 * i); }
+
+/// A point or an axis near an obstacle, in its frame: u leads from the obstacle's core to the nearest
+/// place, in the directions beside the core alone.
+struct Near {
+  Vec3 u = Vec3::Zero(), beside = Vec3::Zero(), normal = Vec3::UnitZ();
+  std::array<int, 3> feature{};
+  double distance = 0;  ///< from the core; of a plane from its surface
+};
+
+Near nearOf(const Obstacle& o, const Vec3& p) {
+  Near near;
+  if (o.type == ObstacleSpec::Type::kPlane) {
+    near.distance = p.z();
+    return near;
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(p[k]) < o.half[k]) continue;
+    const double side = p[k] < 0 ? -1 : 1;
+    near.feature[k] = o.half[k] > 0 ? static_cast<int>(side) : 0;
+    near.beside[k] = 1;
+    near.u[k] = p[k] - side * o.half[k];
+  }
+  near.distance = near.u.norm();
+  if (near.distance > 0) near.normal = near.u / near.distance;
+  return near;
+}
+
+const SweptObstacle& obstacleOf(const Body& body, const ModeRow& row) {
+  return body.context->ws.obstacles[row.obstacle];
+}
+
+double nearestOf(const Body& body, const ModeRow& row, const double* x) {
+  if (row.kind == Kind::kParticle) return 0;
+  const SweptObstacle& m = obstacleOf(body, row);
+  return nearestOnStick(*m.obstacle, m.toStart(at(x, row.a)), m.toStart(at(x, row.b)), row.ra,
+                        row.rb);
+}
+
+Vec3 pointOf(const ModeRow& row, const double* x, double t) {
+  if (row.kind == Kind::kParticle) return at(x, row.a);
+  return (1 - t) * at(x, row.a) + t * at(x, row.b);
+}
+
+/// All positions with this body's at x; valid until the next call.
+const Points& poseAt(const Body& body, const double* x) {
+  Points& pose = posesOf(*body.context);
+  std::copy(x, x + 3 * body.n, pose.data() + 3 * body.first);
+  return pose;
+}
+
+/// Rate of a limit at x + share v along v.
+double limitRate(Body& body, LimitRow& limit, const double* x, const double* v, double share) {
+  Points& pose = posesOf(*body.context);
+  double* out = pose.data() + 3 * body.first;
+  for (int i = 0; i < 3 * body.n; ++i) out[i] = x[i] + share * v[i];
+  evaluateLimit(body.context->model, pose, limit);
+  double rate = 0;
+  for (int k = 0; k < limit.count; ++k)
+    rate += limit.gradient[k].dot(at(v, limit.particle[k] - body.first));
+  return rate;
+}
+
+/// By central differences of fourth order of the exact gradient.
+double limitCurvature(Body& body, const LimitRow& at_x, const double* x, const double* v) {
+  const double speed =
+      std::sqrt(Eigen::Map<const Points>(v, 3, body.n).colwise().squaredNorm().maxCoeff());
+  if (!(speed > 0)) return 0;
+  const double e = kDifference / speed;
+  LimitRow limit = at_x;
+  const double near = limitRate(body, limit, x, v, e) - limitRate(body, limit, x, v, -e);
+  const double far = limitRate(body, limit, x, v, 2 * e) - limitRate(body, limit, x, v, -2 * e);
+  return (8 * near - far) / (12 * e);
+}
+
+void placeLimit(Body& body, const ModeRow& row, const double* x, const double* v, bool curvature,
+                RowPlace& place) {
+  place.limit = limitRow(body.context->model, body.index, row.limit);
+  evaluateLimit(body.context->model, poseAt(body, x), place.limit);
+  place.gap = place.limit.value;
+  if (curvature) place.curvature = limitCurvature(body, place.limit, x, v);
+}
+
+/// The gap of a capsule is the least of |u(t)| - r(t) along it: its second derivative has a part
+/// from how the nearest place moves.
+void curveStick(const ModeRow& row, const SweptObstacle& m, const Near& near, const double* x,
+                const double* v, double t, RowPlace& place) {
+  const Eigen::Matrix3d toFrame = m.R0.transpose();
+  const Vec3 n = near.normal;
+  const Vec3 axis = near.beside.cwiseProduct(toFrame * (at(x, row.b) - at(x, row.a)));
+  const Vec3 turning = near.beside.cwiseProduct(toFrame * (at(v, row.b) - at(v, row.a)));
+  const Vec3 rate = near.beside.cwiseProduct(toFrame * pointOf(row, v, t));
+  const double L = near.distance;
+  const double tt = (axis.squaredNorm() - std::pow(n.dot(axis), 2)) / L;
+  const double st = (axis.dot(rate) - n.dot(axis) * n.dot(rate)) / L + n.dot(turning);
+  place.regular = tt > kFlatCurvature;
+  if (!place.regular) return;
+  const double shift = -st / tt;
+  place.curvature = (rate.squaredNorm() - std::pow(n.dot(rate), 2)) / L - st * st / tt;
+  place.turn = shift * (at(v, row.b) - at(v, row.a));
+}
+
+}  // namespace
+
+RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* v, bool curvature) {
+  RowPlace place;
+  if (row.kind == Kind::kLimit) {
+    placeLimit(body, row, x, v, curvature, place);
+    return place;
+  }
+  const SweptObstacle& m = obstacleOf(body, row);
+  const bool stick = row.kind == Kind::kStick;
+  const double t = nearestOf(body, row, x);
+  const Vec3 point = pointOf(row, x, t);
+  const Near near = nearOf(*m.obstacle, m.toStart(point));
+  const double radius = (1 - t) * row.ra + t * row.rb;
+  place.gap = near.distance - m.obstacle->radius - radius;
+  place.feature = near.feature;
+  place.inside = !stick || (t > kEndOfStick && t < 1 - kEndOfStick);
+  place.regular = m.obstacle->type == ObstacleSpec::Type::kPlane || near.distance > kMinLength;
+  Contact& c = place.contact;
+  c.normal = m.R0 * near.normal;
+  c.particle = {body.first + row.a, body.first + row.b, 0, 0};
+  c.weight = {1 - t, t, 0, 0};
+  c.count = stick ? 2 : 1;
+  c.friction = row.friction;
+  c.restitution = row.restitution;
+  c.ragdoll = body.index;
+  c.obstacle = m.index;
+  c.offset = c.found = c.normal.dot(point) - place.gap;
+  if (!curvature || m.obstacle->type == ObstacleSpec::Type::kPlane || !place.regular) return place;
+  if (stick) {
+    curveStick(row, m, near, x, v, t, place);
+    return place;
+  }
+  const Vec3 rate = near.beside.cwiseProduct(m.R0.transpose() * at(v, row.a));
+  place.curvature =
+      (rate.squaredNorm() - std::pow(near.normal.dot(rate), 2)) / near.distance;
+  return place;
+}
+
+double gapOf(Body& body, const ModeRow& row, const double* x) {
+  if (row.kind == Kind::kLimit)
+    return limitValue(body.skeleton->limits[row.limit], x);
+  const SweptObstacle& m = obstacleOf(body, row);
+  const double t = nearestOf(body, row, x);
+  return nearOf(*m.obstacle, m.toStart(pointOf(row, x, t))).distance - m.obstacle->radius -
+         ((1 - t) * row.ra + t * row.rb);
+}
+
+double roomOf(Body& body, const ModeRow& row, const double* x, const std::array<int, 3>& feature) {
+  double room = std::numeric_limits<double>::infinity();
+  if (row.kind == Kind::kLimit) return room;
+  const SweptObstacle& m = obstacleOf(body, row);
+  const double t = nearestOf(body, row, x);
+  if (row.kind == Kind::kStick) room = std::min(t, 1 - t) - kEndOfStick;
+  if (m.obstacle->type == ObstacleSpec::Type::kPlane) return room;
+  const Vec3 p = m.toStart(pointOf(row, x, t));
+  for (int k = 0; k < 3; ++k) {
+    if (m.obstacle->half[k] == 0) continue;
+    const double beyond = feature[k] == 0 ? m.obstacle->half[k] - std::abs(p[k])
+                                          : feature[k] * p[k] - m.obstacle->half[k];
+    room = std::min(room, beyond);
+  }
+  return room;
+}
+
+namespace {
+
+/// Adds the row if a motion may reach it. False: it is deep in.
+bool consider(Body& body, ModeRow& row, double reach, Mode& mode) {
+  const double gap = gapOf(body, row, body.xData());
+  if (gap > reach) return true;
+  row.gap_start = gap;
+  mode.rows.push_back(row);
+  return gap >= -kTouching * (row.kind == Kind::kLimit ? 1 / kLever : 1);
+}
+
+bool listObstacle(Body& body, const SweptObstacle& m, int index, double reach, Mode& mode) {
+  const StepContext& step = *body.context;
+  ModeRow row;
+  row.obstacle = index;
+  row.friction = m.obstacle->friction;
+  row.restitution = m.obstacle->restitution;
+  bool sound = true;
+  for (int i = 0; i < body.skeleton->named && sound; ++i) {
+    if (body.system->W(i, i) == 0) continue;  // nothing pushes what a pin holds
+    row.a = row.b = i;
+    row.ra = row.rb = step.model.radius[body.first + i];
+    sound = consider(body, row, reach, mode);
+  }
+  if (m.obstacle->type == ObstacleSpec::Type::kPlane) return sound;
+  row.kind = Kind::kStick;
+  for (const Stick& k : body.skeleton->sticks) {
+    if (k.a >= body.skeleton->named || k.b >= body.skeleton->named || !sound) continue;
+    row.a = k.a;
+    row.b = k.b;
+    row.ra = step.model.radius[body.first + k.a];
+    row.rb = step.model.radius[body.first + k.b];
+    sound = consider(body, row, reach, mode);
+  }
+  return sound;
+}
+
+/// Whether an obstacle gives way where this body touches it.
+bool givesWay(const Body& body, const Obstacle& o) {
+  return body.context->model.compliant && (o.contact.compliance > 0 || body.ragdoll->compliant);
+}
+
+}  // namespace
+
+bool listModeRows(Body& body, double h, Mode& mode) {
+  const StepContext& step = *body.context;
+  mode.rows.clear();
+  const double speed = std::sqrt(body.v().colwise().squaredNorm().maxCoeff());
+  const double pull = body.acceleration.colwise().norm().maxCoeff();
+  const double reach = kReach * h * (speed + h * pull) + kClose;
+  for (std::size_t k = 0; k < step.ws.obstacles.size(); ++k) {
+    const SweptObstacle& m = step.ws.obstacles[k];
+    const std::size_t known = mode.rows.size();
+    if (!listObstacle(body, m, static_cast<int>(k), reach, mode)) return false;
+    if (mode.rows.size() > known && givesWay(body, *m.obstacle)) return false;
+  }
+  const std::vector<Limit>& limits = body.skeleton->limits;
+  ModeRow row;
+  row.kind = Kind::kLimit;
+  for (std::size_t k = 0; k < limits.size(); ++k) {
+    row.limit = static_cast<int>(k);
+    const bool soft = limits[k].compliance > 0;
+    if (soft && limitValue(limits[k], body.xData()) < 0) return false;
+    if (!soft && !consider(body, row, reach / kLever, mode)) return false;
+  }
+  return true;
+}
+
+}  // namespace ragdoll

@@ -1,0 +1,223 @@
+// `method: rk` through contact, from event to event: against closed forms, and against integrations
+// of single coordinates apart from the product's code. docs/equations.md#event-driven-rk.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "support/limbs.h"
+
+namespace ragdoll::test {
+namespace {
+
+constexpr double kG = 9.81;
+constexpr double kStep = 1.0 / 120;
+constexpr double kNear = 1e-9;  ///< [m]
+
+Scene rkScene(const SkeletonSpec& skeleton, const Vec3& position, const ObstacleSpec& obstacle) {
+  Scene scene = sceneOf(skeleton, position);
+  scene.gravity = Vec3(0, 0, -kG);
+  scene.obstacles.push_back(obstacle);
+  scene.solver.method = Method::kRk;
+  scene.solver.events = true;
+  scene.solver.step = kStep;
+  return scene;
+}
+
+/// A plane through the origin that rises along x.
+ObstacleSpec slope(double angle, double friction, double restitution = 0) {
+  ObstacleSpec plane = floorPlane(friction, restitution);
+  plane.normal = Vec3(-std::sin(angle), 0, std::cos(angle));
+  return plane;
+}
+
+/// Way along the slope of a block that is pushed up at `speed`, slows down, and stays or slides back.
+double wayOnSlope(double angle, double friction, double speed, double time) {
+  const double up = kG * (std::sin(angle) + friction * std::cos(angle));
+  const double back = std::max(0.0, kG * (std::sin(angle) - friction * std::cos(angle)));
+  const double stop = speed / up;
+  if (time < stop) return speed * time - 0.5 * up * time * time;
+  return 0.5 * speed * stop - 0.5 * back * (time - stop) * (time - stop);
+}
+
+TEST(Events, ABlockOnASlopeStopsAndStaysOrSlidesBack) {
+  const double angle = 0.35, radius = 0.1, speed = 1.7;
+  const Vec3 along(std::cos(angle), 0, std::sin(angle)), up(-std::sin(angle), 0, std::cos(angle));
+  for (const double friction : {0.6, 0.2, 0.0}) {
+    Scene scene = rkScene(oneParticle(3, radius), radius * up, slope(angle, friction));
+    scene.ragdolls[0].velocity = speed * along;
+    World world(scene);
+    int handed_over = 0;
+    for (int n = 1; n <= 120; ++n) {
+      handed_over += world.steps(1).handed_over;
+      const Vec3 exact = radius * up + wayOnSlope(angle, friction, speed, n * kStep) * along;
+      ASSERT_LT((world.x(0) - exact).norm(), kNear) << friction << ", step " << n;
+    }
+    EXPECT_EQ(handed_over, 0);
+    if (friction > std::tan(angle)) EXPECT_LT(world.v(0).norm(), kNear);
+  }
+}
+
+/// Across the slope friction turns the way: by an integration of two coordinates.
+TEST(Events, ABlockThatSlidesAcrossASlopeTurnsIntoTheLineOfFall) {
+  const double angle = 0.5, friction = 0.3, radius = 0.05;
+  const Vec3 fall(-std::cos(angle), 0, -std::sin(angle)), up(-std::sin(angle), 0, std::cos(angle));
+  Scene scene = rkScene(oneParticle(1, radius), radius * up, slope(angle, friction));
+  scene.ragdolls[0].velocity = 2 * Vec3::UnitY();
+  World world(scene);
+  world.steps(60);
+  Eigen::Vector4d state(0, 0, 0, 2);  // down, across; their rates
+  const auto rate = [&](const Eigen::Vector4d& s) {
+    const Eigen::Vector2d v = s.tail<2>();
+    const Eigen::Vector2d a = Eigen::Vector2d(kG * std::sin(angle), 0) -
+                              friction * kG * std::cos(angle) * v.normalized();
+    return Eigen::Vector4d(v.x(), v.y(), a.x(), a.y());
+  };
+  const int steps = 20000;
+  const double h = 60 * kStep / steps;
+  for (int i = 0; i < steps; ++i) {
+    const Eigen::Vector4d k1 = rate(state), k2 = rate(state + 0.5 * h * k1),
+                          k3 = rate(state + 0.5 * h * k2), k4 = rate(state + h * k3);
+    state += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  }
+  const Vec3 exact = radius * up + state[0] * fall + state[1] * Vec3::UnitY();
+  EXPECT_LT((world.x(0) - exact).norm(), kNear);
+}
+
+/// Height of a ball that is dropped and bounces.
+double bouncing(double height, double restitution, double time) {
+  double speed = 0;
+  for (;;) {
+    const double flight = (speed + std::sqrt(speed * speed + 2 * kG * height)) / kG;
+    if (time < flight) return height + speed * time - 0.5 * kG * time * time;
+    speed = restitution * (kG * flight - speed);
+    height = 0;
+    time -= flight;
+  }
+}
+
+TEST(Events, ABallBouncesAsOftenAsItShould) {
+  const double radius = 0.1, height = 0.8;
+  for (const double restitution : {1.0, 0.8}) {
+    Scene scene = rkScene(oneParticle(2, radius), Vec3(0, 0, radius + height),
+                          floorPlane(0.4, restitution));
+    World world(scene);
+    int handed_over = 0;
+    for (int n = 1; n <= 300; ++n) {
+      handed_over += world.steps(1).handed_over;
+      ASSERT_NEAR(world.x(0).z() - radius, bouncing(height, restitution, n * kStep), kNear)
+          << restitution << ", step " << n;
+    }
+    EXPECT_EQ(handed_over, 0);
+  }
+}
+
+/// A ball on top of a smooth sphere leaves it where cos = 2/3 of the start's; until then the angle
+/// obeys a pendulum's law.
+TEST(Events, ABallLeavesASphereThatItSlidesOff) {
+  ObstacleSpec sphere;
+  sphere.type = ObstacleSpec::Type::kSphere;
+  sphere.radius = 0.4;
+  sphere.friction = 0;
+  const double radius = 0.1, reach = 0.5, start = 0.3;
+  Scene scene = rkScene(oneParticle(1, radius),
+                        reach * Vec3(std::sin(start), 0, std::cos(start)), sphere);
+  World world(scene);
+  const int steps = 72;
+  world.steps(steps);
+  // By the angle, in steps so fine that the last one on the sphere is found by halving.
+  double angle = start, rate = 0, time = 0;
+  const auto move = [&](double h, double& a, double& w) {
+    const auto acc = [&](double q) { return kG / reach * std::sin(q); };
+    const double k1 = acc(a), k2 = acc(a + 0.5 * h * w), k3 = acc(a + 0.5 * h * w + 0.25 * h * h * k1),
+                 k4 = acc(a + h * w + 0.5 * h * h * k2);
+    a += h * w + h * h / 6 * (k1 + k2 + k3);
+    w += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  };
+  const auto presses = [&](double a, double w) { return kG * std::cos(a) > reach * w * w; };
+  double h = 1e-5;
+  while (h > 1e-16) {
+    double a = angle, w = rate;
+    move(h, a, w);
+    if (!presses(a, w)) {
+      h *= 0.5;
+      continue;
+    }
+    angle = a, rate = w, time += h;
+  }
+  EXPECT_NEAR(std::cos(angle), 2.0 / 3 * std::cos(start), 1e-9);
+  const double left = steps * kStep - time;
+  ASSERT_GT(left, 0.02);
+  const Vec3 exact = reach * Vec3(std::sin(angle), 0, std::cos(angle)) +
+                     left * reach * rate * Vec3(std::cos(angle), 0, -std::sin(angle)) -
+                     0.5 * kG * left * left * Vec3::UnitZ();
+  EXPECT_LT((world.x(0) - exact).norm(), kNear);
+}
+
+/// A rod of two equal balls on a smooth floor, one above the other: its middle falls straight down, the
+/// upper ball lands and bounces while the lower one stays. One coordinate, the angle to the floor.
+struct Rocking {
+  double half, angle, rate = 0;
+
+  double acceleration(double q, double w) const {
+    // per mass: half^2 (cos^2 + 1) q'' - half^2 sin cos q'^2 + g half cos = 0
+    const double c = std::cos(q), s = std::sin(q);
+    return (s * c * w * w - kG / half * c) / (c * c + 1);
+  }
+  void move(double h) {
+    const double a1 = acceleration(angle, rate), w2 = rate + 0.5 * h * a1,
+                 a2 = acceleration(angle + 0.5 * h * rate, w2), w3 = rate + 0.5 * h * a2,
+                 a3 = acceleration(angle + 0.5 * h * w2, w3), w4 = rate + h * a3,
+                 a4 = acceleration(angle + h * w3, w4);
+    angle += h / 6 * (rate + 2 * w2 + 2 * w3 + w4);
+    rate += h / 6 * (a1 + 2 * a2 + 2 * a3 + a4);
+  }
+  /// The lower ball's force per weight of both.
+  double pressure() const {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return 1 + half / kG * (c * acceleration(angle, rate) - s * rate * rate);
+  }
+};
+
+TEST(Events, ARodTopplesLandsAndRocks) {
+  const double radius = 0.05, restitution = 0.5;
+  Rocking exact{0.5, 0.6};
+  World world([&] {
+    Scene scene = rkScene(oneStick(1, 1, radius), Vec3(0, 0, radius), floorPlane(0, restitution));
+    scene.ragdolls[0].pose.orientation = Quat(Eigen::AngleAxisd(-exact.angle, Vec3::UnitY()));
+    return scene;
+  }());
+  int bounces = 0, handed_over = 0;
+  for (int n = 1; n <= 108; ++n) {
+    handed_over += world.steps(1).handed_over;
+    double left = kStep;
+    while (left > 0) {
+      Rocking next = exact;
+      const double h = std::min(left, 1e-4);
+      next.move(h);
+      if (next.angle > 0) {
+        exact = next;
+        left -= h;
+        ASSERT_GT(exact.pressure(), 0);
+        continue;
+      }
+      double lo = 0, hi = h;
+      for (int i = 0; i < 60; ++i) {
+        Rocking middle = exact;
+        middle.move(0.5 * (lo + hi));
+        (middle.angle > 0 ? lo : hi) = 0.5 * (lo + hi);
+      }
+      exact.move(lo);
+      exact.rate *= -restitution;
+      left -= lo;
+      ++bounces;
+    }
+    ASSERT_NEAR(world.x(1).z() - radius, 2 * exact.half * std::sin(exact.angle), kNear) << n;
+    ASSERT_NEAR(world.x(0).z(), radius, kNear) << n;
+  }
+  EXPECT_GE(bounces, 2);
+  EXPECT_EQ(handed_over, 0);
+}
+
+}  // namespace
+}  // namespace ragdoll::test
