@@ -9,6 +9,7 @@
 #include "core/direct/contact_log.h"
 #include "core/direct/dormand_prince.h"
 #include "core/direct/driving.h"
+#include "core/direct/mode_constants.h"
 #include "core/direct/mode_motion.h"
 #include "core/direct/mode_rows.h"
 #include "core/direct/workspace.h"
@@ -17,11 +18,6 @@ namespace ragdoll {
 namespace {
 
 using Kind = ModeRow::Kind;
-
-constexpr double kGrowth = 3;           ///< of a piece over the one before, until the next event
-constexpr int kTryEvery = 16;           ///< [steps] where the last one was shake's
-constexpr int kMostPieces = 250;        ///< of one step, those that were too long among them
-constexpr double kMostSlipTurn = 0.999;  ///< cosine of what a slip may turn in a piece: 0.045 rad
 
 /// What a row may do that ends a piece: each a function that is not negative until then.
 enum Event { kGap, kForce, kFriction, kPlace, kEventsOfRow };

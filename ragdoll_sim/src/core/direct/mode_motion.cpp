@@ -5,6 +5,7 @@
 
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/mode_constants.h"
 #include "core/direct/contact_log.h"
 #include "core/direct/dormand_prince.h"
 #include "core/direct/driving.h"

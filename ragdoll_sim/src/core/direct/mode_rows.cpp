@@ -6,6 +6,7 @@
 
 #include "core/contact/detect.h"
 #include "core/direct/constants.h"
+#include "core/direct/mode_constants.h"
 #include "core/direct/workspace.h"
 
 namespace ragdoll {

@@ -8,12 +8,10 @@
 #include <cmath>
 #include <limits>
 
-#include "core/direct/constants.h"
+#include "core/direct/mode_constants.h"
 
 namespace ragdoll {
 namespace {
-
-constexpr int kMostSolutions = 100;  ///< of equalities, until the directions of slips are found
 
 /// The rows of A that are equalities, and what their unknowns act by: a column of A, or the normal
 /// one with the friction that goes with it.
@@ -170,6 +168,49 @@ bool change(const ModeMatrix& A, const ModeVector& b, double scale, std::vector<
   return true;
 }
 
+/// The solution of least norm, by a complete orthogonal decomposition [Golub2013, sec. 5.5]: Eigen's
+/// own asks for memory where rows depend on others.
+class MinimumNorm {
+ public:
+  explicit MinimumNorm(const ModeMatrix& C) {
+    rows_.setThreshold(kDependent);
+    rows_.compute(C);
+    rank_ = rows_.rank();
+    if (rank_ == C.cols()) return;
+    ModeMatrix lower = rows_.matrixR().topRows(rank_).template triangularView<Eigen::Upper>();
+    lower.transposeInPlace();
+    columns_.compute(lower);
+  }
+
+  ModeVector solve(const ModeVector& rhs) const {
+    const Eigen::Index m = rhs.size();
+    ModeVector c = rhs;
+    c.applyOnTheLeft(rows_.householderQ().setLength(rank_).adjoint());
+    if (rank_ == m) {
+      rows_.matrixR().template triangularView<Eigen::Upper>().solveInPlace(c);
+    } else {  // R^T = Q2 R2 P2^T: R2^T z = P2^T c
+      ModeVector z(rank_);
+      for (Eigen::Index i = 0; i < rank_; ++i)
+        z[i] = c[columns_.colsPermutation().indices()[i]];
+      columns_.matrixR()
+          .topRows(rank_)
+          .template triangularView<Eigen::Upper>()
+          .transpose()
+          .solveInPlace(z);
+      c.setZero();
+      c.head(rank_) = z;
+      c.applyOnTheLeft(columns_.householderQ().setLength(rank_));
+    }
+    ModeVector q(m);
+    for (Eigen::Index i = 0; i < m; ++i) q[rows_.colsPermutation().indices()[i]] = c[i];
+    return q;
+  }
+
+ private:
+  Eigen::ColPivHouseholderQR<ModeMatrix> rows_, columns_;
+  Eigen::Index rank_ = 0;
+};
+
 }  // namespace
 
 bool solveEqualities(const ModeMatrix& A, const ModeVector& b, const std::vector<ModeBlock>& blocks,
@@ -187,12 +228,10 @@ bool solveEqualities(const ModeMatrix& A, const ModeVector& b, const std::vector
     rhs[i] = -b[row[i]] * scale[i];
     for (int j = 0; j < m; ++j) C(i, j) = columns(row[i], j) * scale[i] * scale[j];
   }
-  Eigen::CompleteOrthogonalDecomposition<ModeMatrix> qr;
-  qr.setThreshold(kDependent);
-  qr.compute(C);
-  ModeVector q = qr.solve(rhs);
+  const MinimumNorm inverse(C);
+  ModeVector q = inverse.solve(rhs);
   ModeVector rest = rhs - C * q;
-  q += qr.solve(rest);
+  q += inverse.solve(rest);
   rest = rhs - C * q;
   if (!(rest.cwiseAbs().maxCoeff() <= kModeContradiction * (1e-6 + rhs.cwiseAbs().maxCoeff())))
     return false;

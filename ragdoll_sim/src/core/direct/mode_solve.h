@@ -8,7 +8,7 @@
 
 #include <vector>
 
-#include "core/direct/constants.h"
+#include "core/direct/mode_constants.h"
 #include "ragdoll_sim/core/types.h"
 
 namespace ragdoll {
