@@ -33,6 +33,13 @@ class Draw {
   std::mt19937 random_;
 };
 
+/// How a body starts: from `low` to `high` [m] up, thrown at up to `speed` [m/s] along each axis.
+void putThrow(Draw& draw, double low, double high, double speed, std::ostringstream& text) {
+  text << "position: [0, 0, " << draw.uniform(low, high) << "], rpy_deg: " << draw.vector(180)
+       << ", velocity: " << draw.vector(speed)
+       << ", angular_velocity: " << draw.vector(draw.uniform(0, 10));
+}
+
 /// The key `obstacles`: a floor and up to `most` things on it.
 void putObstacles(Draw& draw, int most, std::ostringstream& text) {
   text << "obstacles:\n- {type: plane, friction: " << draw.uniform(0, 1)
@@ -82,7 +89,8 @@ struct Swing {
     const double angle = turn.norm() * at(time);
     Pose pose = start;
     pose.position += at(time) * direction;
-    if (turn.norm() > 0) pose.orientation = Eigen::AngleAxisd(angle, turn.normalized()) * pose.orientation;
+    if (turn.norm() > 0)
+      pose.orientation = Eigen::AngleAxisd(angle, turn.normalized()) * pose.orientation;
     return pose;
   }
 };
@@ -106,9 +114,7 @@ Extreme randomExtreme(std::uint32_t seed) {
   Draw draw(seed);
   const double speed = std::pow(10, draw.uniform(-1, 1.5));
   std::ostringstream start, rest;
-  start << "position: [0, 0, " << draw.uniform(2.6, 4) << "], rpy_deg: " << draw.vector(180)
-        << ", velocity: " << draw.vector(speed)
-        << ", angular_velocity: " << draw.vector(draw.uniform(0, 10));
+  putThrow(draw, 2.6, 4, speed, start);
   putObstacles(draw, 5, rest);
   if (draw.chance(0.2)) rest << "pins: [" << kBodies[draw.below(kParticles)] << "]\n";
   if (draw.chance(0.5))
@@ -168,9 +174,7 @@ Extreme randomDriven(std::uint32_t seed) {
   Draw draw(seed);
   const double speed = std::pow(10, draw.uniform(-1, 0.7));
   std::ostringstream start, rest;
-  start << "position: [0, 0, " << draw.uniform(1.5, 3) << "], rpy_deg: " << draw.vector(180)
-        << ", velocity: " << draw.vector(speed)
-        << ", angular_velocity: " << draw.vector(draw.uniform(0, 10));
+  putThrow(draw, 1.5, 3, speed, start);
   putObstacles(draw, 5, rest);
   if (draw.chance(0.5)) rest << "pins: [" << kBodies[draw.below(kParticles)] << "]\n";
   if (draw.chance(0.2)) rest << "self_collision: true\n";

@@ -180,8 +180,7 @@ bool moveToEvent(Body& body, double h, const Found& found, double& time) {
 }
 
 /// What touches at mode.start; whether some of it approaches. pressed: what pressed in the last step
-/// may be a little off.
-/// leaves: as closed counts, too, what opens: an impact may close it.
+/// may be a little off. leaves: what opens counts as closed, too; an impact may close it.
 void findClosed(Body& body, bool pressed, bool leaves, bool& impact) {
   Mode& mode = body.mode;
   impact = false;
@@ -403,10 +402,6 @@ bool takePieces(Body& body, double h) {
   }
   return false;
 }
-
-}  // namespace
-
-namespace {
 
 /// Whether the last step was shake's, as its gaps tell, and it is not yet time to try again: where
 /// events crowd they do so for a while.
