@@ -56,6 +56,31 @@ TEST(ConsistentStart, OfAPinnedBodyKeepsTheOrderOfTheMethod) {
   EXPECT_LT(error(Method::kRk, 960), 1e-9);
 }
 
+/// A pin that is led moves evenly in each step, so that its speed jumps between them: second order.
+TEST(ConsistentStart, OfEachStepOfAPinThatIsLedKeepsBothMethodsOfSecondOrder) {
+  const Scene scene = hung();
+  const auto end = [&](Method method, double rate) {
+    Scene at = scene;
+    at.solver.method = method;
+    at.solver.step = 1 / rate;
+    World world(at);
+    const Vec3 start = world.model.pins[0].target;
+    for (int i = 1; i <= std::lround(0.25 * rate); ++i) {
+      world.inputs.pins = {start + Vec3(0.1 * (1 - std::cos(8 * i / rate)), 0, 0)};
+      world.steps(1);
+    }
+    return world.state.x;
+  };
+  const Points best = end(Method::kRk, 7680);
+  const auto error = [&](Method method, double rate) {
+    return (end(method, rate) - best).colwise().norm().maxCoeff();
+  };
+  for (const Method method : {Method::kShake, Method::kRk}) {
+    EXPECT_NEAR(std::log2(error(method, 480) / error(method, 960)), 2, 0.2) << int(method);
+    EXPECT_LT(error(method, 960), 1e-4) << int(method);
+  }
+}
+
 TEST(ConsistentStart, IsTheNearestInTheMassMetricWhateverTheStep) {
   Scene scene = hung();
   Points first;

@@ -25,6 +25,10 @@ Drive driveOf(Body& body) {
 /// Dormand-Prince 5 over h, no matter what it meets: the motion, and velocities body.v1.
 bool integrate(Body& body, double h) {
   double* m = body.multipliers();
+  if (body.pin_speed > 0) {  // it is faster or slower from this step on, and what hangs on it with it
+    body.memory->response.setStart(body.xData());
+    body.memory->response.projectAtStart(body.vData());
+  }
   rungeKutta(body.memory->response, body.xData(), body.vData(), body.acceleration, driveOf(body), h,
              body.stages, body.motion.dx, body.v1, m);
   const int s = body.rows->s;
