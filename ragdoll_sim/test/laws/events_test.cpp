@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "support/across_slope.h"
 #include "support/limbs.h"
 
 namespace ragdoll::test {
@@ -58,30 +59,14 @@ TEST(Events, ABlockOnASlopeStopsAndStaysOrSlidesBack) {
   }
 }
 
-/// Across the slope friction turns the way: by an integration of two coordinates.
 TEST(Events, ABlockThatSlidesAcrossASlopeTurnsIntoTheLineOfFall) {
-  const double angle = 0.5, friction = 0.3, radius = 0.05;
-  const Vec3 fall(-std::cos(angle), 0, -std::sin(angle)), up(-std::sin(angle), 0, std::cos(angle));
-  Scene scene = rkScene(oneParticle(1, radius), radius * up, slope(angle, friction));
-  scene.ragdolls[0].velocity = 2 * Vec3::UnitY();
+  Scene scene = AcrossSlope::scene();
+  scene.solver.method = Method::kRk;
+  scene.solver.events = true;
+  scene.solver.step = kStep;
   World world(scene);
-  world.steps(60);
-  Eigen::Vector4d state(0, 0, 0, 2);  // down, across; their rates
-  const auto rate = [&](const Eigen::Vector4d& s) {
-    const Eigen::Vector2d v = s.tail<2>();
-    const Eigen::Vector2d a = Eigen::Vector2d(kG * std::sin(angle), 0) -
-                              friction * kG * std::cos(angle) * v.normalized();
-    return Eigen::Vector4d(v.x(), v.y(), a.x(), a.y());
-  };
-  const int steps = 20000;
-  const double h = 60 * kStep / steps;
-  for (int i = 0; i < steps; ++i) {
-    const Eigen::Vector4d k1 = rate(state), k2 = rate(state + 0.5 * h * k1),
-                          k3 = rate(state + 0.5 * h * k2), k4 = rate(state + h * k3);
-    state += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
-  }
-  const Vec3 exact = radius * up + state[0] * fall + state[1] * Vec3::UnitY();
-  EXPECT_LT((world.x(0) - exact).norm(), kNear);
+  world.steps(static_cast<int>(std::lround(AcrossSlope::kTime / kStep)));
+  EXPECT_LT((world.x(0) - AcrossSlope::end()).norm(), kNear);
 }
 
 /// Height of a ball that is dropped and bounces.

@@ -280,7 +280,8 @@ TEST_P(HumanPairs, HumansThatFallOntoEachOtherStayApart) {
   ASSERT_TRUE(world.state.x.allFinite());
   EXPECT_LT(between, GetParam().between_mm);
   EXPECT_LT(self, GetParam().self_mm);
-  EXPECT_LT(world.state.v.colwise().norm().maxCoeff(), 0.5);
+  // Undamped, an arm may swing for long; of the 5 kJ that fell no more is left than that.
+  EXPECT_LT(kineticEnergy(world.model, world.state), 5);
 }
 
 TEST(SelfPairs, OfTheHumanAreAsExpected) {

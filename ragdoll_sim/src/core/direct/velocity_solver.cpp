@@ -200,7 +200,7 @@ void pushVelocities(Island& island, int first_pair, const LoggedStage& at) {
   }
   evaluatePairRates(island, first_pair, impact);
   if (isLogged(island)) keepRates(island);
-  s.joint.solve(s.b, s.p);
+  s.joint.solve(s.b, s.p, impact ? Sweeps::kToTheEnd : Sweeps::kAlongTheSlip);
   s.joint.split(s.p, s.parts);
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Schur& schur = island.bodies[k]->memory->schur;

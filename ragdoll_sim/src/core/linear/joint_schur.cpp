@@ -64,12 +64,12 @@ const Schur::Row& JointSchur::row(int i) const {
   return bodies_[rows_[i].body[side]]->row(rows_[i].row[side]);
 }
 
-bool JointSchur::solve(const RowValues& b, RowValues& p) {
-  if (isOneBody()) return bodies_[0]->solve(b, p);
+bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeps sweeps) {
+  if (isOneBody()) return bodies_[0]->solve(b, p, sweeps);
   for (Schur* s : bodies_) s->clearRates();
   View rows{*this, b};
   findBlocks(rows, blocks_);
-  return projectedGaussSeidel(rows, blocks_, p.data());
+  return projectedGaussSeidel(rows, blocks_, p.data(), sweeps);
 }
 
 bool JointSchur::solveOn(const RowValues& b, RowValues& p) {

@@ -26,7 +26,7 @@ class JointSchur {
   const Schur::Row& row(int i) const;
 
   /// p from b, starting at p. Returns whether it settled.
-  bool solve(const RowValues& b, RowValues& p);
+  bool solve(const RowValues& b, RowValues& p, Sweeps sweeps = Sweeps::kToTheEnd);
   /// Goes on where solve gave up (Schur::solveOn), where all rows are one body's; else false.
   bool solveOn(const RowValues& b, RowValues& p);
 

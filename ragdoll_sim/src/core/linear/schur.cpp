@@ -157,31 +157,32 @@ namespace body {
 
 template <int W>
 RAGDOLL_INLINE bool sweep(OneBody<1>& rows, std::vector<SchurBlock>& blocks, double* p,
-                          bool batch) {
+                          Sweeps kind) {
   OneBody<W> lanes{rows.rows, rows.A, rows.columns, rows.unheld, rows.w};
-  return projectedGaussSeidel(lanes, blocks, p, batch);
+  return projectedGaussSeidel(lanes, blocks, p, kind);
 }
 
 }  // namespace body
 
 RAGDOLL_KERNEL(bool, sweep,
-               (OneBody<1> & rows, std::vector<SchurBlock>& blocks, double* p, bool batch),
-               (rows, blocks, p, batch))
+               (OneBody<1> & rows, std::vector<SchurBlock>& blocks, double* p, Sweeps kind),
+               (rows, blocks, p, kind))
 
 }  // namespace
 
-bool Schur::solve(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p) {
+bool Schur::solve(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
+                  Sweeps sweeps) {
   OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free.data(), w_.data()};
   findBlocks(rows, blocks_);
-  return sweepFrom(b, p, false);
+  return sweepFrom(b, p, sweeps);
 }
 
 bool Schur::sweepFrom(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
-                      bool batch) {
+                      Sweeps sweeps) {
   w_.setZero(columns_);
   w_.head(size()) = b;
   OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free.data(), w_.data()};
-  return sweep(rows, blocks_, p.data(), batch);
+  return sweep(rows, blocks_, p.data(), sweeps);
 }
 
 void Schur::addRates(int i, int count, const double* impulses) {
@@ -196,7 +197,7 @@ bool Schur::solveOn(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen
   anderson_.start();
   for (int batch = 0; batch < kBatches; ++batch) {
     scaled_ = scale_.cwiseProduct(p);
-    if (sweepFrom(b, p, true)) return true;
+    if (sweepFrom(b, p, Sweeps::kBatch)) return true;
     swept_ = scale_.cwiseProduct(p);
     if (!anderson_.mix(scaled_, swept_, better_)) break;
     if (batch > 0 && better_.allFinite()) putAllowed(better_, scale_, p);

@@ -20,6 +20,15 @@
 
 namespace ragdoll {
 
+/// What sweeps are to do.
+enum class Sweeps {
+  kToTheEnd,
+  kBatch,  ///< a few as they are, for who extrapolates from batch to batch
+  /// Friction that slides at the first p, at the edge of its disc and against the slip, keeps its
+  /// direction while it slides.
+  kAlongTheSlip,
+};
+
 /// A limit, or a contact with its friction: what a sweep solves for at once.
 struct SchurBlock {
   int row = 0;                ///< its first
@@ -31,6 +40,7 @@ struct SchurBlock {
   double answer = 0;           ///< 1 / own[0]; 0: cannot move
   double tangent_answer = 0;   ///< of both tangents; 0: cannot move
   double step[3] = {0, 0, 0};  ///< of the impulses, by the last sweep
+  double slid[2] = {0, 0};     ///< direction of friction that keeps it (Sweeps), or 0
 };
 
 class Schur {
@@ -86,7 +96,8 @@ class Schur {
   void assemble(const StickRows& constants, StickSolver& sticks);
 
   /// p from b, starting at p. Returns whether it settled.
-  bool solve(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p);
+  bool solve(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
+             Sweeps sweeps = Sweeps::kToTheEnd);
 
   /// Goes on, with the same b, where solve gave up at p. Where rows all but contradict each other,
   /// as those of a limb between two obstacles, sweeps alone would take thousands: Anderson
@@ -121,9 +132,9 @@ class Schur {
   bool findKnown();
   /// Of row i: its answer, and its part of the diagonal without the sticks.
   void findAnswer(const StickRows& constants, StickSolver& sticks, int i);
-  /// Sweeps from p on until they settle, or a batch of them. Whether they settled.
+  /// Sweeps from p on. Whether they settled.
   bool sweepFrom(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
-                 bool batch);
+                 Sweeps sweeps);
   /// p, as allowed, from impulses times the scale; what cannot move stays.
   void putAllowed(const RowValues& scaled, const RowValues& scale, Eigen::Ref<Eigen::VectorXd> p);
 

@@ -45,16 +45,29 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
   }
 }
 
+/// Sets `slid` of the blocks that slide by p, whose rates are known (Sweeps::kAlongTheSlip).
+template <class Rows>
+RAGDOLL_INLINE void keepSlips(const Rows& rows, const double* p, std::vector<SchurBlock>& blocks) {
+  constexpr double kEdge = 1 - 1e-6;  ///< of the disc's radius: what slides is at 1
+  for (SchurBlock& b : blocks) {
+    const double* now = p + b.row;
+    if (!b.has_tangents || !(now[0] > 0)) continue;
+    const double length = std::hypot(now[1], now[2]);
+    const double against = rows.rate(b.row + 1) * now[1] + rows.rate(b.row + 2) * now[2];
+    if (length < kEdge * b.friction * now[0] || against >= 0) continue;
+    for (int k = 0; k < 2; ++k) b.slid[k] = now[1 + k] / length;
+  }
+}
+
 /// Finds p of w = b + A p (schur.h), starting at p. Rows: size(); rate(i), w of row i, at first b;
 /// push(i, count, step), which adds step[k] times row i + k of A to w. Returns whether it settled.
 ///
 /// Once it is known what presses and what slides, each sweep's steps are those of the one before
 /// times a constant. Where that shows, p goes on to where the steps would add up to, as Aitken
-/// extrapolates a sequence [Aitken1926], and the next sweep projects it. batch: a few sweeps as
-/// they are, for who extrapolates from batch to batch.
+/// extrapolates a sequence [Aitken1926], and the next sweep projects it.
 template <class Rows>
 RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& blocks, double* p,
-                                         bool batch = false) {
+                                         Sweeps sweeps) {
   constexpr int kMaxSweeps = 100;  // most end after 5 to 15
   const int m = rows.size();
   for (int i = 0; i < m; ++i)
@@ -62,6 +75,8 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& bl
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
   double last_change = kUnknown, last_ratio = 0;
   int endless = 0;
+  if (sweeps == Sweeps::kAlongTheSlip) keepSlips(rows, p, blocks);
+  const bool batch = sweeps == Sweeps::kBatch;
   const int most = batch ? kBatch : kMaxSweeps;
   for (int iteration = 0; iteration < most; ++iteration) {
     double change = 0, largest = 0;
@@ -87,9 +102,11 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& bl
           t[k] = now[1 + k] - (rows.rate(b.row + 1 + k) + b.across[k] * step[0]) * b.tangent_answer;
         const double length2 = t[0] * t[0] + t[1] * t[1];
         if (length2 > limit * limit) {
-          const double share = limit / std::sqrt(length2);
-          t[0] *= share;
-          t[1] *= share;
+          const bool keeps = b.slid[0] != 0 || b.slid[1] != 0;
+          const double* along = keeps ? b.slid : t;
+          const double share = keeps ? limit : limit / std::sqrt(length2);
+          t[0] = share * along[0];
+          t[1] = share * along[1];
         }
         set(1, t[0]);
         set(2, t[1]);

@@ -41,10 +41,10 @@ struct DenseRows {
     ++pushes;
   }
 
-  bool solve(Eigen::VectorXd& p) {
+  bool solve(Eigen::VectorXd& p, Sweeps sweeps = Sweeps::kToTheEnd) {
     std::vector<SchurBlock> blocks;
     findBlocks(*this, blocks);
-    return projectedGaussSeidel(*this, blocks, p.data());
+    return projectedGaussSeidel(*this, blocks, p.data(), sweeps);
   }
 };
 
@@ -95,6 +95,22 @@ TEST(SchurSweeps, FrictionStaysInItsDisc) {
   rows.setContact(0, 0.5);
   ASSERT_TRUE(rows.solve(p));
   EXPECT_LT((p - Eigen::Vector3d(2, -0.6, -0.8)).norm(), 1e-6);
+}
+
+TEST(SchurSweeps, FrictionAlongTheSlipKeepsItsDirection) {
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(3, 3);
+  const auto solveFrom = [&](const Eigen::Vector3d& first) {
+    Eigen::VectorXd p = first;
+    DenseRows rows(A, Eigen::Vector3d(-2, 3, 4));
+    rows.setContact(0, 0.5);
+    EXPECT_TRUE(rows.solve(p, Sweeps::kAlongTheSlip));
+    return Eigen::Vector3d(p);
+  };
+  const Eigen::Vector3d along(2, 0, -1), against_the_slip(2, -0.6, -0.8);
+  EXPECT_LT((solveFrom({2, 0, -1}) - along).norm(), 1e-6);
+  EXPECT_LT((solveFrom({1, 0, -0.5}) - along).norm(), 1e-6);           // of the pressure there is
+  EXPECT_LT((solveFrom({2, 0, -0.9}) - against_the_slip).norm(), 1e-6);  // stuck at first
+  EXPECT_LT((solveFrom({2, 0, 1}) - against_the_slip).norm(), 1e-6);     // with the slip
 }
 
 TEST(SchurSweeps, GiveUpWhereImpulsesGrowWithoutEnd) {
