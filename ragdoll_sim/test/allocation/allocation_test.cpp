@@ -154,7 +154,9 @@ TEST_P(Allocation, NoneInAStepOnceTheScratchHasItsSize) {
   run(c, start, world);  // of scratch that changes places from step to step both have to grow
   int implicit = 0;
   EXPECT_EQ(run(c, start, world, &implicit), 0);
-  if (c.force > 0) EXPECT_GT(implicit, 0);
+  if (c.force > 0) {
+    EXPECT_GT(implicit, 0);
+  }
 }
 
 }  // namespace

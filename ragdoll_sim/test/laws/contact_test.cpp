@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "ragdoll_sim/core/measures.h"
-#include "support/across_slope.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -48,25 +47,6 @@ TEST(Slope, HoldsBelowTheFrictionAngleAndSlidesAboveIt) {
     const double a = kG * (std::sin(rad(kAngle)) - mu * std::cos(rad(kAngle)));
     const double expected = a > 0 ? 0.5 * a : 0;
     EXPECT_NEAR(world.x(0).norm(), expected, 2 * kStep) << "mu " << mu;
-  }
-}
-
-/// How far a ball that slides across a slope, and turns, ends from where it should.
-double missedAcrossASlope(Method method, double rate) {
-  Scene scene = AcrossSlope::scene();
-  scene.solver.method = method;
-  scene.solver.step = 1 / rate;
-  World world(scene);
-  world.steps(static_cast<int>(std::lround(AcrossSlope::kTime * rate)));
-  return (world.x(0) - AcrossSlope::end()).norm();
-}
-
-/// Friction must turn with the slip at the step's middle, not at its end.
-TEST(Slope, ATurningSlipIsOfSecondOrder) {
-  for (const Method method : {Method::kShake, Method::kRk}) {
-    const double coarse = missedAcrossASlope(method, 240), fine = missedAcrossASlope(method, 960);
-    EXPECT_LT(coarse, 5e-6);
-    EXPECT_LT(fine, coarse / 12) << "of order " << std::log2(coarse / fine) / 2;
   }
 }
 

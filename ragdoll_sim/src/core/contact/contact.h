@@ -5,7 +5,9 @@
 // to zero.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "ragdoll_sim/core/model.h"
@@ -27,6 +29,11 @@ struct Contact {
   int obstacle = -1;                      ///< of the model; -1: another body
   double gap_start = 0;                   ///< [m] at the step's start
   // Direct methods.
+  /// It touches at the motion's start: place and normal there, along which positions are pushed.
+  /// Velocities are along `normal`, at the end: as RATTLE does with equalities [Andersen1983].
+  bool touches_at_start = false;
+  std::array<double, 4> start_weight{};
+  Vec3 start_normal = Vec3::UnitZ();
   double before = 0;  ///< [m] gap to the plane at the substep's start
   double found = 0;   ///< [m] offset, before what of an overlap may stay
 
@@ -41,6 +48,29 @@ struct Contact {
     double gap = -offset;
     for (int k = 0; k < count; ++k) gap += weight[k] * normal.dot(x.col(particle[k]));
     return gap;
+  }
+  /// As it is at the motion's start, but for its offset.
+  Contact atStart() const {
+    Contact c = *this;
+    if (!touches_at_start) return c;
+    c.normal = start_normal;
+    c.weight = start_weight;
+    return c;
+  }
+  /// Along the normal and two tangents.
+  std::array<Vec3, 3> directions() const {
+    const Vec3 t1 =
+        normal.cross(std::abs(normal.x()) < 0.6 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
+    return {normal, t1, normal.cross(t1)};
+  }
+  /// Components along its directions of an impulse with such components at the start: turned as the
+  /// normal has.
+  Vec3 turned(const Vec3& at_start) const {
+    if (!touches_at_start) return at_start;
+    const std::array<Vec3, 3> from = atStart().directions(), to = directions();
+    const Vec3 tangential = Eigen::Quaterniond::FromTwoVectors(start_normal, normal) *
+                            (at_start[1] * from[1] + at_start[2] * from[2]);
+    return {at_start[0], tangential.dot(to[1]), tangential.dot(to[2])};
   }
   bool isSoft() const { return give.compliance > 0; }
   /// [J] in its spring at a gap [m].

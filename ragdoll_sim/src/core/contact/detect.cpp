@@ -38,6 +38,12 @@ Contact planeAt(const SweptObstacle& m, const Vec3& p, const Distance& d, double
   return c;
 }
 
+/// Whether a rigid contact with that gap [m] at the start touches there, and so all along its
+/// motion.
+bool touchesAtStart(const Compliance& give, double start) {
+  return give.compliance == 0 && std::abs(start) <= kResting;
+}
+
 /// With the tangent plane at the nearest point of the surface.
 Contact tangentAt(const SweptObstacle& m, const Vec3& p, double radius) {
   return planeAt(m, p, signedDistance(*m.obstacle, p), radius);
@@ -51,9 +57,9 @@ Compliance inSeries(const Compliance& a, const Compliance& b) {
   return {a.compliance + b.compliance, sum > 0 ? a.damping * b.damping / sum : 0};
 }
 
-/// Share of the way at which a plane is tangent where nothing comes to touch on it: the end, so that
-/// nothing sinks in there. A spring that presses all the way pushes as it does half way, to second
-/// order.
+/// Share of the way at which a plane is tangent where nothing comes to touch on it: the end, so
+/// that nothing sinks in there. A spring that presses all the way pushes as it does half way, to
+/// second order.
 double tangentShare(const Compliance& give, double start) {
   return give.compliance > 0 && start <= kResting ? 0.5 : 1;
 }
@@ -89,12 +95,17 @@ void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, dou
   const double start = signedDistanceValue(*m.obstacle, p0) - radius;
   found = start <= (p1 - p0).norm() + margin;
   Vec3 at;
-  found = found && particleTouch(*m.obstacle, p0, p1, radius, margin, start,
-                                 tangentShare(give, start), at);
+  found = found &&
+          particleTouch(*m.obstacle, p0, p1, radius, margin, start, tangentShare(give, start), at);
   if (!found) return;
   c = tangentAt(m, at, radius);
   c.give = give;
   c.gap_start = start;
+  c.touches_at_start = touchesAtStart(give, start);
+  if (!c.touches_at_start) return;
+  c.start_normal = m.R0 * signedDistance(*m.obstacle, p0).normal;
+  c.start_weight = {1, 0, 0, 0};
+  c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
 }
 
 struct Capsule {
@@ -247,7 +258,8 @@ double flatEnd(const Axis& axis, double t, double end) {
   return std::abs(along - t) > kStickEnd ? along : t;
 }
 
-/// The capsule at the instant of its first touch, or at its tangent share; nothing if it stays clear.
+/// The capsule at the instant of its first touch, or at its tangent share; nothing if it stays
+/// clear.
 std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, const Compliance& give,
                              double margin, double& start) {
   const Obstacle& o = *m.obstacle;
@@ -288,28 +300,51 @@ Contact tangentAt(const SweptObstacle& m, const Axis& axis, double t) {
   return planeAt(m, p, d, axis.radius(t));
 }
 
-/// Contacts of a capsule between its ends, at the instant of `axis`: where it is nearest, or both
-/// ends of where it lies flat, each with the plane that is tangent there.
-void stickContacts(const SweptObstacle& m, const Axis& axis, double start, int a, int b,
-                   int ragdoll, const Compliance& give, std::vector<Contact>& contacts) {
+/// Where a capsule touches between its ends: where it is nearest, or both ends of where it lies
+/// flat.
+struct Places {
+  std::array<double, 2> at;
+  bool flat;
+};
+
+Places placesOf(const SweptObstacle& m, const Axis& axis, const Compliance& give) {
   const double t = nearest(axis);
   // The only one to lie flat on; a spring at its ends is enough, and does not come and go.
-  const bool box = m.obstacle->type == ObstacleSpec::Type::kBox && give.compliance == 0;
-  const double lo = box ? flatEnd(axis, t, 0) : t;
-  const double hi = box ? flatEnd(axis, t, 1) : t;
-  const bool flat = hi - lo > kStickEnd;
-  for (const double share : {flat ? lo : t, hi}) {
-    if (share > kStickEnd && share < 1 - kStickEnd) {
-      Contact c = tangentAt(m, axis, share);
-      c.gap_start = start;
-      c.particle = {a, b, 0, 0};
-      c.count = 2;
-      c.ragdoll = ragdoll;
-      c.weight = {1 - share, share, 0, 0};
-      c.give = give;
-      contacts.push_back(c);
+  if (m.obstacle->type != ObstacleSpec::Type::kBox || give.compliance > 0) return {{t, t}, false};
+  const double lo = flatEnd(axis, t, 0), hi = flatEnd(axis, t, 1);
+  if (hi - lo > kStickEnd) return {{lo, hi}, true};
+  return {{t, t}, false};
+}
+
+/// Its contact at one of them touched at the start where the capsule did, at a place t of `axis`.
+void setStart(const SweptObstacle& m, const Axis& axis, double t, Contact& c) {
+  if (std::abs(t - c.weight[1]) > kSamePlace) return;
+  c.start_normal = m.R0 * signedDistance(*m.obstacle, axis.at(t)).normal;
+  c.start_weight = {1 - t, t, 0, 0};
+  c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
+}
+
+/// Contacts of a capsule between its ends, at the instant of `axis`, each with the plane that is
+/// tangent there.
+void stickContacts(const SweptObstacle& m, const Axis& axis, const Axis& at_start, double start,
+                   int a, int b, int ragdoll, const Compliance& give,
+                   std::vector<Contact>& contacts) {
+  const Places places = placesOf(m, axis, give);
+  for (int k = 0; k < (places.flat ? 2 : 1); ++k) {
+    const double share = places.at[k];
+    if (share <= kStickEnd || share >= 1 - kStickEnd) continue;
+    Contact c = tangentAt(m, axis, share);
+    c.gap_start = start;
+    c.particle = {a, b, 0, 0};
+    c.count = 2;
+    c.ragdoll = ragdoll;
+    c.weight = {1 - share, share, 0, 0};
+    c.give = give;
+    if (touchesAtStart(give, start)) {
+      const Places before = placesOf(m, at_start, give);
+      if (before.flat == places.flat) setStart(m, at_start, before.at[k], c);
     }
-    if (!flat) return;
+    contacts.push_back(c);
   }
 }
 
@@ -331,7 +366,8 @@ Bounds sweptBounds(const Points& x0, const Points& x1, int first, int n, double 
 }
 
 /// Whether a particle is too far from a solid that stands still to be in touch on its straight way.
-bool passesBy(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double radius, double margin) {
+bool passesBy(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double radius,
+              double margin) {
   if (m.obstacle->type == ObstacleSpec::Type::kPlane || m.p0 != m.p1 || m.R0 != m.R1) return false;
   const double pad = radius + kGapResolution;  // more than rounding
   return !overlap({x0.cwiseMin(x1).array() - pad, x0.cwiseMax(x1).array() + pad}, m.bounds, margin);
@@ -370,7 +406,10 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
     double start = 0;
     const Compliance give = giveOf(model, *m.obstacle, r, k);
     const std::optional<Axis> axis = touching(m, capsule, give, margin, start);
-    if (axis) stickContacts(m, *axis, start, a, b, index, give, contacts);
+    if (!axis) continue;
+    const Axis at_start{*m.obstacle, m.toStart(capsule.a0), m.toStart(capsule.b0), capsule.ra,
+                        capsule.rb};
+    stickContacts(m, *axis, at_start, start, a, b, index, give, contacts);
   }
 }
 
@@ -434,9 +473,10 @@ void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& o
       const Axis axis{*m.obstacle, m.toEnd(p), m.toEnd(q), ra, rb};
       const double t = nearest(axis), gap = axis.gap(t);
       if (gap >= -depth || gap <= -axis.radius(t)) continue;
-      const double start =
-          stickGap(*m.obstacle, m.toStart(x0.col(a)), m.toStart(x0.col(b)), ra, rb);
-      stickContacts(m, axis, start, a, b, ragdoll, giveOf(model, *m.obstacle, r, k), contacts);
+      const Axis at_start{*m.obstacle, m.toStart(x0.col(a)), m.toStart(x0.col(b)), ra, rb};
+      const double start = at_start.gap(nearest(at_start));
+      const Compliance give = giveOf(model, *m.obstacle, r, k);
+      stickContacts(m, axis, at_start, start, a, b, ragdoll, give, contacts);
     }
   }
 }

@@ -5,6 +5,7 @@
 
 #include "core/contact/capsule_pairs.h"
 #include "core/contact/constants.h"
+#include "core/contact/first_touch.h"
 
 namespace ragdoll {
 namespace {
@@ -28,6 +29,17 @@ Bounds unionOf(const std::vector<Bounds>& all, std::size_t begin, std::size_t en
     b.hi = b.hi.cwiseMax(all[k].hi);
   }
   return b;
+}
+
+/// Where the contact was at the start: where the two were nearest, or the same places of two that
+/// lie along each other.
+void setStart(const CapsuleAxis& first, const CapsuleAxis& second, bool along, Contact& c) {
+  const AxisPoints at =
+      along ? AxisPoints{c.weight[1], -c.weight[3]} : nearestPoints(first, second);
+  if (std::max(std::abs(at.s - c.weight[1]), std::abs(at.t + c.weight[3])) > kSamePlace) return;
+  c.start_normal = (first.at(at.s) - second.at(at.t)).normalized();
+  c.start_weight = {1 - at.s, at.s, at.t - 1, -at.t};
+  c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
 }
 
 SweptCapsule swept(const Model& model, const Ragdoll& r, const Capsule& c, const Points& x0,
@@ -66,6 +78,8 @@ void PairDetector::appendPair(const Model& model, const Body& p, int i, const Bo
     contact.ragdoll = p.index;
     contact.other = p.index == q.index ? -1 : q.index;
     contact.gap_start = touch.gap_start;
+    if (std::abs(touch.gap_start) <= kResting)
+      setStart(first.at(0), second.at(0), count > 1, contact);
     contacts.push_back(contact);
   }
 }

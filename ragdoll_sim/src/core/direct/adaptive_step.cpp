@@ -64,8 +64,9 @@ class Parts {
     return {r.first, rows.n, whole_.ws.first_multiplier[ragdoll], 2 * rows.s};
   }
   StepContext contextOf(double part, const Impulses& before) const {
-    return {whole_.model, s_.inputs,       part,       whole_.force,   whole_.guarded, false,   whole_.state,
-            whole_.ws,    whole_.supports, whole_.log, whole_.worker, &before,         whole_.h};
+    return {whole_.model,  s_.inputs,    part,      whole_.force,    whole_.guarded,
+            false,         whole_.state, whole_.ws, whole_.supports, whole_.log,
+            whole_.worker, &before,      whole_.h};
   }
   /// Of the island's bodies.
   void copyMotion(const Points& x, const Points& v, Points& x1, Points& v1) const;
@@ -213,7 +214,6 @@ bool Parts::takeFreely(double from, double part, double& error, StepReport& repo
     restore();
     return false;
   }
-  endStep(island);
   s_.after.clear();
   return true;
 }

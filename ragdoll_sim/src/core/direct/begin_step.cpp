@@ -9,7 +9,6 @@
 namespace ragdoll {
 namespace {
 
-
 bool obstaclesMove(const StepContext& step) {
   const std::vector<Pose>& end = step.inputs.obstacles;
   for (std::size_t k = 0; k < end.size(); ++k)
@@ -63,7 +62,7 @@ void beginStep(Body& body, StepReport& report) {
   const StepContext& step = *body.context;
   if (step.state.step % kAffineEvery == 0 || step.relaxed) makeAffine(body);
   // The relaxation's guard takes implicit steps, of first order as its own.
-  if (!body.damps_within) damp(body, step.relaxed ? step.h : 0.5 * step.h);
+  if (step.relaxed) damp(body, step.h);
   movePins(body);  // what moves them is not damped
   body.driven = body.pin_speed > 0 || obstaclesMove(step);
   report.joining += restoreLengths(body, step.h);
@@ -74,16 +73,10 @@ void beginStep(Island& island, StepReport& report) {
   const SolverSpec& solver = island.context.model.solver;
   const bool damps = solver.damping > 0 || solver.joint_damping > 0;
   for (Body* body : island.bodies) {
-    body->damps_within = damps && solver.method == Method::kRk && island.isLone();
+    body->damps_within = damps && !island.context.relaxed;
     beginStep(*body, report);
   }
   fillCaches(island);
-}
-
-void endStep(Island& island) {
-  if (island.context.relaxed) return;
-  for (Body* body : island.bodies)
-    if (!body->damps_within) damp(*body, 0.5 * island.context.h);
 }
 
 }  // namespace ragdoll

@@ -6,14 +6,11 @@
 
 namespace ragdoll {
 
-/// Damping, pins, lengths, forces, and the impulses of the last step.
+/// Pins, lengths, forces, and the impulses of the last step.
 void beginStep(Island& island, StepReport& report);
 void beginStep(Body& body, StepReport& report);
 
 /// Puts rigid groups back into the shape that their frames can have.
 void makeAffine(Body& body);
-
-/// After the step's motions: the other half of what is damped.
-void endStep(Island& island);
 
 }  // namespace ragdoll

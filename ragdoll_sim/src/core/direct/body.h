@@ -89,7 +89,7 @@ struct Body {
   OverlapPolicy overlaps = OverlapPolicy::kResolve;
   // Forces that follow the motion (driving.h).
   bool pushed = false;        ///< a poke acts off its body's own point
-  bool damps_within = false;  ///< damping is part of the motion, else of the step's two ends
+  bool damps_within = false;  ///< damping is part of the motion
   double given = 0;           ///< [J] by them since the body was saved
   Points force;               ///< [N] of pokes, 3 x n, as in `acceleration`
 
@@ -128,8 +128,8 @@ inline int multiplierCount(const StickRows& rows) { return 2 * rows.s + 1; }
 
 /// The thread's scratch for positions (3 x N).
 Points& posesOf(const StepContext& context);
-/// These with this body's columns at the end of its motion; the others mean nothing. Valid until the
-/// thread's next call.
+/// These with this body's columns at the end of its motion; the others mean nothing. Valid until
+/// the thread's next call.
 const Points& poseAfter(const Body& body);
 /// Limit angles at a pose (3 x N), there, and at the present positions.
 LimitAngles::Pose& anglesAt(const Body& body, const Points& pose);

@@ -186,15 +186,16 @@ void logPositions(Island& island, double h) {
       if (row < 0 || row >= body.total.size()) continue;
       const int first = s.joint.firstOf(static_cast<int>(k)) + row;
       if (!takeImpulse(island, s.total, first, 1 / h, impulse)) continue;
-      impulse += lockedFriction(island.context, body, set.contacts[i], row, impulse);
-      addPosition(island, set.contacts[i], impulse);
+      const Contact c = set.contacts[i].atStart();
+      impulse += lockedFriction(island.context, body, c, row, impulse);
+      addPosition(island, c, impulse);
     }
   }
   const PairSet& pairs = island.pairs;
   for (std::size_t i = 0; i < pairs.contacts.size() && i < pairs.row.size(); ++i) {
     if (pairs.row[i] < 0 || pairs.row[i] >= s.total.size()) continue;
     if (!takeImpulse(island, s.total, pairs.row[i], 1 / h, impulse)) continue;
-    addPosition(island, pairs.contacts[i], impulse);
+    addPosition(island, pairs.contacts[i].atStart(), impulse);
   }
 }
 
@@ -226,17 +227,25 @@ void logVelocities(Island& island, const RowValues& rates, int first_pair, const
         pairAnswer(island, static_cast<int>(i)), nullptr, 0);
 }
 
+namespace {
+
+/// Of bodies with each other; sleepers, too.
+std::vector<Contact> nearEachOther(const Model& model, State state, PairDetector& detector) {
+  std::vector<Contact> near;
+  std::fill(state.asleep.begin(), state.asleep.end(), std::uint8_t(0));
+  if (model.ragdoll_collision)
+    detector.appendBetween(model, state, state.x, state.x, PairSearch::touches(kRestsWithin), near);
+  return near;
+}
+
+}  // namespace
+
 void appendPressing(const Model& model, const State& state, const std::vector<std::uint8_t>& wanted,
                     std::vector<ContactImpulse>& out) {
   std::vector<SweptObstacle> obstacles;
   sweepObstacles(model, state, {}, obstacles);
   PairDetector detector;
-  std::vector<Contact> contacts, between;
-  if (model.ragdoll_collision) {
-    State awake = state;  // pairs of sleepers are looked for, too
-    std::fill(awake.asleep.begin(), awake.asleep.end(), std::uint8_t(0));
-    detector.appendBetween(model, awake, state.x, state.x, PairSearch::touches(kRestsWithin), between);
-  }
+  std::vector<Contact> contacts, between = nearEachOther(model, state, detector);
   ImpulseCache cache;
   for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
     if (!wanted[i]) continue;

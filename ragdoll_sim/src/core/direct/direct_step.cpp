@@ -65,6 +65,7 @@ void stepBodies(const StepContext& context, const std::vector<int>& bodies,
   const std::vector<CachedImpulse>& shared = island.pairs.cache.impulses();
   append(shared, impulses);
   append(island.pairs.pressing, pressing);
+  append(island.pairs.met, pressing);
 }
 
 void stepApart(const StepContext& context, const std::vector<int>& bodies, StepReport& report) {

@@ -89,10 +89,14 @@ void damp(Body& body, double time) {
   body.kept = body.v();
   if (solver.damping > 0) body.v() *= std::exp(-solver.damping * time);
   if (solver.joint_damping > 0)
-    dampInnerMotion(massOf(body), pins, std::exp(-solver.joint_damping * time), body.x(),
-                    body.v());
+    dampInnerMotion(massOf(body), pins, std::exp(-solver.joint_damping * time), body.x(), body.v());
   restorePins(body, body.kept);
   if (body.damps_within) body.given += kineticEnergy(body) - before;
+}
+
+void dampWithin(Island& island, double time) {
+  for (Body* body : island.bodies)
+    if (body->damps_within) damp(*body, time);
 }
 
 }  // namespace ragdoll

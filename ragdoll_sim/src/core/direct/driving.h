@@ -1,13 +1,13 @@
 // Forces that follow the motion: pokes off their body's own point, whose spread over the particles
 // depends on the pose, and damping, which depends on the velocities.
 //
-// Leapfrog takes a poke's force at the pose at both ends of its motion, and damps at both ends of
-// the step by half of what decays in it (Strang splitting): second order. rk evaluates both at each
-// of its stages, and where it takes leapfrog's motion it damps at the ends of that.
+// Leapfrog takes a poke's force at the pose at both ends of its motion, and damps at both ends by
+// half of what decays in it (Strang splitting), before the impact that a motion ends with: second
+// order. rk evaluates both at each of its stages.
 // docs/equations.md#damping.
 #pragma once
 
-#include "core/direct/body.h"
+#include "core/direct/island.h"
 
 namespace ragdoll {
 
@@ -33,5 +33,7 @@ void restorePins(Body& body, const Points& before);
 
 /// Damps the velocities as in `time` [s]; not those of pins, and what they carry along.
 void damp(Body& body, double time);
+/// The same of the bodies whose damping is part of the motion.
+void dampWithin(Island& island, double time);
 
 }  // namespace ragdoll

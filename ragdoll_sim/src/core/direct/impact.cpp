@@ -35,7 +35,7 @@ bool isComing(const Body& body, const Contact& c, double h) {
   if (c.gap_start < -body.tolerances.contact) return false;
   const double end = gapAfter(body, c);
   if (end < -kDeepImpact * body.rows->scale) return body.located < kMaxDeepImpacts;
-  if (c.obstacle < 0 || body.located >= kMaxLocated) return false;
+  if (body.located >= kMaxLocated) return false;
   const double rate = c.before < body.tolerances.touching ? rateOf(body, c) : (end - c.before) / h;
   return -rate > comingSpeed(*body.context, c);
 }
@@ -135,13 +135,20 @@ Impact firstImpact(Island& island, double h) {
   return first;
 }
 
-Impact firstDeepPair(const Island& island, double h) {
+Impact firstPair(const Island& island, double h) {
+  const Body& any = *island.bodies[0];
   double first = 2 * h, scale = 1;
-  for (const Body* body : island.bodies) scale = std::min(scale, body->rows->scale);
+  bool located = false;
+  for (const Body* body : island.bodies) {
+    scale = std::min(scale, body->rows->scale);
+    located = located || body->located >= kMaxLocated;
+  }
   for (const Contact& c : island.pairs.contacts) {
     const double end = pairGapAfter(island, c);
-    if (c.gap_start < -island.bodies[0]->tolerances.contact || end >= -kDeepImpact * scale)
-      continue;
+    if (c.gap_start < -any.tolerances.contact || end >= -any.tolerances.contact) continue;
+    const bool slow =
+        c.before < any.tolerances.touching || (c.before - end) / h < comingSpeed(island.context, c);
+    if ((located || slow) && end >= -kDeepImpact * scale) continue;
     const double t = timeOfZero(c.before, pairRate(island.context.state, c), end, h);
     if (t >= 0 && t < h) first = std::min(first, t);
   }
@@ -149,8 +156,7 @@ Impact firstDeepPair(const Island& island, double h) {
 }
 
 void takeImpact(Island& island, const Impact& impact) {
-  if (!impact.role) return;
-  *impact.role = Role::kHit;
+  if (impact.role) *impact.role = Role::kHit;
   for (Body* body : island.bodies) {
     for (std::vector<Role>* roles :
          {&body->constraints.contact_role, &body->constraints.limit_role})

@@ -29,8 +29,8 @@ void findComing(Island& island, double h);
 bool reachesComing(const Island& island);
 
 Impact firstImpact(Island& island, double h);
-/// Bodies that would be deep in each other. They do not bounce.
-Impact firstDeepPair(const Island& island, double h);
+/// Two bodies that come to touch each other. They do not bounce.
+Impact firstPair(const Island& island, double h);
 
 /// Marks that one as hit, and whatever else was coming as usual.
 void takeImpact(Island& island, const Impact& impact);

@@ -25,6 +25,7 @@ struct PairSet {
   std::vector<double> warm;          ///< of their rows: the position stage's impulses over h
   ImpulseCache cache, saved;         ///< saved: before the present substep
   std::vector<BodyPair> pressing;    ///< in the last motion
+  std::vector<BodyPair> met;         ///< in an impact of the step
 
   /// No contacts; nothing pressed yet.
   void clear() {
@@ -32,6 +33,7 @@ struct PairSet {
     touching.clear();
     cache.clear();
     pressing.clear();
+    met.clear();
   }
 };
 

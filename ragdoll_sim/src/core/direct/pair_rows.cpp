@@ -50,7 +50,7 @@ void buildRows(Island& island, double h, bool leapfrog) {
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
     const Contact& c = pairs.contacts[i];
     if (pairs.active[i] || pairGapAfter(island, c) <= kClose || pairs.cache.find(c))
-      pairs.row[i] = addPairRows(island, c, static_cast<int>(i));
+      pairs.row[i] = addPairRows(island, leapfrog ? c.atStart() : c, static_cast<int>(i));
   }
 }
 

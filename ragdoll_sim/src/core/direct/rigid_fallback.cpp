@@ -91,7 +91,7 @@ bool moveRigidly(Island& island, double h, StepReport& report) {
   BodyResponse& response = body.memory->response;
   response.setEnd(body.xData());
   response.projectAtEnd(body.vData());
-  solveVelocities(island, Stage::kMotion, 0);
+  solveVelocities(island, Stage::kMotion, 0, 0);
   response.endIsStart();
   report.unresolved += !body.v().allFinite();
   const bool touches = !pins.empty() || !body.touching.contacts.empty();

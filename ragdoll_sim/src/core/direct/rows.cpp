@@ -11,7 +11,7 @@ namespace {
 
 using Kind = Schur::Row::Kind;
 
-void buildContactRows(Body& body) {
+void buildContactRows(Body& body, bool leapfrog) {
   ConstraintSet& set = body.constraints;
   Schur& schur = body.memory->schur;
   set.springs.assign(set.contacts.size(), {});
@@ -22,7 +22,7 @@ void buildContactRows(Body& body) {
     if (set.contact_role[i] == Role::kIfNear && gapAfter(body, c) > kClose && !body.cache.find(c))
       continue;
     set.contact_row[i] = schur.size();
-    schur.addContact(c, static_cast<int>(i));
+    schur.addContact(leapfrog ? c.atStart() : c, static_cast<int>(i));
   }
 }
 
@@ -68,7 +68,7 @@ bool grips(const Body& body, int i) {
 
 void buildRows(Body& body, double h, bool leapfrog) {
   body.memory->schur.start(body.first);
-  buildContactRows(body);
+  buildContactRows(body, leapfrog);
   buildLimitRows(body, h, leapfrog);
   body.constraints.own_rows = body.memory->schur.size();
 }

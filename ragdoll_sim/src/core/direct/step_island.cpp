@@ -31,8 +31,7 @@ bool presses(const Island& island) {
 Verdict judgeExact(Island& island, const SubstepControl& control) {
   Body& body = *island.bodies[0];
   const double gain = gainedEnergy(island, 0.0), scale = swingScale(body);
-  if (control.canHalve() &&
-      (gain > kRedoGain * scale || exceedsStable(body, control.substep(), 2)))
+  if (control.canHalve() && (gain > kRedoGain * scale || exceedsStable(body, control.substep(), 2)))
     return {false, 0};
   return {true, gain > kExactGain * scale ? gain : 0};
 }
@@ -116,7 +115,6 @@ void stepIsland(Island& island, StepReport& report) {
     stepUnguarded(island);
   else
     takeSubsteps(island, island.context.h, report);
-  endStep(island);
 }
 
 }  // namespace ragdoll

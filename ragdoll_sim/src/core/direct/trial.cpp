@@ -33,17 +33,13 @@ bool freeMotions(Island& island, double h) {
   return whole;
 }
 
-/// Damping that is part of the trial, where its motion does not have it.
-void dampWithin(Island& island, double time) {
-  for (Body* body : island.bodies)
-    if (body->damps_within) damp(*body, time);
-}
-
 /// Moves to what is reached first and takes its impact.
 Trial moveToImpact(Island& island, const Impact& impact, double h) {
   takeImpact(island, impact);
   Trial trial{std::max(impact.time, kSnap * h)};
+  const double damping = trial.took - 0.5 * h;
   if (!(impact.time > 0)) {
+    dampWithin(island, damping);
     bounce(island);
     return trial;
   }
@@ -51,26 +47,27 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
   for (Contact& pair : island.pairs.contacts) limitDepenetration(island, pair, impact.time);
   trial.ok =
       freeMotions(island, impact.time) && solvePositions(island, impact.time, trial.contacts);
-  if (trial.ok) finishMotion(island, impact.time, true, Stage::kImpact);
+  if (trial.ok) finishMotion(island, impact.time, true, Stage::kImpact, damping);
   return trial;
 }
 
 /// SHAKE and RATTLE over h, or to the first impact.
 Trial leapfrog(Island& island, double h, int taken) {
   Trial trial{h};
+  dampWithin(island, 0.5 * h);
   for (Body* body : island.bodies) body->memory->response.setStart(body->xData());
   const bool whole = freeMotions(island, h);
   findCandidates(island, h);
   if (!whole) return {h, false};
   Impact impact{2 * h, nullptr};
-  if (taken < kMaxDeepImpacts) impact = firstDeepPair(island, h);
+  if (taken < kMaxDeepImpacts) impact = firstPair(island, h);
   if (impact.time > h) {
     findComing(island, h);
     if (!solvePositions(island, h, trial.contacts)) return {h, false};
     impact = firstImpact(island, h);
   }
   if (impact.time <= h) return moveToImpact(island, impact, h);
-  finishMotion(island, h, true, Stage::kMotion);
+  finishMotion(island, h, true, Stage::kMotion, 0.5 * h);
   return trial;
 }
 
@@ -97,7 +94,7 @@ Trial implicitTrial(Island& island, double h, StepReport& report) {
   if (!found) return {h, false};
   findCandidates(island, h);
   if (!solvePositionsImplicitly(island, h)) return {h, false};
-  finishMotion(island, h, false, Stage::kMotion);
+  finishMotion(island, h, false, Stage::kMotion, 0);
   keepTension(island, h);
   return {h, isFinite(island)};
 }
@@ -126,11 +123,9 @@ Trial takeExplicitTrial(Island& island, double h, int taken) {
     trial = {smooth.took, smooth.ok, smooth.contacts, smooth.exact};
   }
   if (trial.ok && trial.took == 0) {
-    dampWithin(island, 0.5 * h);
     trial = leapfrog(island, h, taken);
     const SolverSpec& solver = island.context.model.solver;
     trial.handed_over = solver.method == Method::kRk && solver.events;
-    dampWithin(island, trial.took - 0.5 * h);
   }
   trial.ok = trial.ok && isFinite(island);
   return trial;

@@ -6,6 +6,7 @@
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/contact_log.h"
+#include "core/direct/driving.h"
 #include "core/direct/impact.h"
 #include "core/direct/motion.h"
 #include "core/direct/pair_rows.h"
@@ -104,6 +105,15 @@ bool pressedSoftly(const Body& body, std::size_t contact, double h, bool leapfro
   return rows[contact] < body.total.size() && body.total[rows[contact]] > 0;
 }
 
+/// Impulses of the rows that begin at `row`, over h, along the contact's directions at the end.
+Vec3 warmOf(const Contact& c, const RowValues& total, int row, double h, bool leapfrog) {
+  if (!(h > 0) || row < 0 || row >= total.size()) return Vec3::Zero();
+  Vec3 impulse = Vec3::Zero();
+  const int count = c.friction > 0 ? 3 : 1;
+  impulse.head(count) = total.segment(row, count) / h;
+  return leapfrog ? c.turned(impulse) : impulse;
+}
+
 void keepTouchingContacts(Body& body, double h, bool leapfrog) {
   const ConstraintSet& set = body.constraints;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
@@ -115,10 +125,9 @@ void keepTouchingContacts(Body& body, double h, bool leapfrog) {
     }
     body.touching.contacts.push_back(c);
     body.touching.contact_hit.push_back(set.contact_role[i] == Role::kHit);
-    const int row = h > 0 && i < set.contact_row.size() ? set.contact_row[i] : -1;
-    for (int k = 0; k < (c.friction > 0 ? 3 : 1); ++k)
-      body.touching.warm.push_back(row >= 0 && row + k < body.total.size() ? body.total[row + k] / h
-                                                                           : 0.0);
+    const int row = i < set.contact_row.size() ? set.contact_row[i] : -1;
+    const Vec3 warm = warmOf(c, body.total, row, h, leapfrog);
+    for (int k = 0; k < (c.friction > 0 ? 3 : 1); ++k) body.touching.warm.push_back(warm[k]);
   }
 }
 
@@ -141,17 +150,16 @@ void keepTouchingLimits(Body& body, double h) {
   }
 }
 
-void findTouchingPairs(Island& island, double h) {
+void findTouchingPairs(Island& island, double h, bool leapfrog) {
   PairSet& pairs = island.pairs;
   pairs.touching.clear();
   pairs.warm.clear();
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
     if (pairGapAfter(island, pairs.contacts[i]) >= island.bodies[0]->tolerances.touching) continue;
     pairs.touching.push_back(pairs.contacts[i]);
-    const bool known = h > 0 && i < pairs.row.size() && pairs.row[i] >= 0 &&
-                       pairs.row[i] + 2 < island.s.total.size();
-    for (int k = 0; k < 3; ++k)
-      pairs.warm.push_back(known ? island.s.total[pairs.row[i] + k] / h : 0.0);
+    const int row = i < pairs.row.size() ? pairs.row[i] : -1;
+    const Vec3 warm = warmOf(pairs.contacts[i], island.s.total, row, h, leapfrog);
+    for (int k = 0; k < 3; ++k) pairs.warm.push_back(warm[k]);
   }
 }
 
@@ -179,6 +187,14 @@ void keepRates(Island& island) {
     evaluateRates(body);
     s.rates.segment(s.joint.firstOf(static_cast<int>(k)), body.constraints.own_rows) = body.b;
   }
+}
+
+/// Bodies that press on each other at an impact, between which nothing bounces.
+void rememberMet(Island& island, int first_pair) {
+  PairSet& pairs = island.pairs;
+  for (std::size_t i = 0; i < pairs.touching.size(); ++i)
+    if (island.s.p[first_pair + 3 * static_cast<int>(i)] > 0)
+      pairs.met.push_back({pairs.touching[i].ragdoll, pairs.touching[i].other, false});
 }
 
 /// One solution of the rates and what it does to velocities.
@@ -241,11 +257,11 @@ void releaseSprings(Body& body, double h) {
   }
 }
 
-void finishMotion(Island& island, double h, bool leapfrog, Stage stage) {
-  findTouchingPairs(island, h);
+void finishMotion(Island& island, double h, bool leapfrog, Stage stage, double damping) {
+  findTouchingPairs(island, h, leapfrog);
   if (isLogged(island)) logPositions(island, h);
   for (Body* body : island.bodies) makeMotion(*body, h, leapfrog);
-  solveVelocities(island, stage, h);
+  solveVelocities(island, stage, h, damping);
   for (Body* body : island.bodies) body->memory->response.endIsStart();
 }
 
@@ -255,12 +271,15 @@ void bounce(Island& island) {
     body->memory->response.setStart(body->xData());
     findTouching(*body, 0);
   }
-  findTouchingPairs(island, 0);
-  solveVelocities(island, Stage::kBounce, 0);
+  findTouchingPairs(island, 0, true);
+  solveVelocities(island, Stage::kBounce, 0, 0);
 }
 
-void solveVelocities(Island& island, Stage stage, double h) {
-  if (!touches(island)) return;
+void solveVelocities(Island& island, Stage stage, double h, double damping) {
+  if (!touches(island)) {
+    dampWithin(island, damping);
+    return;
+  }
   JointSchur& joint = island.s.joint;
   joint.clear();
   for (Body* body : island.bodies) {
@@ -282,8 +301,12 @@ void solveVelocities(Island& island, Stage stage, double h) {
       else if (h > 0)
         lockComing(*body);
     pushVelocities(island, first_pair, {false, h});
+    if (stage == Stage::kImpact) rememberMet(island, first_pair);
+    dampWithin(island, damping);
   }
-  if (stage != Stage::kMotion) pushVelocities(island, first_pair, {true, h});
+  if (stage == Stage::kMotion) return;
+  pushVelocities(island, first_pair, {true, h});
+  rememberMet(island, first_pair);
 }
 
 }  // namespace ragdoll

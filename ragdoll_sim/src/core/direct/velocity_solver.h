@@ -14,20 +14,21 @@ enum class Stage {
 };
 
 /// Keeps what touches at the end of the motion over h, with the position stage's impulses; the
-/// rest does not act on velocities. h = 0: without impulses. leapfrog: springs act in its middle, so
-/// that velocities get as much again.
+/// rest does not act on velocities. h = 0: without impulses. leapfrog: springs act in its middle,
+/// so that velocities get as much again.
 void findTouching(Body& body, double h, bool leapfrog = true);
 
 /// Springs of soft limits act on velocities; those with a damper join what touches.
 void releaseSprings(Body& body, double h);
 
-/// Makes the motions over h and solves their velocities.
-void finishMotion(Island& island, double h, bool leapfrog, Stage stage);
+/// Makes the motions over h and solves their velocities. damping: [s] of it at the motion's end,
+/// before its impact.
+void finishMotion(Island& island, double h, bool leapfrog, Stage stage, double damping);
 
 /// Newton's impact law at the present pose for what touches.
 void bounce(Island& island);
 
 /// Velocities of what touches at the end pose, which the response holds.
-void solveVelocities(Island& island, Stage stage, double h);
+void solveVelocities(Island& island, Stage stage, double h, double damping);
 
 }  // namespace ragdoll

@@ -9,14 +9,6 @@
 #include "core/linear/schur_sweeps.h"
 
 namespace ragdoll {
-namespace {
-
-Vec3 anyTangent(const Vec3& n) {
-  return n.cross(std::abs(n.x()) < 0.6 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
-}
-
-}  // namespace
-
 void Schur::start(int first) {
   if (assembled_) std::swap(now_, before_);
   assembled_ = false;
@@ -25,8 +17,7 @@ void Schur::start(int first) {
 }
 
 void Schur::addContact(const Contact& c, int source, int begin, int end) {
-  const Vec3 t1 = anyTangent(c.normal), t2 = c.normal.cross(t1);
-  const std::array<Vec3, 3> directions{c.normal, t1, t2};
+  const std::array<Vec3, 3> directions = c.directions();
   const int used = c.friction > 0 ? 3 : 1;
   for (int d = 0; d < used; ++d) {
     Row& row = now_.rows.emplace_back();

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/direct/constants.h"
 #include "support/direct_island.h"
 
@@ -34,6 +36,17 @@ TEST(Trial, EndsAtTheImpact) {
     EXPECT_NEAR(one.world.x(i).z(), 0.05, 1e-8);
     EXPECT_NEAR(one.world.v(i).z(), 3, 1e-8);
   }
+}
+
+/// Half of what decays in the motion before it, half after it.
+TEST(Trial, DampsAtBothEndsOfTheMotion) {
+  Scene scene = weightless(oneParticle(2));
+  scene.ragdolls[0].velocity.x() = 3;
+  scene.solver.damping = 4;
+  DirectIsland one(scene);
+  takeExplicitTrial(one.island, one.h, 0);
+  EXPECT_NEAR(one.world.x(0).x(), 3 * std::exp(-2 * one.h) * one.h, 1e-14);
+  EXPECT_NEAR(one.world.v(0).x(), 3 * std::exp(-4 * one.h), 1e-14);
 }
 
 TEST(Trial, IsTakenTheWayTheControlSays) {

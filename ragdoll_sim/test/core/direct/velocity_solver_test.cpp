@@ -48,7 +48,7 @@ TEST(VelocitySolver, FrictionTakesNoMoreThanTheCone) {
 TEST(VelocitySolver, WhatPressesDoesNotBounce) {
   Touching one(0.6, 0, Vec3(0, 0, -1e-3));
   one.body().memory->response.setEnd(one.body().xData());
-  solveVelocities(one.island, Stage::kMotion, 0);
+  solveVelocities(one.island, Stage::kMotion, 0, 0);
   EXPECT_NEAR(one.world.v(0).z(), 0, 1e-12);
 }
 

@@ -1,0 +1,103 @@
+// Second order through contact: where the slip turns, where the normal turns, where bodies meet
+// between two steps, and where joints are damped beside an impact.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/across_slope.h"
+#include "support/limbs.h"
+
+namespace ragdoll::test {
+namespace {
+
+constexpr double kG = 9.81;
+
+Points endOf(Scene scene, Method method, double rate, double seconds) {
+  scene.solver.method = method;
+  scene.solver.step = 1 / rate;
+  scene.solver.sleep = false;
+  World world(scene);
+  world.steps(static_cast<int>(std::lround(seconds * rate)));
+  return world.state.x;
+}
+
+/// shake and rk end within `near` [m] of `exact` at 240 Hz, and sixteen times nearer at four times
+/// that: second order, or what is left of it by rounding to where contacts begin and end.
+void expectSecondOrder(const Scene& scene, double seconds, const Points& exact, double near) {
+  for (const Method method : {Method::kShake, Method::kRk}) {
+    const double coarse = (endOf(scene, method, 240, seconds) - exact).norm();
+    const double fine = (endOf(scene, method, 960, seconds) - exact).norm();
+    EXPECT_LT(coarse, near);
+    EXPECT_LT(fine, near / 10) << "of order " << std::log2(coarse / fine) / 2;
+  }
+}
+
+TEST(ContactOrder, OfASlipThatTurns) {
+  expectSecondOrder(AcrossSlope::scene(), AcrossSlope::kTime, AcrossSlope::end(), 5e-6);
+}
+
+/// Down a sphere, straight: by an integration of the angle.
+TEST(ContactOrder, OfANormalThatTurns) {
+  const double radius = 0.5, ball = 0.05, friction = 0.1, speed = 0.3, time = 0.3;
+  Scene scene = sceneOf(oneParticle(1, ball), Vec3(0, 0, radius + ball));
+  scene.gravity = Vec3(0, 0, -kG);
+  scene.ragdolls[0].velocity = Vec3(speed, 0, 0);
+  ObstacleSpec sphere;
+  sphere.type = ObstacleSpec::Type::kSphere;
+  sphere.radius = radius;
+  sphere.friction = friction;
+  scene.obstacles = {sphere};
+  const double l = radius + ball;
+  const auto rate = [&](const Eigen::Vector2d& s) {  // angle from the top, and its rate
+    const double presses = kG * std::cos(s[0]) - l * s[1] * s[1];
+    return Eigen::Vector2d(s[1], (kG * std::sin(s[0]) - friction * presses) / l);
+  };
+  Eigen::Vector2d state(0, speed / l);
+  const int steps = 20000;
+  const double h = time / steps;
+  for (int i = 0; i < steps; ++i) {
+    const Eigen::Vector2d k1 = rate(state), k2 = rate(state + 0.5 * h * k1),
+                          k3 = rate(state + 0.5 * h * k2), k4 = rate(state + h * k3);
+    state += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  }
+  expectSecondOrder(scene, time, l * Vec3(std::sin(state[0]), 0, std::cos(state[0])), 5e-6);
+}
+
+/// Two balls without weight, one at rest, that meet off their middles: at the same time and so by
+/// the same normal whatever the step.
+TEST(ContactOrder, OfBodiesThatMeetBetweenTwoSteps) {
+  Scene scene = sceneOf(oneParticle(1, 0.1));
+  scene.gravity.setZero();
+  scene.ragdoll_collision = true;
+  scene.ragdolls[0].velocity = Vec3(1, 0, 0);
+  Scene other = sceneOf(oneParticle(2, 0.1), Vec3(0.5, 0.05, 0));
+  other.ragdolls[0].name = "other";
+  scene.ragdolls.push_back(other.ragdolls[0]);
+  const Points exact = endOf(scene, Method::kShake, 1000, 0.5);
+  for (const double rate : {110.0, 130.0, 250.0})
+    EXPECT_LT((endOf(scene, Method::kShake, rate, 0.5) - exact).norm(), 1e-9) << rate;
+}
+
+/// A chain that lands: what it hits ends its damped motion where it is hit, not at the step's end.
+TEST(ContactOrder, OfJointDampingBesideImpacts) {
+  SkeletonSpec chain;
+  for (const char* name : {"a", "b", "c"}) {
+    ParticleSpec p;
+    p.name = name;
+    p.mass = 1;
+    p.radius = 0.05;
+    p.position = Vec3(0.4 * (name[0] - 'a'), 0.05 * (name[0] == 'c'), 0.1 * (name[0] == 'c'));
+    chain.particles.push_back(p);
+  }
+  chain.sticks = {stick("a", "b"), stick("b", "c")};
+  Scene scene = sceneOf(chain, Vec3(0, 0, 0.4));
+  scene.gravity = Vec3(0, 0, -kG);
+  scene.ragdolls[0].velocity = Vec3(1, 1, 0);
+  scene.ragdolls[0].angular_velocity = Vec3(0, 1, 1);
+  scene.obstacles = {floorPlane(0.3)};
+  scene.solver.joint_damping = 2;
+  expectSecondOrder(scene, 0.4, endOf(scene, Method::kShake, 15360, 0.4), 1e-5);
+}
+
+}  // namespace
+}  // namespace ragdoll::test
