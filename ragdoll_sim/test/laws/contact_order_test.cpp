@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "support/across_slope.h"
+#include "support/integrate.h"
 #include "support/limbs.h"
 
 namespace ragdoll::test {
@@ -52,15 +53,26 @@ TEST(ContactOrder, OfANormalThatTurns) {
     const double presses = kG * std::cos(s[0]) - l * s[1] * s[1];
     return Eigen::Vector2d(s[1], (kG * std::sin(s[0]) - friction * presses) / l);
   };
-  Eigen::Vector2d state(0, speed / l);
-  const int steps = 20000;
-  const double h = time / steps;
-  for (int i = 0; i < steps; ++i) {
-    const Eigen::Vector2d k1 = rate(state), k2 = rate(state + 0.5 * h * k1),
-                          k3 = rate(state + 0.5 * h * k2), k4 = rate(state + h * k3);
-    state += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
-  }
+  const Eigen::Vector2d state = integrate(rate, Eigen::Vector2d(0, speed / l), time);
   expectSecondOrder(scene, time, l * Vec3(std::sin(state[0]), 0, std::cos(state[0])), 5e-6);
+}
+
+/// A rod that turns on a capsule: the place that touches moves along it, and slips as it does half
+/// way.
+TEST(ContactOrder, OfAPlaceThatMovesAlongAStick) {
+  SkeletonSpec rod = oneStick(1, 1, 0.05);
+  Scene scene = sceneOf(rod, Vec3(-0.48, 0, 0.2));
+  scene.gravity = Vec3(0, 0, -kG);
+  scene.ragdolls[0].velocity = Vec3(0.2, 0.1, 0);
+  scene.ragdolls[0].angular_velocity = Vec3(0, 0, 0.5);
+  ObstacleSpec bar;
+  bar.type = ObstacleSpec::Type::kCapsule;
+  bar.from = Vec3(0, -1, 0);
+  bar.to = Vec3(0, 1, 0);
+  bar.radius = 0.15;
+  bar.friction = 0.3;
+  scene.obstacles = {bar};
+  expectSecondOrder(scene, 0.05, endOf(scene, Method::kShake, 15360, 0.05), 1.5e-6);
 }
 
 /// Two balls without weight, one at rest, that meet off their middles: at the same time and so by

@@ -55,7 +55,9 @@ TEST(Events, ABlockOnASlopeStopsAndStaysOrSlidesBack) {
       ASSERT_LT((world.x(0) - exact).norm(), kNear) << friction << ", step " << n;
     }
     EXPECT_EQ(handed_over, 0);
-    if (friction > std::tan(angle)) EXPECT_LT(world.v(0).norm(), kNear);
+    if (friction > std::tan(angle)) {
+      EXPECT_LT(world.v(0).norm(), kNear);
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "support/integrate.h"
 #include "support/worlds.h"
 
 namespace ragdoll::test {
@@ -32,13 +33,7 @@ struct AcrossSlope {
                                 kFriction * kG * std::cos(kAngle) * v.normalized();
       return Eigen::Vector4d(v.x(), v.y(), a.x(), a.y());
     };
-    const int steps = 20000;
-    const double h = kTime / steps;
-    for (int i = 0; i < steps; ++i) {
-      const Eigen::Vector4d k1 = rate(state), k2 = rate(state + 0.5 * h * k1),
-                            k3 = rate(state + 0.5 * h * k2), k4 = rate(state + h * k3);
-      state += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
-    }
+    state = integrate(rate, state, kTime);
     const Vec3 fall(-std::cos(kAngle), 0, -std::sin(kAngle));
     return kRadius * up() + state[0] * fall + state[1] * Vec3::UnitY();
   }

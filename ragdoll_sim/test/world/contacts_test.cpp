@@ -141,6 +141,28 @@ TEST(Contacts, ImpulseOfAnyIntervalIsTheChangeOfMomentum) {
   }
 }
 
+TEST(Contacts, OfTwoBodiesPushBothAlikeAndOpposite) {
+  for (const char* method : {"shake", "rk", "jakobsen"}) {
+    Scene scene = parseScene(
+        "gravity: [0, 0, 0]\nself_collision: true\nragdoll_collision: true\nragdolls:\n"
+        "  - {name: a, model: human, velocity: [2, 0, 0]}\n"
+        "  - {name: b, model: human, position: [0.8, 0.05, 0.1], rpy_deg: [0, 20, 70]}\n");
+    applySetting(scene, "solver.method", method);
+    World world(scene);
+    world.keepContacts(true);
+    const Model& model = *world.model();
+    const Vec3 a = momentumOf(model, 0, world.state()), b = momentumOf(model, 1, world.state());
+    for (int i = 0; i < 60; ++i) world.advance();
+    const std::vector<Touch> touches = world.takeContacts()->touches;
+    const Vec3 to_a = momentumOf(model, 0, world.state()) - a;
+    const Vec3 to_b = momentumOf(model, 1, world.state()) - b;
+    EXPECT_GT(to_b.norm(), 10) << method << ": they have not met";
+    EXPECT_LT((to_a + to_b).norm(), 1e-9 * a.norm()) << method;
+    EXPECT_LT((impulseOn(0, touches) - to_a).norm(), 1e-9 * a.norm()) << method;
+    EXPECT_LT((impulseOn(1, touches) - to_b).norm(), 1e-9 * a.norm()) << method;
+  }
+}
+
 TEST(ContactLog, CarriesTheWeightOfWhoLiesAwake) {
   // The step's own account: nothing is balanced here.
   for (const char* method : {"shake", "rk"}) {

@@ -5,14 +5,13 @@
 
 #include "core/contact/constants.h"
 #include "core/contact/first_touch.h"
+#include "core/contact/golden_section.h"
 
 namespace ragdoll {
 namespace {
 
 constexpr int kTaperSteps = 6;     ///< of one parameter after the other; 2 to 4 are usual
-constexpr int kSectionSteps = 32;  ///< golden sections: 1e-7 of an axis
 constexpr double kSettled = 1e-9;  ///< of a parameter
-constexpr int kMaxAdvances = 64;   ///< of one sweep; grazing paths converge slowly
 constexpr int kMaxHalvings = 4;    ///< of the step, to find when axes had not yet crossed
 
 double clampUnit(double s) { return std::clamp(s, 0.0, 1.0); }
@@ -119,18 +118,9 @@ AxisPoints nearestPoints(const CapsuleAxis& first, const CapsuleAxis& second) {
     if (std::abs(at.s - before.s) + std::abs(at.t - before.t) < kSettled) return at;
   }
   // Axes almost parallel: a valley that steps along s and t descend slowly. Its floor is convex.
-  constexpr double kGolden = 0.6180339887498949;
   const auto along = [&](double s) { return AxisPoints{s, nearestTo(second, first.at(s))}; };
   const auto gap = [&](double s) { return gapAt(first, second, along(s)); };
-  double lo = 0, hi = 1, s1 = 1 - kGolden, s2 = kGolden, f1 = gap(s1), f2 = gap(s2);
-  for (int i = 0; i < kSectionSteps; ++i) {
-    if (f1 <= f2) {
-      hi = s2, s2 = s1, f2 = f1, s1 = hi - kGolden * (hi - lo), f1 = gap(s1);
-    } else {
-      lo = s1, s1 = s2, f1 = f2, s2 = lo + kGolden * (hi - lo), f2 = gap(s2);
-    }
-  }
-  return along(0.5 * (lo + hi));
+  return along(goldenSection(gap, 0, 1));
 }
 
 double gapAt(const CapsuleAxis& first, const CapsuleAxis& second, const AxisPoints& at) {
@@ -154,10 +144,7 @@ int findTouches(const SweptCapsule& first, const SweptCapsule& second, double ma
     double gap = start;
     if (travel > 0.5 * thin) {
       time = 0;
-      for (int i = 0; i < kMaxAdvances && gap > kGapResolution && time < 1; ++i) {
-        time = std::min(1.0, time + gap / travel);
-        gap = gapAt(time);
-      }
+      advance(gapAt, travel, time, gap);
       if (gap > std::max(kGapResolution, near)) return 0;
       if (closes && gap > 0) time = firstTouch(gapAt, time, gap, 1, end);
     } else if (std::min(start, end) > near) {

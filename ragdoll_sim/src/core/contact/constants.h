@@ -14,8 +14,8 @@ constexpr double kFlatStick = 10 * kGapResolution;  ///< [m] flat: a stick's gap
 /// Of a stick: a touch nearer to an end is the particle's; flat contact spans more of an axis.
 constexpr double kStickEnd = 0.02;
 constexpr double kSameSide = 0.5;  ///< cosine of the most that a normal turns in a motion
-constexpr double kSamePlace =
-    0.1;                        ///< of a stick: what moves farther in a motion is another contact
+/// Of a stick: what moves farther in a motion is another contact.
+constexpr double kSamePlace = 0.1;
 constexpr double kAlong = 0.9;  ///< cosine: a normal along the stick cannot push it out
 constexpr double kParallel = 0.03;  ///< squared sine (10 degrees) below which axes may lie flat
 

@@ -57,6 +57,10 @@ struct Contact {
     c.weight = start_weight;
     return c;
   }
+  /// Of the place that is in touch half way: what slips.
+  double middleWeight(int k) const {
+    return touches_at_start ? 0.5 * (start_weight[k] + weight[k]) : weight[k];
+  }
   /// Along the normal and two tangents.
   std::array<Vec3, 3> directions() const {
     const Vec3 t1 =

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/contact/axis.h"
 #include "core/contact/constants.h"
 #include "core/contact/distance.h"
 #include "core/contact/first_touch.h"
@@ -13,10 +14,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kFlatEdge = 1e-6;  ///< [m] flat along an edge, beside which a capsule is round
-constexpr int kMaxAdvances = 64;    ///< of one sweep; grazing paths converge slowly
-constexpr double kRounding = 1e-9;  ///< of a place along a stick
-constexpr int kSectionSteps = 32;   ///< golden-section steps along a stick: 1e-7 of its length
 
 Vec3 halfExtent(const Obstacle& o, const Eigen::Matrix3d& R) {
   return (R.cwiseAbs() * o.half).array() + o.radius;
@@ -76,10 +73,7 @@ bool particleTouch(const Obstacle& o, const Vec3& p0, const Vec3& p1, double rad
   if (start > -radius && travel > 0.5 * radius) {
     // Far enough to pass through something. Touching already: p0.
     double s = 0, d = start;
-    for (int i = 0; i < kMaxAdvances && d > kGapResolution && s < 1; ++i) {
-      s = std::min(1.0, s + d / travel);
-      d = gap(s);
-    }
+    advance(gap, travel, s, d);
     if (d > std::max(kGapResolution, margin)) return false;
     if (closes && d > 0) s = firstTouch(gap, s, d, 1, end);
     at = p0 + s * (p1 - p0);
@@ -113,151 +107,6 @@ struct Capsule {
   double ra, rb;
 };
 
-/// A capsule in the obstacle's frame at one instant; t runs from end a to end b.
-struct Axis {
-  const Obstacle& obstacle;
-  Vec3 a, b;
-  double ra, rb;
-
-  Vec3 at(double t) const { return a + t * (b - a); }
-  double radius(double t) const { return ra + t * (rb - ra); }
-  double gap(double t) const { return signedDistanceValue(obstacle, at(t)) - radius(t); }
-};
-
-/// Nearest place between lo and hi by golden sections: the gap is convex along the axis.
-double nearestBetween(const Axis& axis, double lo, double hi) {
-  constexpr double kGolden = 0.6180339887498949;
-  double t1 = hi - kGolden * (hi - lo), t2 = lo + kGolden * (hi - lo);
-  double f1 = axis.gap(t1), f2 = axis.gap(t2);
-  for (int i = 0; i < kSectionSteps; ++i) {
-    if (f1 <= f2) {
-      hi = t2, t2 = t1, f2 = f1, t1 = hi - kGolden * (hi - lo), f1 = axis.gap(t1);
-    } else {
-      lo = t1, t1 = t2, f1 = f2, t2 = lo + kGolden * (hi - lo), f2 = axis.gap(t2);
-    }
-  }
-  return 0.5 * (lo + hi);
-}
-
-/// Where |u + t v| - taper t is least between lo and hi.
-double leastOf(const Vec3& u, const Vec3& v, double taper, double lo, double hi) {
-  const double v2 = v.squaredNorm(), left = v2 - taper * taper;
-  if (left <= 0) return taper > 0 ? hi : lo;
-  const double foot = -u.dot(v) / v2;
-  const double beside = (u + foot * v).norm();
-  return std::clamp(foot + taper * beside / std::sqrt(left * v2), lo, hi);
-}
-
-/// Planes apart, an obstacle is what is within a radius of a core: a box, a line (capsule) or a
-/// point (sphere). Where the axis passes from one side of it to the next cuts it into pieces that
-/// look at one face, edge or corner each.
-struct Pieces {
-  std::array<double, 8> cut;  ///< 0, where the axis is cut, 1
-  int count = 1;
-};
-
-Pieces piecesOf(const Axis& axis) {
-  const Obstacle& o = axis.obstacle;
-  const Vec3 v = axis.b - axis.a;
-  Pieces pieces;
-  std::array<double, 8>& cut = pieces.cut;
-  cut[0] = 0;
-  for (int k = 0; k < 3; ++k)
-    for (const double face : {-o.half[k], o.half[k]}) {
-      const double t = (face - axis.a[k]) / v[k];
-      if (o.half[k] == 0 || !(t > 0 && t < 1)) continue;  // v_k = 0 among them
-      int i = pieces.count++;
-      for (; cut[i - 1] > t; --i) cut[i] = cut[i - 1];
-      cut[i] = t;
-    }
-  cut[pieces.count] = 1;
-  return pieces;
-}
-
-/// 1 for each axis of the obstacle along which the middle between lo and hi is beside its core.
-Vec3 outsideOf(const Axis& axis, double lo, double hi) {
-  const Vec3 middle = axis.at(0.5 * (lo + hi));
-  return (middle.cwiseAbs().array() >= axis.obstacle.half.array()).cast<double>();
-}
-
-/// Nearest place to the obstacle.
-double nearest(const Axis& axis) {
-  const Obstacle& o = axis.obstacle;
-  const Vec3 v = axis.b - axis.a;
-  const double taper = axis.rb - axis.ra;
-  if (o.type == ObstacleSpec::Type::kPlane) return v.z() < taper ? 1 : 0;
-  const Pieces pieces = piecesOf(axis);
-  for (int i = 0; i < pieces.count; ++i) {
-    const double lo = pieces.cut[i], hi = pieces.cut[i + 1];
-    const Vec3 middle = axis.at(0.5 * (lo + hi));
-    const Vec3 outside = outsideOf(axis, lo, hi);
-    double t;
-    if (outside.isZero(0)) {
-      t = nearestBetween(axis, lo, hi);
-      if (axis.gap(hi) <= axis.gap(t)) t = hi;
-    } else {
-      const Vec3 face = middle.cwiseMax(-o.half).cwiseMin(o.half);
-      t = leastOf((axis.a - face).cwiseProduct(outside), v.cwiseProduct(outside), taper, lo, hi);
-    }
-    if (hi - t > kRounding) return t;  // the gap is convex: it grows from here on
-  }
-  return 1;
-}
-
-/// Narrows what is known of where the gap, which grows from `in` to `out`, is `limit`, by false
-/// position (Illinois). f: gap - limit at both.
-void narrow(const Axis& axis, double limit, double& in, double f_in, double& out, double f_out) {
-  const double close = std::abs(out - in) * 0x1p-17;  // half of what half as many halvings leave
-  int last = 0;
-  for (int i = 0; i < kSectionSteps / 4 && std::abs(out - in) > close; ++i) {
-    const double at = in + (out - in) * (f_in / (f_in - f_out)), f = axis.gap(at) - limit;
-    const int side = f <= 0 ? -1 : 1;
-    if (side < 0) {
-      in = at, f_in = f;
-      if (last == side) f_out *= 0.5;
-    } else {
-      out = at, f_out = f;
-      if (last == side) f_in *= 0.5;
-    }
-    last = side;
-  }
-}
-
-/// How far the axis stays within `band` of its nearest place `t`, towards `end` (0 or 1): by
-/// halving, where false position has not told yet.
-double extent(const Axis& axis, double t, double end, double band) {
-  const double limit = axis.gap(t) + band, f_end = axis.gap(end) - limit;
-  if (f_end <= 0) return end;
-  double in = t, out = end, known_in = t, known_out = end;
-  narrow(axis, limit, known_in, -band, known_out, f_end);
-  const double sign = end > t ? 1 : -1;
-  for (int i = 0; i < kSectionSteps / 2; ++i) {
-    const double middle = 0.5 * (in + out);
-    const bool within = sign * (middle - known_in) <= 0 ||
-                        (sign * (middle - known_out) < 0 && axis.gap(middle) <= limit);
-    (within ? in : out) = middle;
-  }
-  return in;
-}
-
-/// How far the axis lies flat on a box from its nearest place `t` towards `end`: over a face, whose
-/// plane is right for all of it, or along an edge. Across an edge it does not: there the gap is
-/// small nearby only since the capsule is round.
-double flatEnd(const Axis& axis, double t, double end) {
-  const double far = extent(axis, t, end, kFlatStick);
-  const Pieces pieces = piecesOf(axis);
-  for (int i = 0; i < pieces.count; ++i) {
-    const int k = end > t ? pieces.count - 1 - i : i;  // from that end on
-    const double lo = std::max(pieces.cut[k], std::min(t, far));
-    const double hi = std::min(pieces.cut[k + 1], std::max(t, far));
-    if (hi - lo > kRounding && outsideOf(axis, lo, hi).sum() <= 1) return end > t ? hi : lo;
-  }
-  const double least = t + std::copysign(kStickEnd, end - t);
-  if (std::abs(end - t) > kStickEnd && axis.gap(least) > axis.gap(t) + kFlatEdge) return t;
-  const double along = extent(axis, t, end, kFlatEdge);
-  return std::abs(along - t) > kStickEnd ? along : t;
-}
-
 /// The capsule at the instant of its first touch, or at its tangent share; nothing if it stays
 /// clear.
 std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, const Compliance& give,
@@ -278,10 +127,7 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, const Com
   const bool closes = start > kResting && end <= 0;
   if (start > -thin && travel > 0.5 * thin) {
     double s = 0, d = start;
-    for (int i = 0; i < kMaxAdvances && d > kGapResolution && s < 1; ++i) {
-      s = std::min(1.0, s + d / travel);
-      d = gapAt(s);
-    }
+    advance(gapAt, travel, s, d);
     if (d > std::max(kGapResolution, margin)) return std::nullopt;
     return axisAt(closes && d > 0 ? firstTouch(gapAt, s, d, 1, end) : s);
   }
@@ -348,17 +194,6 @@ void stickContacts(const SweptObstacle& m, const Axis& axis, const Axis& at_star
   }
 }
 
-/// Of an obstacle against a region of the ragdoll.
-Compliance giveOf(const Obstacle& obstacle, const Ragdoll& r, const Compliance& region) {
-  return r.compliant ? inSeries(obstacle.contact, region) : obstacle.contact;
-}
-
-Compliance giveOf(const Model& model, const Obstacle& obstacle, const Ragdoll& r, const Stick& k) {
-  if (!model.compliant) return {};
-  const Skeleton& s = model.skeletonOf(r);
-  return giveOf(obstacle, r, s.stick_contact[static_cast<std::size_t>(&k - s.sticks.data())]);
-}
-
 Bounds sweptBounds(const Points& x0, const Points& x1, int first, int n, double radius) {
   const auto a = x0.middleCols(first, n), b = x1.middleCols(first, n);
   return {a.rowwise().minCoeff().cwiseMin(b.rowwise().minCoeff()).array() - radius,
@@ -382,8 +217,7 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
   bool found;
   for (int i = r.first; i < r.first + s.named; ++i) {
     if (passesBy(m, x0.col(i), x1.col(i), model.radius[i], margin)) continue;
-    const Compliance give =
-        model.compliant ? giveOf(*m.obstacle, r, s.particle_contact[i - r.first]) : Compliance();
+    const Compliance give = giveOf(model, *m.obstacle, r, s.particle_contact, i - r.first);
     particleContact(m, x0.col(i), x1.col(i), model.radius[i], give, margin, c, found);
     if (!found || W(i - r.first, i - r.first) == 0) continue;  // nothing pushes what a pin holds
     c.particle[0] = i;
@@ -393,7 +227,8 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
     contacts.push_back(c);
   }
   if (m.obstacle->type == ObstacleSpec::Type::kPlane) return;  // a capsule's lowest point is an end
-  for (const Stick& k : s.sticks) {
+  for (std::size_t j = 0; j < s.sticks.size(); ++j) {
+    const Stick& k = s.sticks[j];
     if (k.a >= s.named || k.b >= s.named) continue;
     const int a = r.first + k.a, b = r.first + k.b;
     const Capsule capsule{x0.col(a), x0.col(b),       x1.col(a),
@@ -404,7 +239,7 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
         capsule.a0.cwiseMax(capsule.b0).cwiseMax(capsule.a1).cwiseMax(capsule.b1).array() + pad};
     if (!overlap(bounds, m.bounds, margin)) continue;
     double start = 0;
-    const Compliance give = giveOf(model, *m.obstacle, r, k);
+    const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
     const std::optional<Axis> axis = touching(m, capsule, give, margin, start);
     if (!axis) continue;
     const Axis at_start{*m.obstacle, m.toStart(capsule.a0), m.toStart(capsule.b0), capsule.ra,
@@ -414,6 +249,12 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
 }
 
 }  // namespace
+
+Compliance giveOf(const Model& model, const Obstacle& obstacle, const Ragdoll& r,
+                  const std::vector<Compliance>& regions, std::size_t index) {
+  if (!model.compliant) return {};
+  return r.compliant ? inSeries(obstacle.contact, regions[index]) : obstacle.contact;
+}
 
 SweptObstacle sweepObstacle(const Obstacle& o, const Pose& start, const Pose& end) {
   SweptObstacle m{&o,
@@ -464,7 +305,8 @@ void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& o
   const Bounds bounds = sweptBounds(x1, x1, r.first, s.named, radius);
   for (const SweptObstacle& m : obstacles) {
     if (m.obstacle->type == ObstacleSpec::Type::kPlane || !overlap(bounds, m.bounds)) continue;
-    for (const Stick& k : s.sticks) {
+    for (std::size_t j = 0; j < s.sticks.size(); ++j) {
+      const Stick& k = s.sticks[j];
       if (k.a >= s.named || k.b >= s.named) continue;
       const int a = r.first + k.a, b = r.first + k.b;
       const double ra = model.radius[a], rb = model.radius[b], pad = std::max(ra, rb);
@@ -475,7 +317,7 @@ void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& o
       if (gap >= -depth || gap <= -axis.radius(t)) continue;
       const Axis at_start{*m.obstacle, m.toStart(x0.col(a)), m.toStart(x0.col(b)), ra, rb};
       const double start = at_start.gap(nearest(at_start));
-      const Compliance give = giveOf(model, *m.obstacle, r, k);
+      const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
       stickContacts(m, axis, at_start, start, a, b, ragdoll, give, contacts);
     }
   }

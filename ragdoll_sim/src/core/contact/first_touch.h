@@ -1,7 +1,10 @@
 // When a gap that closes during a step is first zero, for contacts whose plane is tangent there.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+
+#include "core/contact/constants.h"
 
 namespace ragdoll {
 
@@ -31,6 +34,17 @@ double firstTouch(const Gap& gap, double lo, double open, double hi, double clos
     }
   }
   return lo;
+}
+
+/// Conservative advancement [Mirtich1996]: moves `time` on, towards 1, while gap(time), which is
+/// `now` and shrinks by at most `travel` [m] in all, is open.
+template <class Gap>
+void advance(const Gap& gap, double travel, double& time, double& now) {
+  constexpr int kMaxAdvances = 64;  // grazing paths converge slowly
+  for (int i = 0; i < kMaxAdvances && now > kGapResolution && time < 1; ++i) {
+    time = std::min(1.0, time + now / travel);
+    now = gap(time);
+  }
 }
 
 /// [m] A gap that is open by less slides or rests: it does not come to touch.

@@ -159,6 +159,7 @@ void logImpulse(const Body& body, const Contact& c, const LoggedImpact& impact, 
   e.point -= radius * c.normal;
   e.impulse = impact.impulse;
   e.approach = impact.approach;
+  e.peak = impact.peak;
   const Vec3 rate = motionOf(body, c, v);
   e.slip = (rate - rate.dot(c.normal) * c.normal).norm();
   e.effective_mass = impact.answer > 0 ? 1 / impact.answer : 0;

@@ -22,6 +22,7 @@ struct LoggedImpact {
   Vec3 impulse = Vec3::Zero();  ///< [N s]
   double approach = 0;          ///< [m/s]
   double answer = 0;            ///< [1/kg] to a push along the normal
+  double peak = 0;              ///< [N] of what gives way
 };
 
 /// Of a contact of a body at x (3 x n): what one impact, or a smooth motion, gave.

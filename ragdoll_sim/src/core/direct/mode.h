@@ -1,5 +1,5 @@
 // A mode of a body's motion: which limits press, which contacts with obstacles are closed, and which
-// of these stick. While it lasts the motion is smooth (docs/equations.md#event-driven-rk).
+// of these stick. What gives way presses by its spring and damper instead. While it lasts the motion is smooth (docs/equations.md#event-driven-rk).
 #pragma once
 
 #include <array>
@@ -21,23 +21,28 @@ struct ModeRow {
   int limit = -1;      ///< of the skeleton
   double ra = 0, rb = 0;  ///< [m]
   double friction = 0, restitution = 0;
+  Compliance give;  ///< limits: [rad/(N m)], [N m s/rad]
   // Of the present mode.
   bool closed = false;   ///< gap and rate are zero
-  bool presses = false;  ///< an equality
+  bool presses = false;  ///< an equality; of what gives way: its force is of spring and damper
   bool sticks = false;   ///< presses: so are its tangents
   bool moves = false;    ///< slips, in the direction:
   Vec3 slip = Vec3::Zero();
   std::array<int, 3> feature{};  ///< of the obstacle where it touches
   double gap_start = 0;          ///< [m], [rad] at the start of the present piece
+  double answer = 0;             ///< [1/kg] to a push along the normal: of springs that press
+
+  bool isSoft() const { return give.compliance > 0; }
 };
 
 /// Where a row stands at a pose.
 struct RowPlace {
   double gap = 0;        ///< [m], [rad]
   double curvature = 0;  ///< second derivative of the gap along the motion, without accelerations
-  Vec3 turn = Vec3::Zero();  ///< [m/s^2] sum of w'_k v_k: what the place's motion along a stick adds
+  Vec3 turn = Vec3::Zero();  ///< [m/s^2] along the surface: by the place's motion on a stick
   bool regular = true;       ///< false: it has no such derivative here
-  bool inside = true;        ///< of a stick: between its ends
+  double at = 0;             ///< of a stick: from a (0) to b (1)
+  bool inside = true;        ///< likewise: between its ends
   std::array<int, 3> feature{};  ///< -1, 0, 1: beyond which faces of the obstacle's core
   Contact contact;               ///< kParticle, kStick
   LimitRow limit;                ///< kLimit
@@ -59,6 +64,7 @@ struct ModePoint {
 struct Mode {
   std::vector<ModeRow> rows;
   double force_scale = 0;  ///< [N] below 1e-9 of which a force is none
+  double longest = 0;      ///< [s] piece in which springs are followed
   double work = 0;         ///< [J] of what is counted in Body::given, in the last motion
   // Scratch.
   std::vector<RowPlace> place;

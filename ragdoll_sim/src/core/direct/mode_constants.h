@@ -10,6 +10,8 @@ constexpr int kTryEvery = 16;           ///< [steps] where the last one was shak
 constexpr int kMostPieces = 250;        ///< of one step, those that were too long among them
 constexpr double kMostSlipTurn = 0.999;  ///< cosine of what a slip may turn in a piece: 0.045 rad
 constexpr int kMostSolutions = 100;  ///< of equalities, until the directions of slips are found
+constexpr double kSpringPhase = 0.125; ///< [rad] of what swings on a spring, in a piece
+constexpr double kMoment = 1e-7;        ///< [s] after which it is looked at whether a spring presses
 constexpr int kMaxEvents = 24;     ///< in one step; more crowd (Zeno, chatter): shake's steps
 constexpr int kMostModeRows = 64;  ///< of closed contacts and limits; what lies with more is at rest
 /// [m] Along a motion, for second derivatives by differences of fourth order: 1e-12 of their size.
@@ -23,6 +25,7 @@ constexpr double kStill = 1e-8;          ///< [m/s] of a slip that has ended
 constexpr double kLeaving = 1e-9;        ///< [m/s], [rad/s] what opens faster does not rest
 constexpr double kRestApproach = 1e-5;   ///< [m/s] slower does not bounce: 5e-12 m high
 constexpr double kNoForce = 1e-9;        ///< of the weight and of what presses
+constexpr double kHeld = 4e-9;           ///< of the same: what an event leaves of the cone
 constexpr double kOnCone = 1e-9;         ///< of mu f_n: nearer to it is on it
 constexpr double kNoAnswer = 1e-12;      ///< [1/kg] of a row that cannot move
 constexpr double kDependent = 1e-11;     ///< of rows scaled to a unit diagonal

@@ -7,7 +7,7 @@
 namespace ragdoll {
 
 /// Moves a lone body over h. contacts: that press at the end. False: what it meets is not for this
-/// (soft, moving, deep overlaps, other bodies), a mode is not unique, or events crowd; nothing is
+/// (moving, deep overlaps, other bodies), a mode is not unique, or events crowd; nothing is
 /// moved then.
 bool moveThroughEvents(Island& island, double h, int& contacts);
 

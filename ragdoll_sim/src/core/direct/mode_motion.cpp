@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
@@ -33,6 +34,24 @@ Eigen::Vector2d slipDirection(const Schur& schur, int row, const Vec3& slip, con
   if (slip.dot(reference) < 0 && slip.norm() >= kStill) now = -now;
   const double length = now.norm();
   return length > 0 ? Eigen::Vector2d(now / length) : Eigen::Vector2d(1, 0);
+}
+
+/// [N], [N m] While it presses.
+double springForce(const ModeRow& row, const RowPlace& place, const Body& body, const double* v) {
+  return -place.gap / row.give.compliance - row.give.damping * rateOf(row, place, body, v);
+}
+
+/// How the body answers to the springs that press, and so the longest piece in which they are
+/// followed.
+void keepAnswers(Mode& mode, const ModeSystem& system) {
+  mode.longest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+    ModeRow& row = mode.rows[i];
+    if (mode.first[i] < 0 || !row.isSoft()) continue;
+    row.answer = system.A(mode.first[i], mode.first[i]);
+    const double rate = std::sqrt(row.answer / row.give.compliance) + row.give.damping * row.answer;
+    mode.longest = std::min(mode.longest, kSpringPhase / rate);
+  }
 }
 
 /// Stick accelerations at the point, whose free ones and power are set by it.
@@ -143,6 +162,8 @@ bool buildModeSystem(Body& body, const double* x, const double* v, bool curvatur
     block.presses = row.presses;
     block.sticks = row.sticks;
     block.slips = row.moves;
+    block.given = row.isSoft();
+    if (block.given && row.presses) block.force = springForce(row, place, body, v);
     if (row.kind == Kind::kLimit) {
       schur.addLimit(place.limit, static_cast<int>(i), 0);
     } else {
@@ -182,7 +203,8 @@ bool findMode(Body& body, ModePoint& point) {
   accelerateFreely(body, point);
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
     ModeRow& row = mode.rows[i];
-    row.presses = row.sticks = row.moves = false;
+    row.sticks = row.moves = false;
+    if (!row.isSoft()) row.presses = false;
     if (!row.closed || row.kind == Kind::kLimit) continue;
     const Vec3 slip = slipOf(
         body, placeOf(body, row, point.x.data(), point.v.data(), false).contact, point.v.data());
@@ -190,6 +212,7 @@ bool findMode(Body& body, ModePoint& point) {
     row.slip = row.moves ? Vec3(slip.normalized()) : Vec3(Vec3::Zero());
   }
   if (!buildModeSystem(body, point.x.data(), point.v.data(), true, system)) return false;
+  keepAnswers(mode, system);
   if (system.b.size() > 0) {
     evaluateAccelerations(body, point, system);
     mode.force_scale = forceScale(system);
@@ -239,8 +262,10 @@ bool projectVelocities(Body& body, ModePoint& point) {
   if (!buildModeSystem(body, point.x.data(), point.v.data(), false, system)) return false;
   if (system.b.size() == 0) return true;
   evaluateModeRates(body, point.v.data(), system);
-  for (ModeBlock& block : body.mode.blocks)  // no friction: sliding contacts by the normal alone
+  for (ModeBlock& block : body.mode.blocks) {  // sliding contacts by the normal alone
     if (!block.sticks) block.slip.setZero();
+    block.force = 0;
+  }
   if (!solveEqualities(system.A, system.b, body.mode.blocks, system.p)) return false;
   body.memory->schur.move(system.p, point.v.data());
   return true;
@@ -263,14 +288,16 @@ bool projectPositions(Body& body, ModePoint& point) {
     if (!alongSticks()) return false;
     double worst = 0;
     for (const ModeRow& row : mode.rows)
-      if (row.presses) worst = std::max(worst, std::abs(gapOf(body, row, point.x.data())));
+      if (row.presses && !row.isSoft()) worst = std::max(worst, std::abs(gapOf(body, row, point.x.data())));
     if (worst < kProjected) return true;
     ModeSystem system;
     if (!buildModeSystem(body, point.x.data(), point.v.data(), false, system)) return false;
     for (std::size_t i = 0; i < mode.rows.size(); ++i)
       if (mode.first[i] >= 0) system.b[mode.first[i]] = mode.place[i].gap;
-    for (ModeBlock& block : mode.blocks)
+    for (ModeBlock& block : mode.blocks) {
       if (block.friction > 0) block.sticks = false, block.slip.setZero();
+      block.force = 0;
+    }
     if (!solveEqualities(system.A, system.b, mode.blocks, system.p)) return false;
     body.memory->schur.move(system.p, point.x.data());
   }

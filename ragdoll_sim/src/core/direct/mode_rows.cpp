@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "core/contact/constants.h"
 #include "core/contact/detect.h"
+#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/mode_constants.h"
 #include "core/direct/workspace.h"
@@ -53,6 +55,11 @@ double nearestOf(const Body& body, const ModeRow& row, const double* x) {
                         row.rb);
 }
 
+/// From the stick's ends, where the particles press. A spring leaves them as much as leapfrog's does.
+double roomOnStick(const ModeRow& row, double t) {
+  return std::min(t, 1 - t) - (row.isSoft() ? kStickEnd : kEndOfStick);
+}
+
 Vec3 pointOf(const ModeRow& row, const double* x, double t) {
   if (row.kind == Kind::kParticle) return at(x, row.a);
   return (1 - t) * at(x, row.a) + t * at(x, row.b);
@@ -97,6 +104,14 @@ void placeLimit(Body& body, const ModeRow& row, const double* x, const double* v
   if (curvature) place.curvature = limitCurvature(body, place.limit, x, v);
 }
 
+/// [m/s^2] What the turn of the normal takes from the acceleration along the surface, where the gap
+/// changes. rate: of Near::u.
+Vec3 normalTurn(const ModeRow& row, const SweptObstacle& m, const Near& near, const Vec3& rate) {
+  if (!row.isSoft()) return Vec3::Zero();
+  const double opens = near.normal.dot(rate);
+  return m.R0 * (-opens / near.distance * (rate - opens * near.normal));
+}
+
 /// The gap of a capsule is the least of |u(t)| - r(t) along it: its second derivative has a part
 /// from how the nearest place moves.
 void curveStick(const ModeRow& row, const SweptObstacle& m, const Near& near, const double* x,
@@ -112,8 +127,9 @@ void curveStick(const ModeRow& row, const SweptObstacle& m, const Near& near, co
   place.regular = tt > kFlatCurvature;
   if (!place.regular) return;
   const double shift = -st / tt;
+  const Vec3 moves = rate + shift * axis;
   place.curvature = (rate.squaredNorm() - std::pow(n.dot(rate), 2)) / L - st * st / tt;
-  place.turn = shift * (at(v, row.b) - at(v, row.a));
+  place.turn = shift * (at(v, row.b) - at(v, row.a)) + normalTurn(row, m, near, moves);
 }
 
 }  // namespace
@@ -132,7 +148,8 @@ RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* 
   const double radius = (1 - t) * row.ra + t * row.rb;
   place.gap = near.distance - m.obstacle->radius - radius;
   place.feature = near.feature;
-  place.inside = !stick || (t > kEndOfStick && t < 1 - kEndOfStick);
+  place.at = t;
+  place.inside = !stick || roomOnStick(row, t) > 0;
   place.regular = m.obstacle->type == ObstacleSpec::Type::kPlane || near.distance > kMinLength;
   Contact& c = place.contact;
   c.normal = m.R0 * near.normal;
@@ -141,6 +158,7 @@ RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* 
   c.count = stick ? 2 : 1;
   c.friction = row.friction;
   c.restitution = row.restitution;
+  c.give = row.give;
   c.ragdoll = body.index;
   c.obstacle = m.index;
   c.offset = c.found = c.normal.dot(point) - place.gap;
@@ -152,6 +170,7 @@ RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* 
   const Vec3 rate = near.beside.cwiseProduct(m.R0.transpose() * at(v, row.a));
   place.curvature =
       (rate.squaredNorm() - std::pow(near.normal.dot(rate), 2)) / near.distance;
+  place.turn = normalTurn(row, m, near, rate);
   return place;
 }
 
@@ -164,12 +183,30 @@ double gapOf(Body& body, const ModeRow& row, const double* x) {
          ((1 - t) * row.ra + t * row.rb);
 }
 
+double rateOf(const ModeRow& row, const RowPlace& place, const Body& body, const double* v) {
+  if (row.kind != Kind::kLimit) return place.contact.normal.dot(motionOf(body, place.contact, v));
+  double rate = 0;
+  for (int k = 0; k < place.limit.count; ++k)
+    rate += place.limit.gradient[k].dot(
+        Eigen::Map<const Vec3>(v + 3 * (place.limit.particle[k] - body.first)));
+  return rate;
+}
+
+double openingOf(Body& body, const ModeRow& row, const double* x, const double* v) {
+  if (!row.isSoft()) return gapOf(body, row, x);
+  const RowPlace place = placeOf(body, row, x, v, false);
+  const double rate = rateOf(row, place, body, v);
+  double opening = place.gap + row.give.compliance * row.give.damping * std::max(0.0, rate);
+  if (row.kind == Kind::kStick) opening = std::max(opening, -roomOnStick(row, place.at));
+  return opening;
+}
+
 double roomOf(Body& body, const ModeRow& row, const double* x, const std::array<int, 3>& feature) {
   double room = std::numeric_limits<double>::infinity();
   if (row.kind == Kind::kLimit) return room;
   const SweptObstacle& m = obstacleOf(body, row);
   const double t = nearestOf(body, row, x);
-  if (row.kind == Kind::kStick) room = std::min(t, 1 - t) - kEndOfStick;
+  if (row.kind == Kind::kStick) room = roomOnStick(row, t);
   if (m.obstacle->type == ObstacleSpec::Type::kPlane) return room;
   const Vec3 p = m.toStart(pointOf(row, x, t));
   for (int k = 0; k < 3; ++k) {
@@ -189,7 +226,7 @@ bool consider(Body& body, ModeRow& row, double reach, Mode& mode) {
   if (gap > reach) return true;
   row.gap_start = gap;
   mode.rows.push_back(row);
-  return gap >= -kTouching * (row.kind == Kind::kLimit ? 1 / kLever : 1);
+  return row.isSoft() || gap >= -kTouching * (row.kind == Kind::kLimit ? 1 / kLever : 1);
 }
 
 bool listObstacle(Body& body, const SweptObstacle& m, int index, double reach, Mode& mode) {
@@ -203,24 +240,22 @@ bool listObstacle(Body& body, const SweptObstacle& m, int index, double reach, M
     if (body.system->W(i, i) == 0) continue;  // nothing pushes what a pin holds
     row.a = row.b = i;
     row.ra = row.rb = step.model.radius[body.first + i];
+    row.give = giveOf(step.model, *m.obstacle, *body.ragdoll, body.skeleton->particle_contact, i);
     sound = consider(body, row, reach, mode);
   }
   if (m.obstacle->type == ObstacleSpec::Type::kPlane) return sound;
   row.kind = Kind::kStick;
-  for (const Stick& k : body.skeleton->sticks) {
+  for (std::size_t i = 0; i < body.skeleton->sticks.size(); ++i) {
+    const Stick& k = body.skeleton->sticks[i];
     if (k.a >= body.skeleton->named || k.b >= body.skeleton->named || !sound) continue;
     row.a = k.a;
     row.b = k.b;
     row.ra = step.model.radius[body.first + k.a];
     row.rb = step.model.radius[body.first + k.b];
+    row.give = giveOf(step.model, *m.obstacle, *body.ragdoll, body.skeleton->stick_contact, i);
     sound = consider(body, row, reach, mode);
   }
   return sound;
-}
-
-/// Whether an obstacle gives way where this body touches it.
-bool givesWay(const Body& body, const Obstacle& o) {
-  return body.context->model.compliant && (o.contact.compliance > 0 || body.ragdoll->compliant);
 }
 
 }  // namespace
@@ -233,18 +268,15 @@ bool listModeRows(Body& body, double h, Mode& mode) {
   const double reach = kReach * h * (speed + h * pull) + kClose;
   for (std::size_t k = 0; k < step.ws.obstacles.size(); ++k) {
     const SweptObstacle& m = step.ws.obstacles[k];
-    const std::size_t known = mode.rows.size();
     if (!listObstacle(body, m, static_cast<int>(k), reach, mode)) return false;
-    if (mode.rows.size() > known && givesWay(body, *m.obstacle)) return false;
   }
   const std::vector<Limit>& limits = body.skeleton->limits;
   ModeRow row;
   row.kind = Kind::kLimit;
   for (std::size_t k = 0; k < limits.size(); ++k) {
     row.limit = static_cast<int>(k);
-    const bool soft = limits[k].compliance > 0;
-    if (soft && limitValue(limits[k], body.xData()) < 0) return false;
-    if (!soft && !consider(body, row, reach / kLever, mode)) return false;
+    row.give = {limits[k].compliance, limits[k].damping};
+    if (!consider(body, row, reach / kLever, mode)) return false;
   }
   return true;
 }

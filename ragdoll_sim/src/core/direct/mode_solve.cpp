@@ -23,14 +23,14 @@ void columnsOf(const ModeMatrix& A, const std::vector<ModeBlock>& blocks, ModeMa
   int count = 0;
   for (const ModeBlock& block : blocks) {
     if (!block.presses) continue;
-    columns.col(count) = A.col(block.row);
-    row[count++] = block.row;
-    if (block.friction == 0) continue;
-    if (!block.sticks) {
-      for (int k = 0; k < 2; ++k)
-        columns.col(count - 1) -= block.friction * block.slip[k] * A.col(block.row + 1 + k);
-      continue;
+    if (!block.given) {
+      columns.col(count) = A.col(block.row);
+      if (block.friction > 0 && !block.sticks)
+        for (int k = 0; k < 2; ++k)
+          columns.col(count) -= block.friction * block.slip[k] * A.col(block.row + 1 + k);
+      row[count++] = block.row;
     }
+    if (block.friction == 0 || !block.sticks) continue;
     for (int k = 1; k < 3; ++k) {
       columns.col(count) = A.col(block.row + k);
       row[count++] = block.row + k;
@@ -44,21 +44,24 @@ double scaleOf(double diagonal) {
   return diagonal > kNoAnswer ? 1 / std::sqrt(diagonal) : 0;
 }
 
-/// The forces of all rows from those of the unknowns.
+/// The forces of all rows from those of the unknowns; of none: what is given.
 void spread(const std::vector<ModeBlock>& blocks, const ModeVector& q, ModeVector& p) {
+  const auto next = [&](int& k) { return k < q.size() ? q[k++] : 0; };
   p.setZero();
   int k = 0;
   for (const ModeBlock& block : blocks) {
     if (!block.presses) continue;
-    p[block.row] = q[k++];
+    p[block.row] = block.given ? block.force : next(k);
     if (block.friction == 0) continue;
     for (int d = 0; d < 2; ++d)
-      p[block.row + 1 + d] = block.sticks ? q[k++] : -block.friction * p[block.row] * block.slip[d];
+      p[block.row + 1 + d] = block.sticks ? next(k) : -block.friction * p[block.row] * block.slip[d];
   }
 }
 
 /// Sweeps over the blocks; contacts that slip already have their friction folded in.
 void sweep(const ModeMatrix& A, const ModeVector& b, std::vector<ModeBlock>& blocks, ModeVector& p) {
+  for (const ModeBlock& block : blocks)
+    if (block.given) p[block.row] = block.presses ? block.force : 0;
   ModeVector w = b + A * p;
   const int m = static_cast<int>(A.rows());
   const auto push = [&](int row, double change) {
@@ -74,7 +77,8 @@ void sweep(const ModeMatrix& A, const ModeVector& b, std::vector<ModeBlock>& blo
       if (block.slips)
         for (int d = 0; d < 2; ++d) answer -= block.friction * block.slip[d] * A(i, i + 1 + d);
       if (!(answer > 0)) answer = A(i, i);
-      const double next = std::max(0.0, p[i] - w[i] / answer), change = next - p[i];
+      const double next = block.given ? p[i] : std::max(0.0, p[i] - w[i] / answer);
+      const double change = next - p[i];
       push(i, change);
       most = std::max(most, std::abs(change));
       largest = std::max(largest, next);
@@ -103,7 +107,7 @@ void makeIndependent(const ModeMatrix& A, std::vector<ModeBlock>& blocks, ModeVe
     std::array<int, kMostModeRows> member{};
     int count = 0;
     for (std::size_t i = 0; i < blocks.size(); ++i)
-      if (blocks[i].presses && count < kMostModeRows) member[count++] = static_cast<int>(i);
+      if (blocks[i].presses && !blocks[i].given && count < kMostModeRows) member[count++] = static_cast<int>(i);
     if (count < 2) return;
     ModeMatrix C(count, count);
     for (int i = 0; i < count; ++i)
@@ -145,10 +149,10 @@ bool change(const ModeMatrix& A, const ModeVector& b, double scale, std::vector<
     const int i = block.row;
     const double answer = std::max(A(i, i), kNoAnswer);
     if (!block.presses) {
-      consider(block, -w[i] / answer - none, kClose);
+      if (!block.given) consider(block, -w[i] / answer - none, kClose);
       continue;
     }
-    consider(block, -p[i] - none, kRelease);
+    if (!block.given) consider(block, -p[i] - none, kRelease);
     if (block.friction == 0 || block.slips) continue;
     const Eigen::Vector2d force(p[i + 1], p[i + 2]), rate(w[i + 1], w[i + 2]);
     if (block.sticks)
@@ -219,13 +223,15 @@ bool solveEqualities(const ModeMatrix& A, const ModeVector& b, const std::vector
   Eigen::Matrix<int, Eigen::Dynamic, 1, 0, kMostModeRows, 1> row;
   columnsOf(A, blocks, columns, row);
   const int m = static_cast<int>(row.size());
-  p.setZero(A.rows());
+  p.resize(A.rows());
+  spread(blocks, ModeVector(0), p);
   if (m == 0) return true;
+  const ModeVector known = b + A * p;
   ModeMatrix C(m, m);
   ModeVector rhs(m), scale(m);
   for (int i = 0; i < m; ++i) scale[i] = scaleOf(A(row[i], row[i]));
   for (int i = 0; i < m; ++i) {
-    rhs[i] = -b[row[i]] * scale[i];
+    rhs[i] = -known[row[i]] * scale[i];
     for (int j = 0; j < m; ++j) C(i, j) = columns(row[i], j) * scale[i] * scale[j];
   }
   const MinimumNorm inverse(C);
@@ -245,16 +251,18 @@ namespace {
 /// Contacts that begin to slip: their places among the blocks.
 using Slipping = Eigen::Matrix<int, Eigen::Dynamic, 1, 0, kMostModeRows, 1>;
 
-/// Sines of the angles from their directions to the motions that follow.
+/// Sines of the angles from their directions to the motions that follow; none where friction all but
+/// holds: there it goes on as it was.
 void anglesOf(const ModeMatrix& A, const ModeVector& b, const std::vector<ModeBlock>& blocks,
-              const Slipping& which, const ModeVector& p, ModeVector& sine) {
+              double scale, const Slipping& which, const ModeVector& p, ModeVector& sine) {
   const ModeVector w = b + A * p;
   sine.setZero(which.size());
   for (int j = 0; j < which.size(); ++j) {
     const ModeBlock& block = blocks[which[j]];
     const Eigen::Vector2d rate(w[block.row + 1], w[block.row + 2]);
     const double length = rate.norm();
-    const double nothing = kOnCone * std::abs(p[block.row]) * A(block.row, block.row);
+    const double nothing =
+        std::max(kOnCone * std::abs(p[block.row]), kHeld * scale) * A(block.row, block.row);
     if (length > nothing)
       sine[j] = (block.slip.x() * rate.y() - block.slip.y() * rate.x()) / length;
   }
@@ -266,10 +274,10 @@ void turn(ModeBlock& block, double angle) {
 }
 
 /// Solves the equalities with contacts that begin to slip doing so along the motion that follows, by
-/// Newton's method on their directions, in as many solutions as are left: taking the direction of the motion again and again swings
-/// about the solution where friction turns the motion.
-bool alignSlips(const ModeMatrix& A, const ModeVector& b, std::vector<ModeBlock>& blocks,
-                int& solutions, ModeVector& p) {
+/// Newton's method on their directions, in as many solutions as are left: taking the direction of the
+/// motion again and again swings about the solution where friction turns the motion.
+bool alignSlips(const ModeMatrix& A, const ModeVector& b, double scale,
+                std::vector<ModeBlock>& blocks, int& solutions, ModeVector& p) {
   if (!solveEqualities(A, b, blocks, p)) return false;
   Slipping which(0);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -282,16 +290,19 @@ bool alignSlips(const ModeMatrix& A, const ModeVector& b, std::vector<ModeBlock>
   if (m == 0) return true;
   ModeVector sine, there, other;
   ModeMatrix J(m, m);
+  double before = 1;
   for (int k = 0; k < kAlignments; ++k) {
-    anglesOf(A, b, blocks, which, p, sine);
-    if (sine.cwiseAbs().maxCoeff() < kSameDirection) return true;
+    anglesOf(A, b, blocks, scale, which, p, sine);
+    const double worst = sine.cwiseAbs().maxCoeff();
+    if (worst < kSameDirection || (worst < kNearlySameDirection && worst > 0.5 * before)) return true;
+    before = worst;
     solutions -= m + 1;
     if (solutions < 0) return false;
     for (int j = 0; j < m; ++j) {
       const Eigen::Vector2d slip = blocks[which[j]].slip;
       turn(blocks[which[j]], kSlipTurn);
       if (!solveEqualities(A, b, blocks, other)) return false;
-      anglesOf(A, b, blocks, which, other, there);
+      anglesOf(A, b, blocks, scale, which, other, there);
       J.col(j) = (there - sine) / kSlipTurn;
       blocks[which[j]].slip = slip;
     }
@@ -310,17 +321,17 @@ bool solveComplementarity(const ModeMatrix& A, const ModeVector& b, double scale
   sweep(A, b, blocks, p);
   for (ModeBlock& block : blocks) {
     const int i = block.row;
-    block.presses = p[i] > kNoForce * scale;
+    if (!block.given) block.presses = p[i] > kNoForce * scale;
     const double along = block.friction > 0 ? std::hypot(p[i + 1], p[i + 2]) : 0;
     block.sticks = block.presses && block.friction > 0 && !block.slips &&
-                   along < (1 - kOnCone) * block.friction * p[i];
+                   (along == 0 || along < (1 - kOnCone) * block.friction * p[i]);
     if (block.presses && block.friction > 0 && !block.slips && !block.sticks)
       block.slip = -Eigen::Vector2d(p[i + 1], p[i + 2]) / along;
   }
   makeIndependent(A, blocks, p);
   int solutions = kMostSolutions;
   for (int k = 0; k < kModeChanges; ++k) {
-    if (!alignSlips(A, b, blocks, solutions, p)) return false;
+    if (!alignSlips(A, b, scale, blocks, solutions, p)) return false;
     if (!change(A, b, scale, blocks, p)) return true;
   }
   return false;

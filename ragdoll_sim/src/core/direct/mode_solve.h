@@ -22,6 +22,8 @@ struct ModeBlock {
   int row = 0;
   double friction = 0;  ///< 0: no tangents
   bool presses = false, sticks = false;
+  bool given = false;   ///< the normal force is known, and its row no equality:
+  double force = 0;
   bool slips = false;   ///< it moves already: the direction is given
   Eigen::Vector2d slip = Eigen::Vector2d::Zero();  ///< unit, of the motion along the tangents
 };

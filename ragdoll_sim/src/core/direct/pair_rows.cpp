@@ -17,7 +17,7 @@ Vec3 slipAfter(const Island& island, const Contact& c) {
     if (place < 0) continue;
     const Body& body = *island.bodies[place];
     for (int k = 2 * side; k < 2 * side + 2; ++k)
-      slip += c.weight[k] * body.motion.dx.col(c.particle[k] - body.first);
+      slip += c.middleWeight(k) * body.motion.dx.col(c.particle[k] - body.first);
   }
   return slip;
 }

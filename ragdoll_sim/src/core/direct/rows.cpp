@@ -64,6 +64,14 @@ bool grips(const Body& body, int i) {
          isInsideCone(c.friction, body.total[i], std::hypot(body.total[i + 1], body.total[i + 2]));
 }
 
+/// How the motion moves the body's surface at a contact.
+Vec3 slipOf(const Body& body, const Contact& c) {
+  Vec3 slip = Vec3::Zero();
+  for (int k = 0; k < c.count; ++k)
+    slip += c.middleWeight(k) * body.motion.dx.col(c.particle[k] - body.first);
+  return slip;
+}
+
 }  // namespace
 
 void buildRows(Body& body, double h, bool leapfrog) {
@@ -91,8 +99,7 @@ void evaluateGaps(Body& body, double h) {
         body.b[i] += set.springs[row.source].offset + row.compliance * body.total[i];
     } else {
       const Contact& c = set.contacts[row.source];
-      body.b[i] =
-          schur.along(i, body.motion.dx.data()) - row.direction.dot(share * c.surface_motion);
+      body.b[i] = row.direction.dot(slipOf(body, c) - share * c.surface_motion);
     }
   }
 }

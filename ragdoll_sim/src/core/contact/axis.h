@@ -1,0 +1,29 @@
+// A stick's capsule beside one obstacle, in the obstacle's frame: where it is nearest, and how far it
+// lies flat.
+#pragma once
+
+#include "core/contact/distance.h"
+#include "ragdoll_sim/core/model.h"
+
+namespace ragdoll {
+
+/// A capsule in the obstacle's frame at one instant; t runs from end a to end b.
+struct Axis {
+  const Obstacle& obstacle;
+  Vec3 a, b;
+  double ra, rb;
+
+  Vec3 at(double t) const { return a + t * (b - a); }
+  double radius(double t) const { return ra + t * (rb - ra); }
+  double gap(double t) const { return signedDistanceValue(obstacle, at(t)) - radius(t); }
+};
+
+/// Nearest place to the obstacle, in [0, 1].
+double nearest(const Axis& axis);
+
+/// How far the axis lies flat on a box from its nearest place `t` towards `end` (0 or 1): over a
+/// face, whose plane is right for all of it, or along an edge. Across an edge it does not: there the
+/// gap is small nearby only since the capsule is round.
+double flatEnd(const Axis& axis, double t, double end);
+
+}  // namespace ragdoll

@@ -1,0 +1,95 @@
+// `method: rk` from event to event through contact that gives way: springs and dampers press from
+// where they are met until they would pull. docs/equations.md#event-driven-rk.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/worlds.h"
+
+namespace ragdoll::test {
+namespace {
+
+constexpr double kG = 9.81, kStiffness = 2000, kDamping = 20;
+
+/// Of a mass of 1 kg over a floor: the gap [m] and its rate.
+struct Fall {
+  double gap = 0, rate = 0;
+};
+
+Fall inTheAir(const Fall& from, double t) {
+  return {from.gap + from.rate * t - 0.5 * kG * t * t, from.rate - kG * t};
+}
+
+/// On spring and damper: a damped oscillator about the depth at rest.
+Fall onTheFloor(const Fall& from, double t) {
+  const double decay = 0.5 * kDamping, w = std::sqrt(kStiffness - decay * decay);
+  const double rest = -kG / kStiffness, a = from.gap - rest, b = (from.rate + decay * a) / w;
+  const double c = std::cos(w * t), s = std::sin(w * t), e = std::exp(-decay * t);
+  return {rest + e * (a * c + b * s), e * ((b * w - decay * a) * c - (a * w + decay * b) * s)};
+}
+
+/// [s] Until spring and damper would pull.
+double timeOnTheFloor(const Fall& from) {
+  double lo = 0.5 * M_PI / std::sqrt(kStiffness), hi = 2 * lo;
+  const auto force = [&](double t) {
+    const Fall at = onTheFloor(from, t);
+    return -kStiffness * at.gap - kDamping * at.rate;
+  };
+  for (int i = 0; i < 60; ++i) (force(0.5 * (lo + hi)) > 0 ? lo : hi) = 0.5 * (lo + hi);
+  return lo;
+}
+
+Scene onSprings(const SkeletonSpec& skeleton, double height, double hz) {
+  Scene scene = sceneOf(skeleton, Vec3(0, 0, height));
+  scene.gravity = Vec3(0, 0, -kG);
+  ObstacleSpec floor = floorPlane(0.5, 0);
+  floor.contact = {kStiffness, kDamping};
+  scene.obstacles.push_back(floor);
+  scene.solver.method = Method::kRk;
+  scene.solver.events = true;
+  scene.solver.step = 1 / hz;
+  return scene;
+}
+
+TEST(EventsOnSprings, ABallLandsAndLeavesByTheFormula) {
+  const double radius = 0.1, gap = 0.05;
+  const double lands = std::sqrt(2 * gap / kG);
+  const Fall landed = {0, -kG * lands};
+  const double stays = timeOnTheFloor(landed);
+  const Fall left = onTheFloor(landed, stays);
+  World world(onSprings(oneParticle(1, radius), radius + gap, 120));
+  for (int n = 1; n < 25; ++n) {
+    EXPECT_EQ(world.steps(1).handed_over, 0);
+    const double t = n / 120.0;
+    const Fall exact = t < lands           ? inTheAir({gap, 0}, t)
+                       : t < lands + stays ? onTheFloor(landed, t - lands)
+                                           : inTheAir(left, t - lands - stays);
+    if (t > lands + stays && exact.gap < 0) break;
+    ASSERT_NEAR(world.x(0).z() - radius, exact.gap, 1e-9) << n;
+    ASSERT_NEAR(world.v(0).z(), exact.rate, 1e-7) << n;
+  }
+}
+
+TEST(EventsOnSprings, ASoftHumanLandsAtFifthOrder) {
+  const auto land = [](double hz) {
+    Scene scene = parseScene(
+        "ragdolls: [{name: soft, model: human, contact: compliant, position: [0, 0, 1.0]}]\n"
+        "obstacles: [{type: plane, friction: 0.6}]\n"
+        "solver: {method: rk, events: true}\n");
+    scene.solver.step = 1 / hz;
+    World world(scene);
+    int handed_over = 0;
+    for (int n = 0; n < std::lround(0.1 * hz); ++n) handed_over += world.steps(1).handed_over;
+    EXPECT_EQ(handed_over, 0) << hz;
+    return world.state.x;
+  };
+  const Points exact = land(1920);
+  const double coarse = (land(120) - exact).cwiseAbs().maxCoeff();
+  const double fine = (land(480) - exact).cwiseAbs().maxCoeff();
+  EXPECT_LT(coarse, 1e-7);
+  EXPECT_LT(fine, 1e-10);
+}
+
+}  // namespace
+}  // namespace ragdoll::test
