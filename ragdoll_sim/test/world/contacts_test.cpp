@@ -35,8 +35,8 @@ Vec3 impulseOn(int ragdoll, const std::vector<Touch>& touches) {
   Vec3 sum = Vec3::Zero();
   for (const Touch& touch : touches) {
     const ContactImpulse& c = touch.contact;
-    if (c.ragdoll == ragdoll && (c.obstacle >= 0 || c.other != ragdoll)) sum += c.impulse;
-    if (c.obstacle < 0 && c.other == ragdoll && c.ragdoll != ragdoll) sum -= c.impulse;
+    if (c.ragdoll == ragdoll && (c.obstacle >= 0 || c.other >= 0)) sum += c.impulse;
+    if (c.other == ragdoll) sum -= c.impulse;
   }
   return sum;
 }

@@ -60,8 +60,6 @@ void spread(const std::vector<ModeBlock>& blocks, const ModeVector& q, ModeVecto
 
 /// Sweeps over the blocks; contacts that slip already have their friction folded in.
 void sweep(const ModeMatrix& A, const ModeVector& b, std::vector<ModeBlock>& blocks, ModeVector& p) {
-  for (const ModeBlock& block : blocks)
-    if (block.given) p[block.row] = block.presses ? block.force : 0;
   ModeVector w = b + A * p;
   const int m = static_cast<int>(A.rows());
   const auto push = [&](int row, double change) {
@@ -318,6 +316,8 @@ bool alignSlips(const ModeMatrix& A, const ModeVector& b, double scale,
 
 bool solveComplementarity(const ModeMatrix& A, const ModeVector& b, double scale,
                           std::vector<ModeBlock>& blocks, ModeVector& p) {
+  for (const ModeBlock& block : blocks)
+    if (block.given) p[block.row] = block.presses ? block.force : 0;
   sweep(A, b, blocks, p);
   for (ModeBlock& block : blocks) {
     const int i = block.row;

@@ -1,0 +1,154 @@
+#include "core/direct/mode_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/direct/mode_body.h"
+#include "support/integrate.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+
+/// An end of a rod of two balls answers along the rod as both, across it as its own ball.
+TEST(ModeMotion, AnEndOfARodAnswersByItsTilt) {
+  const double tilt = 0.6, s2 = std::pow(std::sin(tilt), 2), c2 = 1 - s2;
+  ModeBody rod(rodOnEnd(0.5, tilt, 0));
+  rod.close();
+  rod.row(0).presses = rod.row(0).sticks = true;
+  ModeSystem system;
+  ASSERT_TRUE(buildModeSystem(rod.body(), rod.now().x.data(), rod.now().v.data(), true, system));
+  ASSERT_EQ(system.A.rows(), 3);
+  EXPECT_NEAR(system.A(0, 0), c2 + 0.5 * s2, 1e-14);
+  EXPECT_NEAR(system.A.bottomRightCorner(2, 2).trace(), 1 + s2 + 0.5 * c2, 1e-14);
+  EXPECT_NEAR(system.A.row(0).tail(2).norm(), 0.5 * std::sin(tilt) * std::cos(tilt), 1e-14);
+  ASSERT_EQ(rod.mode().blocks.size(), 1u);
+  EXPECT_TRUE(rod.mode().blocks[0].presses && rod.mode().blocks[0].sticks);
+  EXPECT_EQ(rod.mode().blocks[0].friction, 0.5);
+}
+
+TEST(ModeMotion, ABlockOnASlopeSlowsDownByItsFriction) {
+  const Slope slope{0.35};
+  const double mu = 0.2, steep = std::sin(slope.angle), flat = std::cos(slope.angle);
+  for (const double speed : {1.5, -1.5}) {
+    ModeBody block(slope.block(mu, speed));
+    ASSERT_TRUE(block.start());
+    EXPECT_TRUE(block.row(0).presses && block.row(0).moves && !block.row(0).sticks);
+    const Vec3 a = -kG * (steep + (speed > 0 ? mu : -mu) * flat) * slope.up();
+    EXPECT_LT((ModeBody::of(block.now().a, 0) - a).norm(), 1e-13);
+    EXPECT_NEAR(block.now().forces.normal[0], 2 * kG * flat, 1e-13);
+    block.now().a.setZero();
+    ASSERT_TRUE(accelerateInMode(block.body(), block.now()));  // the same in the mode that it has
+    EXPECT_LT((ModeBody::of(block.now().a, 0) - a).norm(), 1e-13);
+  }
+}
+
+/// A ball of 1 kg that turns about the other end of its rod.
+TEST(ModeMotion, ARodTurnsAboutTheEndThatSticks) {
+  const double tilt = 0.9, rate = 1.2, steep = std::sin(tilt), flat = std::cos(tilt);
+  ModeBody rod(rodOnEnd(2, tilt, rate));
+  ASSERT_TRUE(rod.start());
+  EXPECT_TRUE(rod.row(0).sticks);
+  const Vec3 along(flat, 0, steep), across(-steep, 0, flat);
+  EXPECT_LT(ModeBody::of(rod.now().a, 0).norm(), 1e-13);
+  const Vec3 a = -rate * rate * along - kG * flat * across;
+  EXPECT_LT((ModeBody::of(rod.now().a, 1) - a).norm(), 1e-13);
+  const double push = kG * steep - rate * rate;  // of the rod
+  EXPECT_NEAR(rod.now().forces.normal[0], kG + push * steep, 1e-13);
+  EXPECT_LT((rod.now().forces.friction[0] - push * flat * Vec3::UnitX()).norm(), 1e-13);
+}
+
+/// A ball that sinks into what gives way while it slides along it.
+TEST(ModeMotion, ASpringPressesByItsLengthAndItsDamper) {
+  ObstacleSpec floor = floorPlane(0.3);
+  floor.contact.stiffness = 2000;
+  floor.contact.damping = 10;
+  Scene scene = modeScene(oneParticle(2, 0.1), Vec3(0, 0, 0.09), floor);
+  scene.ragdolls[0].velocity = Vec3(0, 5, -1);
+  ModeBody ball(scene);
+  ball.row(0).closed = ball.row(0).presses = true;
+  ASSERT_TRUE(findMode(ball.body(), ball.now()));
+  const double force = 2000 * 0.01 + 10 * 1;
+  EXPECT_NEAR(ball.now().forces.normal[0], force, 1e-12);
+  const Vec3 a(0, -0.3 * force / 2, force / 2 - kG);
+  EXPECT_LT((ModeBody::of(ball.now().a, 0) - a).norm(), 1e-13);
+}
+
+TEST(ModeMotion, AnImpactReturnsTheEndAndKeepsTheRest) {
+  const double tilt = 0.6, speed = 2, restitution = 0.5;
+  Scene scene = rodOnEnd(0, tilt, 0);
+  scene.obstacles[0].restitution = restitution;
+  ModeBody rod(scene, Vec3(3, 0, -speed));
+  rod.close();
+  ASSERT_TRUE(takeModeImpact(rod.body(), rod.now()));
+  const Vec3 a = ModeBody::of(rod.now().v, 0), b = ModeBody::of(rod.now().v, 1);
+  EXPECT_NEAR(a.z(), restitution * speed, 1e-13);
+  const double answer = 1 - 0.5 * std::pow(std::sin(tilt), 2);
+  EXPECT_LT((a + b - Vec3(6, 0, -2 * speed + (1 + restitution) * speed / answer)).norm(), 1e-13);
+}
+
+/// What a rod is off by after h, its end stuck: from the pendulum's equation of one angle.
+double errorOver(double h) {
+  const double tilt = 1.1, rate = 3;
+  ModeBody rod(rodOnEnd(5, tilt, rate));
+  EXPECT_TRUE(rod.start());
+  EXPECT_TRUE(rod.row(0).sticks);
+  ModePoint end;
+  EXPECT_TRUE(moveInMode(rod.body(), h, end));
+  const auto pendulum = [](const Eigen::Vector2d& s) {
+    return Eigen::Vector2d(s[1], -kG * std::cos(s[0]));
+  };
+  const double angle = integrate(pendulum, Eigen::Vector2d(tilt, rate), h)[0];
+  return (ModeBody::of(end.x, 1) - Vec3(std::cos(angle), 0, std::sin(angle))).norm();
+}
+
+TEST(ModeMotion, IsOfFifthOrder) {
+  const double coarse = errorOver(0.08), fine = errorOver(0.04);
+  EXPECT_LT(coarse, 1e-5);
+  EXPECT_GT(coarse / fine, 30);
+}
+
+TEST(ModeMotion, ProjectionsTakeWhatIsAcrossTheModeAlone) {
+  ModeBody ball(modeScene(oneParticle(1, 0.1), Vec3(0.3, 0.4, 0.1), floorPlane(0.5)));
+  ball.row(0).closed = ball.row(0).presses = true;
+  ball.now().x.head<3>() = Vec3(0.3, 0.4, 0.0999);
+  ball.now().v.head<3>() = Vec3(1, 2, -3);
+  ASSERT_TRUE(projectPositions(ball.body(), ball.now()));
+  ASSERT_TRUE(projectVelocities(ball.body(), ball.now()));
+  EXPECT_LT((ModeBody::of(ball.now().x, 0) - Vec3(0.3, 0.4, 0.1)).norm(), 1e-15);
+  EXPECT_LT((ModeBody::of(ball.now().v, 0) - Vec3(1, 2, 0)).norm(), 1e-15);
+  ball.row(0).sticks = true;
+  ASSERT_TRUE(projectVelocities(ball.body(), ball.now()));
+  EXPECT_LT(ModeBody::of(ball.now().v, 0).norm(), 1e-15);
+}
+
+/// x, v, a of a motion whose coordinates are polynomials of degree 5.
+ModePoint quintic(double t) {
+  ModePoint p;
+  p.x = p.v = p.a = Eigen::VectorXd::Zero(4);
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k <= 5; ++k) {
+      const double c = std::cos(3.0 * i + 2 * k);  // any
+      p.x[i] += c * std::pow(t, k);
+      if (k > 0) p.v[i] += c * k * std::pow(t, k - 1);
+      if (k > 1) p.a[i] += c * k * (k - 1) * std::pow(t, k - 2);
+    }
+  return p;
+}
+
+TEST(ModeMotion, IsInterpolatedExactlyUpToDegreeFive) {
+  const double begin = 0.3, h = 1.7;
+  const ModePoint start = quintic(begin), end = quintic(begin + h);
+  ModePoint out;
+  for (const double share : {0.0, 0.1, 0.5, 0.8, 1.0}) {
+    interpolate(start, end, h, share, out);
+    const ModePoint exact = quintic(begin + share * h);
+    EXPECT_LT((out.x - exact.x).norm(), 1e-12) << share;
+    EXPECT_LT((out.v - exact.v).norm(), 1e-12) << share;
+  }
+}
+
+}  // namespace
+}  // namespace ragdoll

@@ -1,0 +1,188 @@
+#include "core/direct/mode_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "core/direct/mode_body.h"
+#include "support/limbs.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+using Features = std::array<int, 3>;
+
+constexpr double kRadius = 0.1;
+
+ObstacleSpec cube() {
+  ObstacleSpec o;
+  o.type = ObstacleSpec::Type::kBox;
+  o.size = Vec3(2, 2, 2);
+  return o;
+}
+
+ObstacleSpec sphere(double radius) {
+  ObstacleSpec o;
+  o.type = ObstacleSpec::Type::kSphere;
+  o.radius = radius;
+  return o;
+}
+
+/// A ball, or a rod of two, somewhere above an obstacle, and a row of it.
+struct Above : ModeBody {
+  ModeRow ball, rod;
+
+  Above(const SkeletonSpec& skeleton, const ObstacleSpec& obstacle)
+      : ModeBody(modeScene(skeleton, Vec3(0, 0, 9), obstacle)) {
+    ball.obstacle = rod.obstacle = 0;
+    rod.kind = ModeRow::Kind::kStick;
+    rod.b = 1;
+    ball.ra = ball.rb = rod.ra = rod.rb = kRadius;
+  }
+  RowPlace placeAt(const Vec3& x, const Vec3& v) {
+    return placeOf(body(), ball, x.data(), v.data(), true);
+  }
+};
+
+TEST(ModeRows, OfABallHaveItsDistanceFromFaceEdgeAndCorner) {
+  Above one(oneParticle(1, kRadius), cube());
+  const auto expectGap = [&](const Vec3& x, double distance, const Features& feature) {
+    const RowPlace place = one.placeAt(x, Vec3::Zero());
+    EXPECT_NEAR(place.gap, distance - kRadius, 1e-15);
+    EXPECT_NEAR(gapOf(one.body(), one.ball, x.data()), distance - kRadius, 1e-15);
+    EXPECT_EQ(place.feature, feature);
+    EXPECT_NEAR(place.contact.normal.dot(x) - place.contact.offset, place.gap, 1e-15);
+  };
+  expectGap(Vec3(0.2, 0.3, 1.5), 0.5, {0, 0, 1});
+  expectGap(Vec3(1.3, 0, -1.4), 0.5, {1, 0, -1});
+  expectGap(Vec3(-1.2, 1.2, 1.1), 0.3, {-1, 1, 1});
+}
+
+/// A point that goes straight ahead at a speed w around what is at a distance d leaves it by w^2 /
+/// d.
+TEST(ModeRows, OfABallCurveByItsSpeedAround) {
+  const Vec3 v(3, 4, 5);
+  Above round(oneParticle(1, kRadius), sphere(0.5)), box(oneParticle(1, kRadius), cube());
+  EXPECT_NEAR(round.placeAt(Vec3(0, 0, 0.8), v).curvature, (9 + 16) / 0.8, 1e-12);
+  EXPECT_NEAR(box.placeAt(Vec3(0, 0, 1.5), v).curvature, 0, 1e-15);
+  const Vec3 edge(1.3, 0, 1.4);  // square to it: (4, 0, -3) / 5
+  EXPECT_NEAR(box.placeAt(edge, v).curvature, std::pow((4 * 3 - 3 * 5) / 5.0, 2) / 0.5, 1e-12);
+  const double along = Vec3(2, 2, 1).dot(v) / 3;
+  EXPECT_NEAR(box.placeAt(Vec3(1.2, 1.2, 1.1), v).curvature, (50 - along * along) / 0.3, 1e-11);
+}
+
+using Coordinates = Eigen::Matrix<double, 6, 1>;
+
+/// At random over a sphere or across an edge of a box: the gap's second derivative along the
+/// motion, and how its place moves along the stick, by differences.
+TEST(ModeRows, OfAStickFollowTheNearestPlace) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const ObstacleSpec& obstacle : {sphere(0.5), cube()}) {
+    Above one(oneStick(), obstacle);
+    for (int sample = 0; sample < 50; ++sample) {
+      Coordinates x, v;
+      for (double& c : v) c = unit(random);
+      const bool round = obstacle.type == ObstacleSpec::Type::kSphere;
+      if (round)
+        x << -0.5, -0.3, 0.8, 0.5, 0.2, 1.1;
+      else  // below the face on one side of the edge, below the other face on the other
+        x << 0.6, -0.3, 1.9, 1.8, 0.4, 0.6;
+      x += 0.05 * v;
+      const auto at = [&](double time) { return Coordinates(x + time * v); };
+      const auto gapAt = [&](double time) { return gapOf(one.body(), one.rod, at(time).data()); };
+      const auto weightAt = [&](double time) {
+        return placeOf(one.body(), one.rod, at(time).data(), v.data(), false).contact.weight[1];
+      };
+      const RowPlace place = placeOf(one.body(), one.rod, x.data(), v.data(), true);
+      ASSERT_TRUE(place.inside && place.regular);
+      const double e = 1e-3;
+      const double second = (gapAt(e) - 2 * gapAt(0) + gapAt(-e)) / (e * e);
+      EXPECT_NEAR(place.curvature, second, 1e-4 * (1 + std::abs(second))) << sample;
+      const double moves = (weightAt(e) - weightAt(-e)) / (2 * e);
+      const Vec3 turn = moves * (v.tail<3>() - v.head<3>());
+      EXPECT_LT((place.turn - turn).norm(), 1e-4 * (1 + turn.norm())) << sample;
+    }
+  }
+}
+
+/// A head that leaves its place straight ahead, in polar coordinates about the neck's axis: with r'
+/// away from the neck and w around it the angle to the axis has the second derivative -2 r' w / r.
+TEST(ModeRows, OfALimitCurveAsPolarCoordinatesDo) {
+  SkeletonSpec s = limbs();
+  const Vec3 axis = Vec3::UnitZ();
+  s.joints = {cone("neck", "trunk", "head", axis, 60)};
+  ModeBody one(modeScene(s, Vec3(0, 0, 9), floorPlane()));
+  const int neck = one.world.model.skeletons[0].particle("a"),
+            head = one.world.model.skeletons[0].particle("head");
+  ModeRow row;
+  row.kind = ModeRow::Kind::kLimit;
+  row.limit = 0;
+  const Points x = one.body().x();
+  const Vec3 bone = x.col(head) - x.col(neck), out = bone.normalized();
+  const Vec3 around = (out.dot(axis) * out - axis).normalized();
+  const double away = 0.7, turns = 1.3, length = bone.norm();
+  Points v = Points::Zero(3, x.cols());
+  v.col(head) = away * out + turns * length * around;
+  const RowPlace place = placeOf(one.body(), row, x.data(), v.data(), true);
+  EXPECT_NEAR(place.gap, rad(60) - std::acos(out.dot(axis)), 1e-14);
+  EXPECT_NEAR(place.curvature, 2 * away * turns / length, 1e-8);
+}
+
+TEST(ModeRows, HaveRoomUntilTheirPlaceEnds) {
+  Above ball(oneParticle(1, kRadius), cube()), rod(oneStick(), cube());
+  const auto room = [&](const Vec3& x, const Features& feature) {
+    return roomOf(ball.body(), ball.ball, x.data(), feature);
+  };
+  EXPECT_NEAR(room(Vec3(0.2, 0.7, 1.5), {0, 0, 1}), 0.3, 1e-15);
+  EXPECT_NEAR(room(Vec3(1.1, 0.7, 1.5), {0, 0, 1}), -0.1, 1e-15);
+  EXPECT_NEAR(room(Vec3(1.1, 0.7, 1.5), {1, 0, 1}), 0.1, 1e-15);
+  Coordinates x;  // on x + z = 2.1, nearest to the edge x = z = 1 where both are 1.05
+  x << 0, 0, 2.1, 1.25, 0, 0.85;
+  EXPECT_NEAR(roomOf(rod.body(), rod.rod, x.data(), {1, 0, 1}), 0.05, 1e-6);
+  x << 0.1, 0, 2.0, 1.07, 0, 1.03;  // that is 2 cm of 97 from the rod's end
+  EXPECT_NEAR(roomOf(rod.body(), rod.rod, x.data(), {1, 0, 1}), 0.02 / 0.97, 1e-6);
+}
+
+/// [1 ms] at 10 m/s: three times that way, and a millimetre.
+TEST(ModeRows, AreOfWhatThreeSuchMotionsReach) {
+  Scene scene = modeScene(oneParticle(1, kRadius), Vec3::Zero(), floorPlane());
+  scene.gravity.setZero();
+  scene.ragdolls[0].velocity = Vec3(10, 0, 0);
+  for (const double gap : {0.0309, 0.0311}) {
+    scene.ragdolls[0].pose.position.z() = kRadius + gap;
+    ModeBody one(scene);
+    Mode mode;
+    EXPECT_TRUE(listModeRows(one.body(), 1e-3, mode));
+    EXPECT_EQ(mode.rows.size(), gap < 0.031 ? 1u : 0u);
+  }
+}
+
+TEST(ModeRows, AreNotForWhatIsDeepInWhatIsRigid) {
+  const auto listed = [](double gap, double stiffness) {
+    ObstacleSpec floor = floorPlane();
+    floor.contact.stiffness = stiffness;
+    return ModeBody(modeScene(oneParticle(1, kRadius), Vec3(0, 0, kRadius + gap), floor)).listed;
+  };
+  const double rigid = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(listed(-1e-12, rigid));
+  EXPECT_FALSE(listed(-1e-3, rigid));
+  EXPECT_TRUE(listed(-1e-3, 1e5));
+}
+
+/// A spring lets go where its damper holds it back as much as it pushes.
+TEST(ModeRows, OfASpringOpenWhereItsForceEnds) {
+  ObstacleSpec floor = floorPlane();
+  floor.contact.stiffness = 2000;
+  floor.contact.damping = 10;
+  ModeBody one(modeScene(oneParticle(1, kRadius), Vec3(0, 0, kRadius), floor));
+  ASSERT_EQ(one.mode().rows.size(), 1u);
+  const Vec3 deep(0, 0, kRadius - 0.02), leaves(1, 0, 4), comes(1, 0, -4);
+  EXPECT_NEAR(openingOf(one.body(), one.row(0), deep.data(), leaves.data()), 0, 1e-15);
+  EXPECT_NEAR(openingOf(one.body(), one.row(0), deep.data(), comes.data()), -0.02, 1e-15);
+}
+
+}  // namespace
+}  // namespace ragdoll

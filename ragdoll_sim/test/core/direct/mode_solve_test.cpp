@@ -1,0 +1,166 @@
+#include "core/direct/mode_solve.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace ragdoll {
+namespace {
+
+constexpr double kG = 9.81;
+
+/// A contact whose rows begin at `row`.
+ModeBlock contact(int row, double friction) {
+  ModeBlock block;
+  block.row = row;
+  block.friction = friction;
+  return block;
+}
+
+/// Forces at rest of one contact, from nothing.
+struct Found {
+  bool any;
+  ModeBlock block;
+  ModeVector p, w;
+
+  Found(const ModeMatrix& A, const ModeVector& b, ModeBlock first) {
+    std::vector<ModeBlock> blocks{first};
+    p = ModeVector::Zero(b.size());
+    any = solveComplementarity(A, b, kG, blocks, p);
+    block = blocks[0];
+    w = b + A * p;
+  }
+};
+
+TEST(ModeSolve, ABlockOnASlopeStaysOrSlidesByItsFriction) {
+  const double angle = 0.4, mass = 3, steep = std::sin(angle), flat = std::cos(angle);
+  const ModeMatrix A = ModeMatrix::Identity(3, 3) / mass;
+  const ModeVector b = Vec3(-kG * flat, 0, -kG * steep);  // second tangent: up the slope
+  const Found stays(A, b, contact(0, 0.5)), slides(A, b, contact(0, 0.3));
+  ASSERT_TRUE(stays.any && slides.any);
+  EXPECT_TRUE(stays.block.sticks);
+  EXPECT_LT((stays.p - mass * kG * Vec3(flat, 0, steep)).norm(), 1e-13);
+  EXPECT_FALSE(slides.block.sticks);
+  EXPECT_LT((slides.w - Vec3(0, 0, -kG * (steep - 0.3 * flat))).norm(), 1e-13);
+}
+
+/// A uniform rod of mass 1 and length 1 that leans, its upper end towards x: answers of its lower
+/// end along z and x, by the moment of inertia 1/12.
+struct Rod {
+  double cosine, sine;
+  ModeMatrix A;
+  ModeVector b = Vec3(-kG, 0, 0);
+
+  explicit Rod(double angle) : cosine(std::cos(angle)), sine(std::sin(angle)) {
+    A = ModeMatrix::Identity(3, 3);
+    A(0, 0) += 3 * cosine * cosine;
+    A(2, 2) += 3 * sine * sine;
+    A(0, 2) = A(2, 0) = -3 * sine * cosine;
+  }
+};
+
+TEST(ModeSolve, ARodTurnsAboutItsEndOrSlips) {
+  const Rod rod(0.7);
+  const Found turns(rod.A, rod.b, contact(0, 1));
+  ASSERT_TRUE(turns.any);
+  EXPECT_NEAR(turns.p[0], kG * (1 - 0.75 * rod.cosine * rod.cosine), 1e-12);
+  EXPECT_NEAR(turns.p[2], kG * 0.75 * rod.sine * rod.cosine, 1e-12);
+  const double mu = 0.2;
+  const Found slips(rod.A, rod.b, contact(0, mu));
+  ASSERT_TRUE(slips.any);
+  const double press = kG / (1 + 3 * rod.cosine * (rod.cosine - mu * rod.sine));
+  EXPECT_NEAR(slips.p[0], press, 1e-12);
+  EXPECT_NEAR(slips.p[2], mu * press, 1e-12);
+}
+
+/// Painleve's: friction that presses the end of a moving rod harder into the floor than it is held.
+TEST(ModeSolve, ARodThatIsPushedIntoItsFrictionHasNoAnswer) {
+  const Rod rod(1.1);
+  for (const double mu : {1.0, 3.0}) {
+    ModeBlock moving = contact(0, mu);
+    moving.slips = true;
+    moving.slip = Eigen::Vector2d(0, -1);
+    EXPECT_EQ(Found(rod.A, rod.b, moving).any,
+              1 + 3 * rod.cosine * (rod.cosine - mu * rod.sine) > 0)
+        << mu;
+  }
+}
+
+/// A plank of mass 1 and length 1 on two edges, the far one 0.3 to the left of its middle, the near
+/// one `near` to the right of it; answers of its moment of inertia, 1/12.
+TEST(ModeSolve, APlankTipsOverAnEdgeThatItsMiddleIsBeyond) {
+  for (const double near : {0.2, -0.1}) {
+    const Eigen::Vector2d place(-0.3, near);
+    const ModeMatrix A = ModeMatrix::Ones(2, 2) + 12 * place * place.transpose();
+    std::vector<ModeBlock> blocks{contact(0, 0), contact(1, 0)};
+    ModeVector p = ModeVector::Zero(2);
+    ASSERT_TRUE(solveComplementarity(A, ModeVector::Constant(2, -kG), kG, blocks, p));
+    const bool tips = near < 0;
+    const double left = tips ? 0 : kG * near / (near + 0.3);
+    EXPECT_EQ(blocks[0].presses, !tips);
+    EXPECT_NEAR(p[0], left, 1e-12);
+    EXPECT_NEAR(p[1], tips ? kG / (1 + 12 * near * near) : kG - left, 1e-12);
+  }
+}
+
+TEST(ModeSolve, RowsThatAreTheSameShareOrContradictEachOther) {
+  ModeBlock presses;
+  presses.presses = true;
+  std::vector<ModeBlock> blocks{presses, presses};
+  blocks[1].row = 1;
+  const ModeMatrix A = ModeMatrix::Constant(2, 2, 0.5);
+  ModeVector p;
+  ASSERT_TRUE(solveEqualities(A, ModeVector::Constant(2, -3), blocks, p));
+  EXPECT_NEAR(p[0], 3, 1e-12);
+  EXPECT_NEAR(p[1], 3, 1e-12);
+  EXPECT_FALSE(solveEqualities(A, Eigen::Vector2d(-3, -2), blocks, p));
+}
+
+/// A spring's force is known, and what slides on it has friction of it, or sticks with what holds
+/// it.
+TEST(ModeSolve, AGivenForceIsNoEquality) {
+  const Rod rod(0.7);
+  ModeBlock spring = contact(0, 0.5);
+  spring.presses = spring.given = true;
+  spring.force = 6;
+  spring.slip = Eigen::Vector2d(0.6, -0.8);
+  ModeVector p;
+  ASSERT_TRUE(solveEqualities(rod.A, rod.b, {spring}, p));
+  EXPECT_LT((p - Vec3(6, -1.8, 2.4)).norm(), 1e-14);
+  spring.sticks = true;
+  ASSERT_TRUE(solveEqualities(rod.A, rod.b, {spring}, p));
+  const double holds = 3 * rod.sine * rod.cosine * 6 / (1 + 3 * rod.sine * rod.sine);
+  EXPECT_LT((p - Vec3(6, 0, holds)).norm(), 1e-13);
+}
+
+/// Two contacts at random: what is found obeys Newton's third law's signs and Coulomb's law.
+TEST(ModeSolve, WhatIsFoundObeysCoulombsLaw) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  const double mu = 0.4;
+  int found = 0;
+  for (int sample = 0; sample < 200; ++sample) {
+    const Eigen::MatrixXd root =
+        Eigen::MatrixXd::NullaryExpr(6, 12, [&] { return normal(random); });
+    const ModeMatrix A = root * root.transpose() / 12;
+    const ModeVector b = ModeVector::NullaryExpr(6, [&] { return normal(random); });
+    std::vector<ModeBlock> blocks{contact(0, mu), contact(3, mu)};
+    ModeVector p = ModeVector::Zero(6);
+    if (!solveComplementarity(A, b, 1, blocks, p)) continue;
+    ++found;
+    const ModeVector w = b + A * p;
+    for (const int i : {0, 3}) {
+      const Eigen::Vector2d force = p.segment<2>(i + 1), rate = w.segment<2>(i + 1);
+      EXPECT_GE(p[i], -1e-8) << sample;
+      EXPECT_GE(w[i], -1e-8) << sample;
+      EXPECT_NEAR(p[i] * w[i], 0, 1e-8) << sample;
+      EXPECT_LE(force.norm(), mu * p[i] + 1e-8) << sample;
+      EXPECT_NEAR(force.dot(rate), -mu * p[i] * rate.norm(), 1e-7) << sample;
+    }
+  }
+  EXPECT_GT(found, 190);
+}
+
+}  // namespace
+}  // namespace ragdoll

@@ -1,0 +1,137 @@
+#include "core/fast/lane_contacts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/fast/lane_bodies.h"
+#include "core/linear/tree_solver.h"
+#include "support/limbs.h"
+
+namespace ragdoll {
+namespace {
+
+using namespace test;
+using Row = fast::ContactRow<double>;
+
+/// An end of a rod of two balls answers along the rod as both, across it as its own ball.
+TEST(LaneContacts, AnEndOfARodAnswersByItsTilt) {
+  const double tilt = 0.6, s2 = std::pow(std::sin(tilt), 2);
+  LaneBodies rod(tiltedRod(tilt));
+  OneLane& w = rod.rows();
+  ASSERT_EQ(w.contact_count, 1);
+  EXPECT_NEAR(1 / w.contacts[0].inverse_normal, 1 - 0.5 * s2, 1e-14);
+  EXPECT_NEAR(1 / w.contacts[0].inverse_tangent, 1, 1e-14);  // the larger one: across the rod
+}
+
+/// At a place between its balls a rod answers square to it by the squares of their shares.
+TEST(LaneContacts, APlaceOnARodAnswersByItsShares) {
+  LaneBodies rod(sceneOf(oneStick()));
+  fast::LaneContact contact;
+  contact.feature = rod.body.particles;
+  contact.weight = 0.3;
+  contact.offset = -1;
+  contact.radius = 0.25;
+  rod.lanes[0].contacts = &contact;
+  rod.lanes[0].contact_count = 1;
+  OneLane& w = rod.rows();
+  ASSERT_EQ(w.contact_count, 1);
+  const Row& row = w.contacts[0];
+  EXPECT_NEAR(1 / row.inverse_normal, 0.7 * 0.7 + 0.3 * 0.3, 1e-14);
+  EXPECT_NEAR(row.start, 1 - 0.25, 1e-15);
+  w.dx[2] = 0.1;
+  w.dx[5] = -0.2;
+  EXPECT_NEAR(fast::atFeature(*row.feature, row.weight, w.dx).z, 0.7 * 0.1 - 0.3 * 0.2, 1e-15);
+}
+
+/// On rods, sides of groups and lines about which they fold: as all coordinates solved for at once.
+TEST(LaneContacts, APlaceOnAnyStickAnswersAsTheWholeTreeDoes) {
+  LaneBodies one(sceneOf(limbs()));
+  TreeSolver solver;
+  solver.resize(one.body.tree);
+  solver.setPose(one.bodies[0].x.data());
+  Points moved(3, one.body.tree.particles);
+  fast::LaneContact contact;
+  contact.weight = 0.3;
+  one.lanes[0].contacts = &contact;
+  one.lanes[0].contact_count = 1;
+  const int features = static_cast<int>(one.body.features.size());
+  ASSERT_GT(features, one.body.particles + 10);
+  for (contact.feature = one.body.particles; contact.feature < features; ++contact.feature) {
+    const OneLane& w = one.rows();
+    ASSERT_EQ(w.contact_count, 1);
+    const fast::Feature& f = one.body.features[contact.feature];
+    const int ends[] = {f.a, f.b};
+    const double force[] = {0, 0, 0.7, 0, 0, 0.3};
+    solver.answer(ends, force, 2, moved.data());
+    const double answer = 0.7 * moved(2, f.a) + 0.3 * moved(2, f.b);
+    EXPECT_NEAR(1 / w.contacts[0].inverse_normal, answer, 1e-12) << contact.feature;
+  }
+}
+
+/// kNear and kReach times the way of the step.
+TEST(LaneContacts, AreOfWhatIsNear) {
+  const double h = SolverSpec().step, near = fast::kNear + fast::kReach * 3 * h;
+  const auto count = [](double gap, const Vec3& v) {
+    Scene scene = ballOver(gap, 1, v, floorPlane());
+    scene.gravity.setZero();
+    return LaneBodies(scene).rows().contact_count;
+  };
+  EXPECT_EQ(count(0.999 * near, Vec3(3, 0, 0)), 1);
+  EXPECT_EQ(count(1.001 * near, Vec3(3, 0, 0)), 0);
+  EXPECT_EQ(count(1.001 * near, Vec3(0, 0, -3)), 1);  // the motion leads there
+}
+
+/// [N] -> [kg m]: h^2 / 2 times, split along the normal and along the floor. A fifth of what is
+/// violated is undone.
+TEST(LaneContacts, BeginAtTheLastStepsImpulses) {
+  LaneBodies ball(ballOver(-0.01, 1, Vec3::Zero(), floorPlane(0.5)));
+  ball.bodies[0].impulses[0].impulse[0] = 3;
+  ball.bodies[0].impulses[0].impulse[2] = 20;
+  ball.lanes[0].impulse_count = 1;
+  const Row& row = ball.rows().contacts[0];
+  const double share = 0.5 * ball.step.h * ball.step.h;
+  EXPECT_NEAR(row.press, share * 20, 1e-16);
+  EXPECT_NEAR(row.pull.x, share * 3, 1e-16);
+  EXPECT_NEAR(row.pull.z, 0, 1e-16);
+  EXPECT_NEAR(row.allowed, -(1 - fast::kRecovery) * 0.01, 1e-15);
+}
+
+/// A ball that the free motion brings below the floor is put back onto it, and friction takes of
+/// its way along the floor what it can.
+TEST(LaneContacts, ASweepPressesTheGapOutAndRubsWithinTheCone) {
+  const double mass = 2, mu = 0.5, deep = 0.02;
+  for (const double along : {0.03, 0.004}) {
+    LaneBodies ball(ballOver(0, mass, Vec3::Zero(), floorPlane(mu)));
+    OneLane& w = ball.rows();
+    ASSERT_EQ(w.contact_count, 1);
+    w.dx[0] = along;
+    w.dx[2] = -deep;
+    fast::measureContacts(w);
+    fast::sweepContacts(w);
+    const Row& row = w.contacts[0];
+    const double rubs = std::min(mu * deep, along);
+    EXPECT_NEAR(row.press, mass * deep, 1e-15);
+    EXPECT_NEAR(row.pull.x, -mass * rubs, 1e-15);
+    const auto moved = row.base + fast::motionOf(w, row);
+    EXPECT_NEAR(moved.z, 0, 1e-16);
+    EXPECT_NEAR(moved.x, along - rubs, 1e-16);
+  }
+}
+
+TEST(LaneContacts, NeverPull) {
+  LaneBodies ball(ballOver(0, 1, Vec3::Zero(), floorPlane(0.5)));
+  OneLane& w = ball.rows();
+  w.contacts[0].press = 0.003;  // of the last step
+  w.contacts[0].pull.x = 0.001;
+  fast::push(w, w.contacts[0], {0.001, 0, 0.003});
+  w.dx[2] = 0.1;
+  fast::measureContacts(w);
+  fast::sweepContacts(w);
+  EXPECT_EQ(w.contacts[0].press, 0);
+  EXPECT_EQ(w.contacts[0].pull.x, 0);
+  EXPECT_NEAR(fast::motionOf(w, w.contacts[0]).z, 0, 1e-18);
+}
+
+}  // namespace
+}  // namespace ragdoll
