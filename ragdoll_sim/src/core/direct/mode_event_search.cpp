@@ -14,9 +14,10 @@ namespace {
 /// What a row may do that ends a piece: each a function that is not negative until then.
 enum Event { kGap, kForce, kFriction, kPlace, kEventsOfRow };
 
+constexpr double kLasting = 1;  ///< of what does not end the mode
+
 /// Where the functions are not negative as long as the mode lasts, at a point whose forces are known.
 double eventValue(Body& body, std::size_t i, Event event, const ModePoint& point) {
-  constexpr double kLasting = 1;
   const ModeRow& row = body.mode.rows[i];
   const double none = 2 * kNoForce * body.mode.force_scale;
   if (event == kGap) {
@@ -44,6 +45,10 @@ bool eventsAt(Body& body, ModePoint& point, std::vector<double>& values) {
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
     for (int e = 0; e < kEventsOfRow; ++e)
       values[kEventsOfRow * i + e] = eventValue(body, i, static_cast<Event>(e), point);
+  // Beyond its place a row's forces are of a surface that is not there: it has left that first.
+  for (std::size_t i = 0; i < mode.rows.size(); ++i)
+    if (values[kEventsOfRow * i + kPlace] < 0)
+      values[kEventsOfRow * i + kForce] = values[kEventsOfRow * i + kFriction] = kLasting;
   return true;
 }
 
