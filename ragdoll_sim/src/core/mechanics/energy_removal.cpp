@@ -25,7 +25,8 @@ class Group {
   }
 
   double takeOut(double gain, bool held) {
-    scratch_.before = state_.v;
+    scratch_.before.resize(3, state_.v.cols());
+    for (const int i : bodies_) at(scratch_.before, i) = v(i);  // others move at the same time
     const double before = kineticEnergy();
     for (const int i : bodies_) dampInnerMotion(mass(i), pins(i), 0, x(i), v(i));
     const double rest = kineticEnergy(), inner = before - rest;
