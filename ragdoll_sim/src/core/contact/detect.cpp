@@ -14,7 +14,6 @@
 namespace ragdoll {
 namespace {
 
-
 Vec3 halfExtent(const Obstacle& o, const Eigen::Matrix3d& R) {
   return (R.cwiseAbs() * o.half).array() + o.radius;
 }

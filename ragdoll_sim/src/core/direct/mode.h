@@ -1,5 +1,6 @@
 // A mode of a body's motion: which limits press, which contacts with obstacles are closed, and which
-// of these stick. What gives way presses by its spring and damper instead. While it lasts the motion is smooth (docs/equations.md#event-driven-rk).
+// of these stick; what gives way presses by its spring and damper. While it lasts the motion is
+// smooth (docs/equations.md#event-driven-rk).
 #pragma once
 
 #include <array>
@@ -23,8 +24,8 @@ struct ModeRow {
   double friction = 0, restitution = 0;
   Compliance give;  ///< limits: [rad/(N m)], [N m s/rad]
   // Of the present mode.
-  bool closed = false;   ///< gap and rate are zero
-  bool presses = false;  ///< an equality; of what gives way: its force is of spring and damper
+  bool closed = false;   ///< gap and rate are zero; of what gives way: it presses
+  bool presses = false;  ///< an equality; of what gives way: by its spring and damper
   bool sticks = false;   ///< presses: so are its tangents
   bool moves = false;    ///< slips, in the direction:
   Vec3 slip = Vec3::Zero();
@@ -39,7 +40,7 @@ struct ModeRow {
 struct RowPlace {
   double gap = 0;        ///< [m], [rad]
   double curvature = 0;  ///< second derivative of the gap along the motion, without accelerations
-  Vec3 turn = Vec3::Zero();  ///< [m/s^2] along the surface: by the place's motion on a stick
+  Vec3 turn = Vec3::Zero();  ///< [m/s^2] along the surface: as place and normal move
   bool regular = true;       ///< false: it has no such derivative here
   double at = 0;             ///< of a stick: from a (0) to b (1)
   bool inside = true;        ///< likewise: between its ends

@@ -115,12 +115,22 @@ bool findFirst(Body& body, double h, double before, double share, ModeEvent& fou
   return true;
 }
 
+/// Whether something rigid has closed before mode.end: the search for one event may lead past
+/// another.
+bool passedAnother(Body& body) {
+  const Mode& mode = body.mode;
+  for (std::size_t i = 0; i < mode.rows.size(); ++i)
+    if (!mode.rows[i].isSoft() && eventValue(body, i, kGap, mode.end) < -kClosedGap) return true;
+  return false;
+}
+
 }  // namespace
 
 bool findModeEvent(Body& body, double h, ModeEvent& found) {
   Mode& mode = body.mode;
   found = {};
   if (!eventsAt(body, mode.start, mode.earlier)) return false;
+  if (!accelerateInMode(body, mode.end)) return false;  // the polynomial takes them
   double before = 0;
   mode.sample = mode.end;
   for (int k = 1; k <= kEventSamples && !found.any; ++k) {
@@ -154,10 +164,12 @@ bool moveToModeEvent(Body& body, double h, const ModeEvent& found, double& time)
     earlier = time;
     value_earlier = value;
     const double change = slope < 0 ? -value / slope : 0;
-    if (std::abs(change) < kEventTime || !(slope < 0)) return true;
-    if (k + 1 == kEventRefinements) return std::abs(change) < kEventNear;
+    const bool settled = std::abs(change) < kEventTime || !(slope < 0);
+    const bool last = k + 1 == kEventRefinements;
+    if (settled || (last && std::abs(change) < kEventNear)) return !passedAnother(body);
+    if (last) return false;
     time = std::clamp(time + std::clamp(change, -0.1 * h, 0.1 * h), 0.0, h);
-    if (time == earlier) return true;
+    if (time == earlier) return !passedAnother(body);
   }
   return false;
 }

@@ -11,12 +11,15 @@ namespace {
 
 using Kind = ModeRow::Kind;
 
-/// Whether a spring presses from mode.start on: a moment later it does.
+/// mode.stage <- a moment after mode.start.
+void lookAhead(Mode& mode) {
+  mode.stage.v = mode.start.v + kMoment * mode.start.a;
+  mode.stage.x = mode.start.x + kMoment * mode.start.v;
+}
+
+/// Whether a spring presses from mode.start on: it does at mode.stage.
 void settleSpring(Body& body, ModeRow& row) {
-  const ModePoint& now = body.mode.start;
-  ModePoint& ahead = body.mode.stage;
-  ahead.v = now.v + kMoment * now.a;
-  ahead.x = now.x + kMoment * now.v;
+  const ModePoint &now = body.mode.start, &ahead = body.mode.stage;
   row.gap_start = openingOf(body, row, now.x.data(), now.v.data());
   row.presses = row.closed = openingOf(body, row, ahead.x.data(), ahead.v.data()) < 0;
 }
@@ -26,6 +29,7 @@ void settleSpring(Body& body, ModeRow& row) {
 void findClosed(Body& body, bool pressed, bool leaves, bool& impact) {
   Mode& mode = body.mode;
   impact = false;
+  lookAhead(mode);
   for (ModeRow& row : mode.rows) {
     row.closed = false;
     if (row.isSoft()) {
