@@ -12,7 +12,7 @@ double kineticEnergy(const Model& model, const State& state);  ///< [J] with the
 double potentialEnergy(const Model& model,
                        const State& state);  ///< [J] of gravity, 0 at the origin
 double springEnergy(const Model& model,
-                    const State& state);  ///< [J] in contacts that give way
+                    const State& state);  ///< [J] in contacts that give way, also between bodies
 Vec3 centreOfMass(const Model& model, const State& state, int ragdoll);  ///< [m]
 Vec3 momentum(const Model& model, const State& state);                   ///< [kg m/s]
 Vec3 angularMomentum(const Model& model, const State& state);  ///< [kg m^2/s] about the origin

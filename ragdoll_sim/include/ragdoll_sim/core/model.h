@@ -107,6 +107,7 @@ struct Skeleton {
   std::vector<PlaneLimit> plane_limits;  ///< of the thesis's planes
   std::vector<RigidGroup> groups;        ///< four particles or more, or fewer that are degenerate
   std::vector<Capsule> capsules;         ///< if the scene lets bodies touch each other
+  std::vector<Compliance> capsule_contact;  ///< as capsules
   std::vector<CapsulePair> self_pairs;   ///< that may touch; if the scene has self_collision
   std::vector<LeftOutPair> left_out_pairs;
   Eigen::MatrixXd M;   ///< [kg] n x n, symmetric, positive definite

@@ -76,6 +76,10 @@ struct Contact {
                             (at_start[1] * from[1] + at_start[2] * from[2]);
     return {at_start[0], tangential.dot(to[1]), tangential.dot(to[2])};
   }
+  /// Whether it is of the same particles and surfaces, wherever along them.
+  bool isOfSame(const Contact& c) const {
+    return obstacle == c.obstacle && count == c.count && particle == c.particle;
+  }
   bool isSoft() const { return give.compliance > 0; }
   /// [J] in its spring at a gap [m].
   double storedEnergy(double gap) const {

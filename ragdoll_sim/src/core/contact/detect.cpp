@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/contact/axis.h"
+#include "core/contact/compliance.h"
 #include "core/contact/constants.h"
 #include "core/contact/distance.h"
 #include "core/contact/first_touch.h"
@@ -34,40 +35,18 @@ Contact planeAt(const SweptObstacle& m, const Vec3& p, const Distance& d, double
   return c;
 }
 
-/// Whether a rigid contact with that gap [m] at the start touches there, and so all along its
-/// motion.
-bool touchesAtStart(const Compliance& give, double start) {
-  return give.compliance == 0 && std::abs(start) <= kResting;
-}
-
 /// With the tangent plane at the nearest point of the surface.
 Contact tangentAt(const SweptObstacle& m, const Vec3& p, double radius) {
   return planeAt(m, p, signedDistance(*m.obstacle, p), radius);
 }
 
-/// Of springs in series, dampers likewise; what is rigid counts for nothing.
-Compliance inSeries(const Compliance& a, const Compliance& b) {
-  if (a.compliance == 0) return b;
-  if (b.compliance == 0) return a;
-  const double sum = a.damping + b.damping;
-  return {a.compliance + b.compliance, sum > 0 ? a.damping * b.damping / sum : 0};
-}
-
-/// Share of the way at which a plane is tangent where nothing comes to touch on it: the end, so
-/// that nothing sinks in there. A spring that presses all the way pushes as it does half way, to
-/// second order.
-double tangentShare(const Compliance& give, double start) {
-  return give.compliance > 0 && start <= kResting ? 0.5 : 1;
-}
-
-/// Where the sphere is first in touch on its way, or would be at its tangent share; false: it stays
-/// clear.
+/// Where the sphere is first in touch on its way, or would be in the end; false: it stays clear.
 bool particleTouch(const Obstacle& o, const Vec3& p0, const Vec3& p1, double radius, double margin,
-                   double start, double share, Vec3& at) {
+                   double start, Vec3& at) {
   const auto gap = [&](double s) { return signedDistanceValue(o, p0 + s * (p1 - p0)) - radius; };
   const double travel = (p1 - p0).norm(), end = gap(1);
   const bool closes = start > kResting && end <= 0;
-  at = share < 1 ? Vec3(p0 + share * (p1 - p0)) : p1;
+  at = p1;
   if (o.type == ObstacleSpec::Type::kPlane) return end <= margin || start <= margin;
   if (start > -radius && travel > 0.5 * radius) {
     // Far enough to pass through something. Touching already: p0.
@@ -89,7 +68,7 @@ void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, dou
   found = start <= (p1 - p0).norm() + margin;
   Vec3 at;
   found = found &&
-          particleTouch(*m.obstacle, p0, p1, radius, margin, start, tangentShare(give, start), at);
+          particleTouch(*m.obstacle, p0, p1, radius, margin, start, at);
   if (!found) return;
   c = tangentAt(m, at, radius);
   c.give = give;
@@ -106,10 +85,9 @@ struct Capsule {
   double ra, rb;
 };
 
-/// The capsule at the instant of its first touch, or at its tangent share; nothing if it stays
-/// clear.
-std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, const Compliance& give,
-                             double margin, double& start) {
+/// The capsule at the instant of its first touch, or in the end; nothing if it stays clear.
+std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double margin,
+                             double& start) {
   const Obstacle& o = *m.obstacle;
   const Vec3 a0 = m.toStart(k.a0), b0 = m.toStart(k.b0), a1 = m.toEnd(k.a1), b1 = m.toEnd(k.b1);
   const double travel = std::max((a1 - a0).norm(), (b1 - b0).norm());
@@ -131,7 +109,7 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, const Com
     return axisAt(closes && d > 0 ? firstTouch(gapAt, s, d, 1, end) : s);
   }
   if (std::min(start, end) > margin) return std::nullopt;
-  return axisAt(closes ? firstTouch(gapAt, 0, start, 1, end) : tangentShare(give, start));
+  return axisAt(closes ? firstTouch(gapAt, 0, start, 1, end) : 1);
 }
 
 /// The same of a capsule at a place t of its axis. Where its axis runs through the middle of the
@@ -239,7 +217,7 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
     if (!overlap(bounds, m.bounds, margin)) continue;
     double start = 0;
     const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
-    const std::optional<Axis> axis = touching(m, capsule, give, margin, start);
+    const std::optional<Axis> axis = touching(m, capsule, margin, start);
     if (!axis) continue;
     const Axis at_start{*m.obstacle, m.toStart(capsule.a0), m.toStart(capsule.b0), capsule.ra,
                         capsule.rb};
@@ -248,12 +226,6 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
 }
 
 }  // namespace
-
-Compliance giveOf(const Model& model, const Obstacle& obstacle, const Ragdoll& r,
-                  const std::vector<Compliance>& regions, std::size_t index) {
-  if (!model.compliant) return {};
-  return r.compliant ? inSeries(obstacle.contact, regions[index]) : obstacle.contact;
-}
 
 SweptObstacle sweepObstacle(const Obstacle& o, const Pose& start, const Pose& end) {
   SweptObstacle m{&o,

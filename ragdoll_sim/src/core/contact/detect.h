@@ -28,11 +28,6 @@ struct SweptObstacle {
   Vec3 toEnd(const Vec3& x) const { return R1.transpose() * (x - p1); }
 };
 
-/// How an obstacle gives way against one of a ragdoll's regions, Skeleton::particle_contact or
-/// stick_contact: springs in series, dampers likewise.
-Compliance giveOf(const Model& model, const Obstacle& obstacle, const Ragdoll& r,
-                  const std::vector<Compliance>& regions, std::size_t index);
-
 /// An obstacle of a step, from pose to pose; of no index.
 SweptObstacle sweepObstacle(const Obstacle& obstacle, const Pose& start, const Pose& end);
 

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "core/contact/capsule_pairs.h"
+#include "core/contact/compliance.h"
 #include "core/contact/constants.h"
 #include "core/contact/first_touch.h"
 
@@ -60,6 +61,8 @@ void PairDetector::appendPair(const Model& model, const Body& p, int i, const Bo
                               const Points& x0, const Points& x1, PairSearch search,
                               std::vector<Contact>& contacts) const {
   const Capsule &c = p.skeleton->capsules[i], &d = q.skeleton->capsules[j];
+  const Compliance give = inSeries(giveOf(*p.ragdoll, p.skeleton->capsule_contact, i),
+                                   giveOf(*q.ragdoll, q.skeleton->capsule_contact, j));
   std::array<CapsuleTouch, 2> touches;
   const SweptCapsule first = swept(model, *p.ragdoll, c, x0, x1),
                      second = swept(model, *q.ragdoll, d, x0, x1);
@@ -75,10 +78,13 @@ void PairDetector::appendPair(const Model& model, const Body& p, int i, const Bo
     contact.normal = touch.normal;
     contact.offset = touch.radii;
     contact.friction = kBodyFriction;
+    contact.give = give;
     contact.ragdoll = p.index;
     contact.other = p.index == q.index ? -1 : q.index;
     contact.gap_start = touch.gap_start;
-    if (std::abs(touch.gap_start) <= kResting)
+    if (contact.isSoft() && count > 1)  // each has a spring
+      contact.gap_start = gapAt(first.at(0), second.at(0), touch.at);
+    if (touchesAtStart(give, contact.gap_start))
       setStart(first.at(0), second.at(0), count > 1, contact);
     contacts.push_back(contact);
   }

@@ -29,6 +29,8 @@ void startContact(Body& body, Contact& c, double h) {
   if (body.context->relaxed) c.give = {};  // relaxation's own contacts are rigid
   c.found = c.offset;
   c.before = gapAt(body, c, dx) - c.normal.dot(motionOf(body, c, dx) - share * c.surface_motion);
+  // A spring is as deep as it is, not as the plane at the end says.
+  if (c.isSoft() && (h == body.context->h || c.surface_motion.isZero(0))) c.before = c.gap_start;
   setOffset(body, c, {h, h, body.context->h});
 }
 
@@ -44,14 +46,6 @@ bool isPassed(const Body& body, const Contact& c) {
   const std::vector<int>& passed = body.constraints.passed;
   return body.overlaps == OverlapPolicy::kPassThrough &&
          std::count(passed.begin(), passed.end(), c.obstacle) > 0;
-}
-
-/// Whether the same particle, or the same stick, has a contact with the obstacle already.
-bool isKnown(const ConstraintSet& set, const Contact& contact) {
-  return std::any_of(set.contacts.begin(), set.contacts.end(), [&](const Contact& c) {
-    return c.obstacle == contact.obstacle && c.count == contact.count &&
-           c.particle == contact.particle;
-  });
 }
 
 /// Takes out the contacts with the obstacles that the body is in.
@@ -84,6 +78,11 @@ Vec3 motionOf(const Body& body, const Contact& c, const double* dx) {
   for (int k = 0; k < c.count; ++k)
     sum += c.weight[k] * Eigen::Map<const Vec3>(dx + 3 * (c.particle[k] - body.first));
   return sum;
+}
+
+bool isKnown(const std::vector<Contact>& contacts, std::size_t count, const Contact& contact) {
+  const auto end = contacts.begin() + static_cast<std::ptrdiff_t>(count);
+  return std::any_of(contacts.begin(), end, [&](const Contact& c) { return c.isOfSame(contact); });
 }
 
 void findCandidates(Body& body, double h) {
@@ -150,7 +149,7 @@ bool findMissed(Body& body, double h) {
     appendStickOverlaps(step.model, step.ws.obstacles, step.state.x, after, body.index, kSlop,
                         set.missed);
   }
-  const std::size_t obstacles = set.missed.size();
+  const std::size_t obstacles = set.missed.size(), known = set.contacts.size();
   if (step.model.self_collision)
     body.detector.appendSelf(step.model, step.state.x, after, body.index,
                              PairSearch::overlaps(kSlop), set.missed);
@@ -158,7 +157,7 @@ bool findMissed(Body& body, double h) {
     Contact& c = set.missed[i];
     if (isPassed(body, c)) continue;
     const bool rigid = step.relaxed || !c.isSoft();
-    if (!rigid && isKnown(set, c)) continue;  // its spring overlaps
+    if (!rigid && isKnown(set.contacts, known, c)) continue;  // its spring overlaps
     startContact(body, c, i < obstacles && rigid ? step.h : h);
     if (i < obstacles && rigid)  // what overlaps opens in a part of a step by a part of it
       c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - recoverySpeed(c) * h));

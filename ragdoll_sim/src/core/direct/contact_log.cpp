@@ -129,19 +129,32 @@ Vec3 lockedFriction(const StepContext& step, const Body& body, const Contact& c,
   return -(c.friction * normal + impulse.dot(slip)) * slip;
 }
 
+/// [m/s] at which the contact opened at the motion's start.
+double rateBefore(const Island& island, const Contact& c) {
+  Vec3 rate = Vec3::Zero();
+  for (int k = 0; k < c.count; ++k) {
+    const int place = island.placeOf(c.other >= 0 && k >= 2 ? c.other : c.ragdoll);
+    if (place < 0) continue;
+    const Body& body = *island.bodies[place];
+    rate += c.weight[k] * body.saved.v.col(c.particle[k] - body.first);
+  }
+  return c.normal.dot(rate - c.surface_motion / island.context.h);
+}
+
 /// What a spring tells of a motion over h whose second half of the impulse e has.
-void addSpring(const Body& body, const Contact& c, double answer, double h, ContactImpulse& e) {
+void addSpring(const Island& island, const Contact& c, double answer, double h,
+               ContactImpulse& e) {
+  const StepContext& step = island.context;
   SpringMotion m;
   m.h = h;
   m.gap[0] = c.before;
-  m.gap[1] = c.gapAt(body.context->state.x);
-  m.rate[0] =
-      c.normal.dot(motionOf(body, c, body.saved.v.data()) - c.surface_motion / body.context->h);
-  m.rate[1] = c.normal.dot(rateOf(*body.context, c));
+  m.gap[1] = c.gapAt(step.state.x);
+  m.rate[0] = rateBefore(island, c);
+  m.rate[1] = c.normal.dot(rateOf(step, c));
   m.answer = answer;
   m.force = 2 * e.impulse.dot(c.normal) / h;
   e.peak = peakForce(c, m);
-  if (c.before > -body.tolerances.touching) e.approach = std::max(0.0, -m.rate[0]);
+  if (c.before > -island.bodies[0]->tolerances.touching) e.approach = std::max(0.0, -m.rate[0]);
 }
 
 ContactLog& logOf(const Island& island) { return *island.context.log; }
@@ -212,7 +225,7 @@ void logVelocities(Island& island, const RowValues& rates, int first_pair, const
     e.slip = slipOf(island.context, c);
     if (impact) e.approach = std::max(0.0, -rates[first]);
     e.effective_mass = answer > 0 ? 1 / answer : 0;
-    if (c.isSoft()) addSpring(*body, c, answer, at.h, e);
+    if (c.isSoft()) addSpring(island, c, answer, at.h, e);
     logOf(island).impulses.push_back(e);
   };
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {

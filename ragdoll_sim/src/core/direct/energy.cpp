@@ -10,12 +10,17 @@
 namespace ragdoll {
 namespace {
 
+/// [J] that a contact's spring gave to the motion.
+double releasedEnergy(const Contact& c, const State& state) {
+  return c.storedEnergy(c.before) - c.storedEnergy(c.gapAt(state.x));
+}
+
 /// [J] that soft limits and springs of contacts gave to the motion: less than at its start is
 /// stored in them.
 double releasedEnergy(const Body& body) {
   double released = 0;
   for (const Contact& c : body.constraints.contacts)
-    released += c.storedEnergy(c.before) - c.storedEnergy(c.gapAt(body.context->state.x));
+    released += releasedEnergy(c, body.context->state);
   for (const LimitRow& limit : body.constraints.limits) {
     if (limit.compliance == 0) continue;
     const double value = std::min(0.0, anglesBefore(body)[limit.limit]);
@@ -111,6 +116,7 @@ bool isSmooth(const Island& island) {
 double gainedEnergy(Island& island, double drive) {
   double gain = 0;
   for (Body* body : island.bodies) gain += gainedEnergy(*body, drive);
+  for (const Contact& c : island.pairs.contacts) gain -= releasedEnergy(c, island.context.state);
   return gain;
 }
 

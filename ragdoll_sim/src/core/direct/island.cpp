@@ -28,8 +28,9 @@ const Points& posesAfter(const Island& island) {
 }
 
 void startPair(const Island& island, Contact& c, double h) {
+  if (island.context.relaxed) c.give = {};
   c.found = c.offset;
-  c.before = c.gapAt(island.context.state.x);
+  c.before = c.isSoft() ? c.gap_start : c.gapAt(island.context.state.x);
   limitDepenetration(island, c, h);
 }
 
@@ -93,7 +94,7 @@ double pairRate(const State& state, const Contact& c) {
 }
 
 void limitDepenetration(const Island& island, Contact& pair, double h) {
-  pair.offset = pair.found - allowedPenetration(pair, h, island.context.h);
+  if (!pair.isSoft()) pair.offset = pair.found - allowedPenetration(pair, h, island.context.h);
 }
 
 void findCandidates(Island& island, double h) {
@@ -116,8 +117,10 @@ bool findMissed(Island& island, double h) {
   island.s.detector.appendBetween(island.context.model, island.context.state, island.s.all,
                                   island.context.state.x, posesAfter(island),
                                   PairSearch::overlaps(kSlop), pairs.missed);
+  const std::size_t known = pairs.contacts.size();
   for (Contact& c : pairs.missed) {
     startPair(island, c, h);
+    if (c.isSoft() && isKnown(pairs.contacts, known, c)) continue;  // its spring overlaps
     if (pairGapAfter(island, c) >= -kSlop) continue;
     pairs.contacts.push_back(c);
     pairs.active.push_back(1);

@@ -20,6 +20,7 @@ namespace ragdoll {
 struct PairSet {
   std::vector<Contact> contacts, missed;
   std::vector<int> row;              ///< of each in the joint rows, or -1
+  std::vector<SpringRow> springs;    ///< of each
   std::vector<std::uint8_t> active;  ///< a row in any case
   std::vector<Contact> touching;     ///< at the motion's end
   std::vector<double> warm;          ///< of their rows: the position stage's impulses over h

@@ -32,8 +32,10 @@ void markPressedPairs(const StepContext& step, std::vector<std::uint8_t>& marked
   }
 }
 
+/// [m] A spring that overlapped at the start pressed, wherever the bodies would have gone.
 double gapLeft(const StepContext& step, const Contact& c) {
-  return c.gapAt(step.state.x) + allowedPenetration(c, step.h, step.h);
+  const double gap = c.gapAt(step.state.x);
+  return c.isSoft() ? std::min(gap, c.gap_start) : gap + allowedPenetration(c, step.h, step.h);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/contact/constants.h"
+#include "core/contact/compliance.h"
 #include "core/contact/detect.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"

@@ -47,6 +47,7 @@ void buildRows(Island& island, double h, bool leapfrog) {
   }
   PairSet& pairs = island.pairs;
   pairs.row.assign(pairs.contacts.size(), -1);
+  pairs.springs.assign(pairs.contacts.size(), {});
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
     const Contact& c = pairs.contacts[i];
     if (pairs.active[i] || pairGapAfter(island, c) <= kClose || pairs.cache.find(c))
@@ -67,12 +68,39 @@ void evaluateGaps(Island& island, double h) {
     if (row < 0) continue;
     const Contact& c = island.pairs.contacts[i];
     s.b[row] = pairGapAfter(island, c);
+    if (c.isSoft())
+      s.b[row] += island.pairs.springs[i].offset + s.joint.row(row).compliance * s.total[row];
     const Vec3 slip = slipAfter(island, c);
     for (int k = 1; k < 3; ++k) s.b[row + k] = s.joint.row(row + k).direction.dot(slip);
   }
 }
 
+bool soften(Island& island, double h, bool leapfrog) {
+  bool any = false;
+  for (Body* body : island.bodies)
+    if (!body->memory->schur.empty()) any = soften(*body, h, leapfrog) || any;
+  PairSet& pairs = island.pairs;
+  JointSchur& joint = island.s.joint;
+  for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
+    const int row = pairs.row[i];
+    if (row < 0 || !pairs.contacts[i].isSoft()) continue;
+    const double answer = joint.answer(row) - joint.row(row).compliance;
+    pairs.springs[i] = springRow(pairs.contacts[i], h, answer, leapfrog);
+    joint.soften(row, pairs.springs[i].compliance);
+    any = true;
+  }
+  return any;
+}
+
 bool anyCloses(const Island& island) {
+  const auto presses = [](const Contact& c) { return c.isSoft() && c.before < 0; };
+  const auto any = [&](const std::vector<Contact>& all) {
+    return std::any_of(all.begin(), all.end(), presses);
+  };
+  if (any(island.pairs.contacts) ||
+      std::any_of(island.bodies.begin(), island.bodies.end(),
+                  [&](const Body* body) { return any(body->constraints.contacts); }))
+    return true;
   for (int i = 0; i < island.s.joint.size(); ++i)
     if (island.s.joint.row(i).kind != Schur::Row::Kind::kTangent && island.s.b[i] < 0) return true;
   return false;
@@ -119,7 +147,7 @@ void rememberPairs(Island& island, double h) {
 double worstPairViolation(const Island& island) {
   double worst = 0;
   for (std::size_t i = 0; i < island.pairs.contacts.size(); ++i)
-    if (island.pairs.row[i] >= 0)
+    if (island.pairs.row[i] >= 0 && !island.pairs.contacts[i].isSoft())
       worst = std::max(worst, -pairGapAfter(island, island.pairs.contacts[i]));
   return worst;
 }

@@ -8,6 +8,8 @@ namespace ragdoll {
 /// As those of a body (rows.h), for all together; gaps and first impulses go to island.s.b and .p.
 void buildRows(Island& island, double h, bool leapfrog);
 void evaluateGaps(Island& island, double h);
+bool soften(Island& island, double h, bool leapfrog);
+/// Whether a row is violated, or a spring presses at the motion's start: it does until it is let go.
 bool anyCloses(const Island& island);
 void warmStart(Island& island, double h);
 

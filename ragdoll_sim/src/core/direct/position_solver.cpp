@@ -39,14 +39,6 @@ void assemble(Island& island, bool at_end) {
   }
 }
 
-/// Whether any row is of a spring.
-bool soften(Island& island, double h, bool leapfrog) {
-  bool any = false;
-  for (Body* body : island.bodies)
-    if (!body->memory->schur.empty()) any = soften(*body, h, leapfrog) || any;
-  return any;
-}
-
 /// The impulses that are gone on from: as many as there are rows.
 void startTotals(Island& island) {
   island.s.total.setZero(island.s.joint.size());

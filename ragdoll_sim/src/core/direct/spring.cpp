@@ -16,10 +16,21 @@ SpringRow springRow(const Contact& c, double h, double answer, bool leapfrog) {
   const double start = std::min(0.0, c.before), k = 1 / c.give.compliance;
   if (!leapfrog) {
     const double damper = c.give.damping / h;
-    return {-damper / (k + damper) * start, 1 / (h * h * (k + damper))};
+    return {-damper / (k + damper) * start, 1 / (h * h * (k + damper)), answer};
   }
   const double spring = 0.5 * k, damper = effectiveDamping(c.give, h, answer) / h;
-  return {(spring - damper) / (spring + damper) * start, 2 / (h * h * (spring + damper))};
+  return {(spring - damper) / (spring + damper) * start, 2 / (h * h * (spring + damper)), answer};
+}
+
+double releaseImpulse(const Contact& c, const SpringRow& row, double gap, double half, double h) {
+  if (!(c.before < 0)) return 0;
+  const double k = 1 / c.give.compliance, mean = (gap - c.before) / h;
+  const double rate = mean - row.answer * half;  // at the start
+  const double force = -k * c.before - c.give.damping * rate;
+  if (!(force > 0 && rate > 0 && -k * gap - c.give.damping * mean < 0)) return 0;
+  // impulse (rate + answer impulse / 2) = F^2 / 2k
+  const double twice = force * force / k;
+  return twice / (rate + std::sqrt(rate * rate + row.answer * twice));
 }
 
 double peakForce(const Contact& c, const SpringMotion& m) {

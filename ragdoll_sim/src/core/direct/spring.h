@@ -13,11 +13,18 @@ namespace ragdoll {
 struct SpringRow {
   double offset = 0;      ///< [m]
   double compliance = 0;  ///< [1/kg]
+  double answer = 0;      ///< [1/kg] of the body to a push along the normal
 };
 
-/// answer: [1/kg] of the body to a push along the normal. leapfrog: the force acts in the middle of
+/// leapfrog: the force acts in the middle of
 /// h [s], and p = h^2/2 force; else at its end (backward Euler), p = h^2 force.
 SpringRow springRow(const Contact& contact, double h, double answer, bool leapfrog);
+
+/// [N s] that the spring gives in all of a motion over h in which it lets go, as it ends at `gap`
+/// [m] after `half` [N s] of the position stage; 0: it does not let go. The motion gains what the
+/// spring holds, F^2 / 2k by its force F at the start, and no more.
+double releaseImpulse(const Contact& contact, const SpringRow& row, double gap, double half,
+                      double h);
 
 /// [N s/m] of the damper over h [s]: never so much that it would throw back.
 double effectiveDamping(const Compliance& give, double h, double answer);

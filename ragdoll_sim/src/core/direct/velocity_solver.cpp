@@ -97,12 +97,13 @@ void evaluateImpact(Body& body) {
   }
 }
 
-/// Whether the spring of a contact pressed in the motion: as much as it gave to positions it gives
-/// to velocities. Implicit steps have given all.
-bool pressedSoftly(const Body& body, std::size_t contact, double h, bool leapfrog) {
-  const std::vector<int>& rows = body.constraints.contact_row;
-  if (!(h > 0) || !leapfrog || contact >= rows.size() || rows[contact] < 0) return false;
-  return rows[contact] < body.total.size() && body.total[rows[contact]] > 0;
+/// [N s] of a spring whose row is `row`: what it gave to positions it gives to velocities, or what
+/// is left of its last. Implicit steps have given all. gap: [m] at the motion's end.
+double springImpulse(const Contact& c, const SpringRow& spring, double gap, const RowValues& total,
+                     int row, double h) {
+  const double half = row < total.size() ? total[row] / h : 0;
+  const double last = releaseImpulse(c, spring, gap, half, h);
+  return last > 0 ? last - half : half;
 }
 
 /// Impulses of the rows that begin at `row`, over h, along the contact's directions at the end.
@@ -118,15 +119,19 @@ void keepTouchingContacts(Body& body, double h, bool leapfrog) {
   const ConstraintSet& set = body.constraints;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
+    const int row = i < set.contact_row.size() ? set.contact_row[i] : -1;
+    double spring = 0;
     if (c.isSoft()) {
-      if (!pressedSoftly(body, i, h, leapfrog)) continue;
+      if (!leapfrog || !(h > 0) || row < 0) continue;
+      spring = springImpulse(c, set.springs[i], gapAfter(body, c), body.total, row, h);
+      if (!(spring > 0)) continue;
     } else if (gapAfter(body, c) >= body.tolerances.touching && set.contact_role[i] != Role::kHit) {
       continue;
     }
     body.touching.contacts.push_back(c);
     body.touching.contact_hit.push_back(set.contact_role[i] == Role::kHit);
-    const int row = i < set.contact_row.size() ? set.contact_row[i] : -1;
-    const Vec3 warm = warmOf(c, body.total, row, h, leapfrog);
+    Vec3 warm = warmOf(c, body.total, row, h, leapfrog);
+    if (c.isSoft()) warm[0] = spring;
     for (int k = 0; k < (c.friction > 0 ? 3 : 1); ++k) body.touching.warm.push_back(warm[k]);
   }
 }
@@ -155,12 +160,26 @@ void findTouchingPairs(Island& island, double h, bool leapfrog) {
   pairs.touching.clear();
   pairs.warm.clear();
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
-    if (pairGapAfter(island, pairs.contacts[i]) >= island.bodies[0]->tolerances.touching) continue;
-    pairs.touching.push_back(pairs.contacts[i]);
+    const Contact& c = pairs.contacts[i];
     const int row = i < pairs.row.size() ? pairs.row[i] : -1;
-    const Vec3 warm = warmOf(pairs.contacts[i], island.s.total, row, h, leapfrog);
+    double spring = 0;
+    if (c.isSoft()) {
+      if (!leapfrog || !(h > 0) || row < 0) continue;
+      spring = springImpulse(c, pairs.springs[i], pairGapAfter(island, c), island.s.total, row, h);
+      if (!(spring > 0)) continue;
+    } else if (pairGapAfter(island, c) >= island.bodies[0]->tolerances.touching) {
+      continue;
+    }
+    pairs.touching.push_back(c);
+    Vec3 warm = warmOf(c, island.s.total, row, h, leapfrog);
+    if (c.isSoft()) warm[0] = spring;
     for (int k = 0; k < 3; ++k) pairs.warm.push_back(warm[k]);
   }
+}
+
+void addTouchingPair(Island& island, int i) {
+  const int row = addPairRows(island, island.pairs.touching[i], i);
+  if (island.pairs.touching[i].isSoft()) island.s.joint.give(row);
 }
 
 /// island.s.b and .p for the pairs' rows, which begin at `first`.
@@ -288,7 +307,7 @@ void solveVelocities(Island& island, Stage stage, double h, double damping) {
   }
   const int first_pair = joint.size();
   for (std::size_t i = 0; i < island.pairs.touching.size(); ++i)
-    addPairRows(island, island.pairs.touching[i], static_cast<int>(i));
+    addTouchingPair(island, static_cast<int>(i));
   for (Body* body : island.bodies) {
     BodyMemory& memory = *body->memory;
     if (!memory.schur.empty()) memory.response.assemble(memory.schur, stage != Stage::kBounce);

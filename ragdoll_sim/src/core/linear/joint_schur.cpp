@@ -60,8 +60,26 @@ void JointSchur::addShared(const Contact& contact, int body, int row, int other,
 }
 
 const Schur::Row& JointSchur::row(int i) const {
-  const int side = rows_[i].body[0] >= 0 ? 0 : 1;
+  const int side = sideOf(i);
   return bodies_[rows_[i].body[side]]->row(rows_[i].row[side]);
+}
+
+double JointSchur::answer(int i) const {
+  double sum = 0;
+  for (int side = 0; side < 2; ++side)
+    if (rows_[i].body[side] >= 0)
+      sum += bodies_[rows_[i].body[side]]->entry(rows_[i].row[side], rows_[i].row[side]);
+  return sum;
+}
+
+void JointSchur::soften(int i, double compliance) {
+  const int side = sideOf(i);
+  bodies_[rows_[i].body[side]]->soften(rows_[i].row[side], compliance);
+}
+
+void JointSchur::give(int i) {
+  const int side = sideOf(i);
+  bodies_[rows_[i].body[side]]->give(rows_[i].row[side]);
 }
 
 bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeps sweeps) {

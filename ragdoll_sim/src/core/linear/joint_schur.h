@@ -24,6 +24,10 @@ class JointSchur {
   /// First row of a body's own ones.
   int firstOf(int body) const { return first_[body]; }
   const Schur::Row& row(int i) const;
+  /// Of the whole row, with its compliance: A(i, i). And as of a body's complement.
+  double answer(int i) const;
+  void soften(int i, double compliance);
+  void give(int i);
 
   /// p from b, starting at p. Returns whether it settled.
   bool solve(const RowValues& b, RowValues& p, Sweeps sweeps = Sweeps::kToTheEnd);
@@ -41,6 +45,9 @@ class JointSchur {
     std::array<int, 2> body{-1, -1}, row{-1, -1};  ///< -1: none
   };
   struct View;
+
+  /// The first body that holds the row and does move: what the row has once, it has there.
+  int sideOf(int i) const { return rows_[i].body[0] >= 0 ? 0 : 1; }
 
   /// All rows are one body's, in its order: its own matrix answers, by vectors.
   bool isOneBody() const { return bodies_.size() == 1; }

@@ -62,13 +62,18 @@ std::string listed(const Skeleton& s, LeftOutPair::Why why, const char* what) {
 
 void addCapsules(Skeleton& s, bool self) {
   std::vector<bool> joined(s.named, false);
-  for (const Stick& k : s.sticks) {
+  for (std::size_t j = 0; j < s.sticks.size(); ++j) {
+    const Stick& k = s.sticks[j];
     if (k.a >= s.named || k.b >= s.named) continue;
     s.capsules.push_back({k.a, k.b});
+    s.capsule_contact.push_back(s.stick_contact[j]);
     joined[k.a] = joined[k.b] = true;
   }
   for (int i = 0; i < s.named; ++i)
-    if (!joined[i]) s.capsules.push_back({i, i});
+    if (!joined[i]) {
+      s.capsules.push_back({i, i});
+      s.capsule_contact.push_back(s.particle_contact[i]);
+    }
   if (!self) return;
   const int count = static_cast<int>(s.capsules.size());
   for (int i = 0; i < count; ++i)

@@ -6,6 +6,7 @@
 
 #include "core/contact/detect.h"
 #include "core/contact/distance.h"
+#include "core/contact/pair_detect.h"
 #include "ragdoll_sim/core/limits.h"
 
 namespace ragdoll {
@@ -36,6 +37,14 @@ double springEnergy(const Model& model, const State& state) {
   sweepObstacles(model, state, {}, obstacles);
   for (std::size_t i = 0; i < model.ragdolls.size(); ++i)
     appendContacts(model, obstacles, state.x, state.x, static_cast<int>(i), 0, contacts);
+  PairDetector pairs;
+  State awake = state;
+  std::fill(awake.asleep.begin(), awake.asleep.end(), std::uint8_t(0));
+  const PairSearch touching = PairSearch::touches(0);
+  for (std::size_t i = 0; i < model.ragdolls.size() && model.self_collision; ++i)
+    pairs.appendSelf(model, state.x, state.x, static_cast<int>(i), touching, contacts);
+  if (model.ragdoll_collision)
+    pairs.appendBetween(model, awake, state.x, state.x, touching, contacts);
   for (const Contact& c : contacts) e += c.storedEnergy(c.gapAt(state.x));
   return e;
 }

@@ -1,0 +1,169 @@
+// Bodies that give way where they touch each other: springs and dampers of the two regions in
+// series, as against an obstacle.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "ragdoll_sim/world/contacts.h"
+#include "support/worlds.h"
+
+namespace ragdoll::test {
+namespace {
+
+constexpr double kStiffness = 20000, kRadius = 0.05;  // of one bar
+
+/// A bar of 1 kg from its origin to x = 0.4.
+std::string bar(const std::string& where, double damping = 0) {
+  return "  - {contact: compliant, " + where + ", model: {particles: {a: {position: [0, 0, 0], radius: " +
+         "0.05}, b: {position: [0.4, 0, 0], radius: 0.05}}, sticks: [[a, b]], segments: {bar: {from: a, to: b, "
+         "mass: 1, gyration: 0.289, contact: {stiffness: 20000, damping: " +
+         std::to_string(damping) + "}}}}}\n";
+}
+
+Scene sceneOfText(const std::string& ragdolls, double hz, double gravity = 0) {
+  Scene scene = parseScene("ragdoll_collision: true\ngravity: [0, 0, " + std::to_string(-gravity) +
+                           "]\nragdolls:\n" + ragdolls + "solver: {sleep: false}\n");
+  scene.solver.method = Method::kShake;
+  scene.solver.step = 1 / hz;
+  return scene;
+}
+
+const std::string kBelow = "name: below, position: [0, 0, 0]";
+const std::string kAcross = "name: across, position: [0.2, -0.2, 0.15], rpy_deg: [0, 0, 90], velocity: [0, 0, -1]";
+
+double energy(const World& world) {
+  return kineticEnergy(world.model, world.state) + potentialEnergy(world.model, world.state) +
+         springEnergy(world.model, world.state);
+}
+
+/// Two bars that meet crosswise in their middles: the oscillator of their reduced mass.
+TEST(CompliantPairs, BarsThatMeetSwapTheirVelocitiesByTheFormula) {
+  const double rate = std::sqrt(0.5 * kStiffness / 0.5);  // [1/s] of the gap
+  const auto error = [&](double hz) {
+    World world(sceneOfText(bar(kBelow) + bar(kAcross), hz));
+    world.steps(static_cast<int>(std::lround(0.06 * hz)));
+    const double gap = world.x(2).z() - world.x(0).z() - 2 * kRadius;
+    return std::abs(gap + std::sin(rate * 0.01) / rate);
+  };
+  EXPECT_LT(error(1000), 1e-5);
+  EXPECT_LT(error(4000), 1e-6);
+  World world(sceneOfText(bar(kBelow) + bar(kAcross), 120));
+  const double before = energy(world);
+  world.steps(36);
+  EXPECT_NEAR(world.v(0).z(), -1, 1e-9);
+  EXPECT_NEAR(world.v(2).z(), 0, 1e-9);
+  EXPECT_NEAR(energy(world), before, 1e-9);
+}
+
+TEST(CompliantPairs, ThePeakForceOfABlowIsThatOfTheReducedMass) {
+  Scene scene = sceneOfText(bar(kBelow) + bar(kAcross), 1000);
+  World world(scene);
+  Contacts contacts(world.model);
+  world.workspace.keepContacts(&contacts.log());
+  double peak = 0;
+  for (int i = 0; i < 100; ++i) {
+    contacts.begin(world.state);
+    world.steps(1);
+    contacts.end(world.model, world.inputs, world.state);
+    for (const Touch& t : contacts.take().touches) peak = std::max(peak, t.peak_force);
+  }
+  EXPECT_NEAR(peak / std::sqrt(0.5 * 0.5 * kStiffness), 1, 0.01);
+}
+
+/// A bar that pins hold is an obstacle: the same springs, places and directions.
+TEST(CompliantPairs, ABarThatIsHeldIsACapsule) {
+  const std::string falls =
+      "name: falls, position: [0.1, -0.13, 0.15], rpy_deg: [0, 0, 70], velocity: [0.3, 0, -1]";
+  Scene held = sceneOfText(bar(kBelow) + bar(falls), 500);
+  for (const char* end : {"a", "b"}) {
+    PinSpec pin;
+    pin.particle = std::string("below/") + end;
+    held.pins.push_back(pin);
+  }
+  Scene capsule = parseScene("gravity: [0, 0, 0]\nragdolls:\n" + bar(falls) +
+                             "obstacles: [{type: capsule, from: [0, 0, 0], to: [0.4, 0, 0], radius: 0.05, "
+                             "friction: 0.5, stiffness: 20000}]\nsolver: {method: shake, step: 0.002, sleep: false}\n");
+  World pinned(held), alone(capsule);
+  for (int i = 0; i < 60; ++i) {
+    pinned.steps(1);
+    alone.steps(1);
+    ASSERT_LT((pinned.state.x.rightCols(2) - alone.state.x).cwiseAbs().maxCoeff(), 1e-9) << i;
+  }
+  EXPECT_GT(alone.v(0).z() + alone.v(1).z(), 0) << "it is thrown back";
+}
+
+/// Off their middles, at an angle, sliding and turning: energy only goes to friction, and momentum
+/// stays. Finer steps lead to one motion.
+TEST(CompliantPairs, BarsThatMeetAnyhowNeitherGainEnergyNorMomentum) {
+  const std::string falls =
+      "name: falls, position: [0.1, -0.13, 0.15], rpy_deg: [0, 0, 70], velocity: [0.2, 0.1, -1]";
+  for (const double hz : {120, 500, 2000}) {
+    World world(sceneOfText(bar(kBelow) + bar(falls), hz));
+    const Vec3 p = momentum(world.model, world.state), l = angularMomentum(world.model, world.state);
+    double least = energy(world);
+    for (int i = 0; i < 0.3 * hz; ++i) {
+      world.steps(1);
+      EXPECT_LT(energy(world), least + 1e-3) << hz << " " << i;
+      least = std::min(least, energy(world));
+    }
+    EXPECT_LT((momentum(world.model, world.state) - p).norm(), 1e-12);
+    EXPECT_LT((angularMomentum(world.model, world.state) - l).norm(), 1e-10);
+  }
+}
+
+/// On two bars that are held, with dampers: it sinks in by its weight over the springs, and each
+/// carries half of it.
+TEST(CompliantPairs, ABarRestsOnTwoByItsWeight) {
+  const std::string left = "name: left, position: [0.05, -0.2, 0], rpy_deg: [0, 0, 90]",
+                    right = "name: right, position: [0.35, -0.2, 0], rpy_deg: [0, 0, 90]";
+  Scene scene = sceneOfText(bar(left, 200) + bar(right, 200) + bar("position: [0, 0, 0.1]", 200),
+                            500, 9.81);
+  for (const char* particle : {"left/a", "left/b", "right/a", "right/b"}) {
+    PinSpec pin;
+    pin.particle = particle;
+    scene.pins.push_back(pin);
+  }
+  World world(scene);
+  Contacts contacts(world.model);
+  world.workspace.keepContacts(&contacts.log());
+  world.steps(5000);
+  EXPECT_NEAR(0.1 - world.x(4).z(), 0.5 * 9.81 / (0.5 * kStiffness), 1e-7);
+  contacts.begin(world.state);
+  contacts.log().impulses.clear();
+  world.steps(1);
+  contacts.end(world.model, world.inputs, world.state);
+  double weight = 0;
+  for (const Touch& t : contacts.take().touches) weight += std::abs(t.contact.impulse.z()) / scene.solver.step;
+  EXPECT_NEAR(weight, 9.81, 1e-6);
+}
+
+/// Soft humans thrown onto each other, with themselves in the way.
+TEST(CompliantPairs, SoftHumansOnEachOtherNeverGainEnergy) {
+  for (const double hz : {60, 120, 500}) {
+    Scene scene = parseScene(
+        "ragdoll_collision: true\nself_collision: true\n"
+        "ragdolls: [{name: one, model: human, contact: compliant, position: [0, 0, 1.1], rpy_deg: [0, 80, 0]},\n"
+        "           {name: two, model: human, contact: compliant, position: [0.1, 0.2, 2.0], rpy_deg: [0, 70, 60]}]\n"
+        "obstacles: [{type: plane}]\n");
+    scene.solver.method = Method::kShake;
+    scene.solver.step = 1 / hz;
+    World world(scene);
+    const double start = energy(world);
+    double least = start;
+    for (int i = 0; i < 2 * hz; ++i) {
+      world.steps(1);
+      ASSERT_LT(energy(world), least + 0.01 * start) << hz << " " << i;
+      least = std::min(least, energy(world));
+      ASSERT_LT(maxStickError(world.model, world.state), 1e-6);
+    }
+    EXPECT_LT(least, 0.5 * start);
+  }
+}
+
+}  // namespace
+}  // namespace ragdoll::test
