@@ -13,6 +13,9 @@ constexpr double kNearBody = 0.005;                 ///< [m] what comes this nea
 constexpr double kFlatStick = 10 * kGapResolution;  ///< [m] flat: a stick's gap varies by less
 /// Of a stick: a touch nearer to an end is the particle's; flat contact spans more of an axis.
 constexpr double kStickEnd = 0.02;
+/// The same of springs, and of rk from event to event: there a touch passes from stick to particle
+/// where both are as deep.
+constexpr double kEndOfStick = 1e-9;
 constexpr double kSameSide = 0.5;  ///< cosine of the most that a normal turns in a motion
 /// Of a stick: what moves farther in a motion is another contact.
 constexpr double kSamePlace = 0.1;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -26,6 +27,7 @@ struct Contact {
   int ragdoll = 0, other = -1;  ///< other: the second ragdoll; -1: an obstacle or the same ragdoll
   std::array<bool, 2> moves{true, true};  ///< ragdoll, other: false while it sleeps
   bool follows = false;                   ///< the obstacle follows a frame of others
+  bool dropped = false;                   ///< while contacts are looked for: to be taken out
   int obstacle = -1;                      ///< of the model; -1: another body
   double gap_start = 0;                   ///< [m] at the step's start
   // Direct methods.
@@ -76,9 +78,14 @@ struct Contact {
                             (at_start[1] * from[1] + at_start[2] * from[2]);
     return {at_start[0], tangential.dot(to[1]), tangential.dot(to[2])};
   }
-  /// Whether it is of the same particles and surfaces, wherever along them.
+  /// Whether it is of the same surfaces: of the same sticks of bodies, or of a stick and one of its
+  /// ends, which share a spring, with the same obstacle.
   bool isOfSame(const Contact& c) const {
-    return obstacle == c.obstacle && count == c.count && particle == c.particle;
+    if (obstacle != c.obstacle || (count == 4) != (c.count == 4)) return false;
+    if (count == 4) return particle == c.particle;
+    const auto end = particle.begin() + count;
+    return std::find_first_of(particle.begin(), end, c.particle.begin(),
+                              c.particle.begin() + c.count) != end;
   }
   bool isSoft() const { return give.compliance > 0; }
   /// [J] in its spring at a gap [m].

@@ -155,7 +155,8 @@ void stickContacts(const SweptObstacle& m, const Axis& axis, const Axis& at_star
   const Places places = placesOf(m, axis, give);
   for (int k = 0; k < (places.flat ? 2 : 1); ++k) {
     const double share = places.at[k];
-    if (share <= kStickEnd || share >= 1 - kStickEnd) continue;
+    const double end = give.compliance > 0 ? kEndOfStick : kStickEnd;
+    if (share <= end || share >= 1 - end) continue;
     Contact c = tangentAt(m, axis, share);
     c.gap_start = start;
     c.particle = {a, b, 0, 0};
@@ -185,11 +186,34 @@ bool passesBy(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double rad
   return !overlap({x0.cwiseMin(x1).array() - pad, x0.cwiseMax(x1).array() + pad}, m.bounds, margin);
 }
 
+/// On what is round a stick has springs at its deepest place and at its shallower end, so that none
+/// comes or goes as the place moves onto the deeper end. Takes that end's out, of the contacts from
+/// `begin` on, all with one obstacle.
+void dropDeeperEnds(std::size_t begin, std::vector<Contact>& contacts) {
+  const auto first = contacts.begin() + static_cast<std::ptrdiff_t>(begin);
+  const auto endOf = [&](int particle) {
+    return std::find_if(first, contacts.end(), [&](const Contact& c) {
+      return c.count == 1 && c.particle[0] == particle;
+    });
+  };
+  for (auto c = first; c != contacts.end(); ++c) {
+    if (c->count != 2 || !c->isSoft()) continue;
+    const auto a = endOf(c->particle[0]), b = endOf(c->particle[1]);
+    const bool is_a = b == contacts.end() || (a != contacts.end() && a->gap_start <= b->gap_start);
+    const auto deeper = is_a ? a : b;
+    if (deeper != contacts.end()) deeper->dropped = true;
+  }
+  contacts.erase(std::remove_if(first, contacts.end(), [](const Contact& c) { return c.dropped; }),
+                 contacts.end());
+}
+
 void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int index,
                     const SweptObstacle& m, double margin, std::vector<Contact>& contacts) {
   const Ragdoll& r = model.ragdolls[index];
   const Skeleton& s = model.skeletonOf(r);
   const Eigen::MatrixXd& W = model.systemOf(r).direct.W;
+  const std::size_t begin = contacts.size();
+  bool any_soft = false;
   Contact c;
   bool found;
   for (int i = r.first; i < r.first + s.named; ++i) {
@@ -222,7 +246,9 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
     const Axis at_start{*m.obstacle, m.toStart(capsule.a0), m.toStart(capsule.b0), capsule.ra,
                         capsule.rb};
     stickContacts(m, *axis, at_start, start, a, b, index, give, contacts);
+    any_soft = any_soft || give.compliance > 0;
   }
+  if (any_soft && m.obstacle->type != ObstacleSpec::Type::kBox) dropDeeperEnds(begin, contacts);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ inline double gapAfter(const Body& body, const Contact& contact) {
 /// [m] or [m/s] of the contact's point, by the body's dx or velocities.
 Vec3 motionOf(const Body& body, const Contact& contact, const double* dx);
 
-/// Whether a contact of the same particles and surfaces is among the first `count`.
+/// Whether one of the same surfaces is among the first `count` contacts.
 bool isKnown(const std::vector<Contact>& contacts, std::size_t count, const Contact& contact);
 
 /// All that the present motion over h comes near to, in place of what was known.

@@ -73,6 +73,9 @@ constexpr double kRedoGain = 3e-4;
 /// Of the kinetic energy: more than friction between limbs gives back in a step.
 constexpr double kMostGiven = 0.01;
 
+/// Of the energy in springs, that planes in place of round surfaces may hide.
+constexpr double kElsewhere = 0.01;
+
 /// Of a stick's length, how far an iteration moves its ends; [rad] of a rigid motion: more is lost.
 constexpr double kLargestTurn = 0.5;
 

@@ -18,7 +18,7 @@ double releasedEnergy(const Contact& c, const State& state) {
 /// [J] that soft limits and springs of contacts gave to the motion: less than at its start is
 /// stored in them.
 double releasedEnergy(const Body& body) {
-  double released = 0;
+  double released = -body.constraints.created - body.constraints.uncounted;
   for (const Contact& c : body.constraints.contacts)
     released += releasedEnergy(c, body.context->state);
   for (const LimitRow& limit : body.constraints.limits) {

@@ -16,7 +16,6 @@ constexpr int kMaxEvents = 24;     ///< in one step; more crowd (Zeno, chatter):
 constexpr int kMostModeRows = 64;  ///< of closed contacts and limits; what lies with more is at rest
 /// [m] Along a motion, for second derivatives by differences of fourth order: 1e-12 of their size.
 constexpr double kDifference = 3e-4;
-constexpr double kEndOfStick = 1e-9;     ///< of its length: a touch nearer to an end is the particle's
 constexpr double kFlatCurvature = 1e-3;  ///< [m] of a gap along a stick: flatter has no nearest place
 constexpr double kReach = 3;             ///< of the present motion: what else may be met in a step
 constexpr double kClosedGap = 1e-9;      ///< [m], [rad] what an event leaves of a gap

@@ -56,9 +56,36 @@ double nearestOf(const Body& body, const ModeRow& row, const double* x) {
                         row.rb);
 }
 
-/// From the stick's ends, where the particles press. A spring leaves them as much as leapfrog's does.
-double roomOnStick(const ModeRow& row, double t) {
-  return std::min(t, 1 - t) - (row.isSoft() ? kStickEnd : kEndOfStick);
+/// From the stick's ends, where the particles press.
+double roomOnStick(double t) { return std::min(t, 1 - t) - kEndOfStick; }
+
+/// Of a particle's spring, whether a stick's takes its place (dropDeeperEnds in detect.cpp): by how
+/// much that is deepest between its ends, and this end deeper than the other; negative: it does not.
+double coverOf(Body& body, const ModeRow& row, const double* x) {
+  const SweptObstacle& m = obstacleOf(body, row);
+  double cover = -1;
+  const ObstacleSpec::Type type = m.obstacle->type;
+  if (type == ObstacleSpec::Type::kPlane || type == ObstacleSpec::Type::kBox) return cover;
+  const Skeleton& s = *body.skeleton;
+  for (std::size_t i = 0; i < s.sticks.size(); ++i) {
+    const Stick& k = s.sticks[i];
+    if ((k.a != row.a && k.b != row.a) || k.a >= s.named || k.b >= s.named) continue;
+    if (giveOf(body.context->model, *m.obstacle, *body.ragdoll, s.stick_contact, i).compliance == 0)
+      continue;
+    const auto end = [&](int particle) {
+      ModeRow of = row;
+      of.a = of.b = particle;
+      of.ra = of.rb = body.context->model.radius[body.first + particle];
+      return of;
+    };
+    ModeRow stick = end(k.a);
+    stick.kind = Kind::kStick;
+    stick.b = k.b;
+    stick.rb = body.context->model.radius[body.first + k.b];
+    const double deeper = gapOf(body, end(k.a == row.a ? k.b : k.a), x) - gapOf(body, row, x);
+    cover = std::max(cover, std::min(roomOnStick(nearestOf(body, stick, x)), deeper));
+  }
+  return cover;
 }
 
 Vec3 pointOf(const ModeRow& row, const double* x, double t) {
@@ -150,7 +177,7 @@ RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* 
   place.gap = near.distance - m.obstacle->radius - radius;
   place.feature = near.feature;
   place.at = t;
-  place.inside = !stick || roomOnStick(row, t) > 0;
+  place.inside = !stick || roomOnStick(t) > 0;
   place.regular = m.obstacle->type == ObstacleSpec::Type::kPlane || near.distance > kMinLength;
   Contact& c = place.contact;
   c.normal = m.R0 * near.normal;
@@ -198,7 +225,8 @@ double openingOf(Body& body, const ModeRow& row, const double* x, const double* 
   const RowPlace place = placeOf(body, row, x, v, false);
   const double rate = rateOf(row, place, body, v);
   double opening = place.gap + row.give.compliance * row.give.damping * std::max(0.0, rate);
-  if (row.kind == Kind::kStick) opening = std::max(opening, -roomOnStick(row, place.at));
+  if (row.kind == Kind::kStick) opening = std::max(opening, -roomOnStick(place.at));
+  if (row.kind == Kind::kParticle) opening = std::max(opening, coverOf(body, row, x));
   return opening;
 }
 
@@ -207,7 +235,8 @@ double roomOf(Body& body, const ModeRow& row, const double* x, const std::array<
   if (row.kind == Kind::kLimit) return room;
   const SweptObstacle& m = obstacleOf(body, row);
   const double t = nearestOf(body, row, x);
-  if (row.kind == Kind::kStick) room = roomOnStick(row, t);
+  if (row.kind == Kind::kStick) room = roomOnStick(t);
+  if (row.kind == Kind::kParticle && row.isSoft()) room = -coverOf(body, row, x);
   if (m.obstacle->type == ObstacleSpec::Type::kPlane) return room;
   const Vec3 p = m.toStart(pointOf(row, x, t));
   for (int k = 0; k < 3; ++k) {
