@@ -14,6 +14,7 @@ namespace ragdoll {
 namespace {
 
 constexpr double kRivalry = 5;  ///< [s] without a frame of the other's, then it is over
+constexpr std::size_t kOwnKept = 600;  ///< messages: 10 s at 60 Hz, as long as tf2 keeps any
 
 /// TF lets numbers of any size through, infinite ones, too.
 bool isPlace(const Pose& pose) {
@@ -50,18 +51,55 @@ void FrameLookup::listen() {
 
 void FrameLookup::hear(const Event& event, bool is_static) {
   const ros::Time now = ros::Time::now();
-  if (now < last_heard_) buffer_.clear();  // a bag that begins anew, as tf2_ros does
+  if (now < last_heard_) forget();  // a bag that begins anew, as tf2_ros does
   last_heard_ = now;
   const std::string publisher = event.getPublisherName();
-  const bool other = publisher != ros::this_node::getName();
-  for (const geometry_msgs::TransformStamped& t : event.getConstMessage()->transforms) {
+  if (publisher == ros::this_node::getName()) return hearOwn(event);
+  for (const std::string& frame : take(*event.getConstMessage(), publisher, is_static))
+    claim(frame, publisher, true);
+}
+
+/// 60 times a second all frames of all bodies, which hardly anyone asks for.
+void FrameLookup::hearOwn(const Event& event) {
+  constexpr double kClaimPeriod = 1;  // [s]
+  const ros::WallTime now = ros::WallTime::now();
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    own_.push_back(event);
+    while (own_.size() > kOwnKept) own_.pop_front();
+  }
+  if (!claimed_.isZero() && (now - claimed_).toSec() < kClaimPeriod) return;
+  claimed_ = now;
+  for (const geometry_msgs::TransformStamped& t : event.getConstMessage()->transforms)
+    claim(normal(t.child_frame_id), ros::this_node::getName(), false);
+}
+
+void FrameLookup::takeOwn() const {
+  std::deque<Event> news;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    news.swap(own_);
+  }
+  for (const Event& event : news) take(*event.getConstMessage(), ros::this_node::getName(), false);
+}
+
+std::vector<std::string> FrameLookup::take(const tf2_msgs::TFMessage& message,
+                                           const std::string& publisher, bool is_static) const {
+  std::vector<std::string> taken;
+  for (const geometry_msgs::TransformStamped& t : message.transforms) {
     try {
-      if (!buffer_.setTransform(t, publisher, is_static)) continue;
-      claim(normal(t.child_frame_id), publisher, other);
+      if (buffer_.setTransform(t, publisher, is_static)) taken.push_back(normal(t.child_frame_id));
     } catch (const std::exception& e) {
       ROS_WARN_THROTTLE(1, "/tf ignored: %s", e.what());
     }
   }
+  return taken;
+}
+
+void FrameLookup::forget() {
+  std::lock_guard<std::mutex> lock(mutex_);
+  own_.clear();
+  buffer_.clear();
 }
 
 void FrameLookup::claim(const std::string& frame, const std::string& publisher, bool other) {
@@ -116,6 +154,7 @@ bool FrameLookup::isOthers(const std::string& frame) const {
 
 Pose FrameLookup::inWorld(const std::string& frame, const Names& own) const {
   if (isWorld(frame)) return Pose();
+  takeOwn();
   try {
     if (!isOthers(frame)) throw tf2::LookupException(frame);
     const Pose pose =
@@ -139,6 +178,7 @@ Pose FrameLookup::inWorld(const std::string& frame, const Names& own) const {
 std::optional<StampedPose> FrameLookup::find(const std::string& frame) const {
   if (isWorld(frame)) return StampedPose();
   if (!isOthers(frame)) return std::nullopt;
+  takeOwn();
   try {
     const auto t = buffer_.lookupTransform(world_frame_, normal(frame), ros::Time(0));
     const StampedPose found{fromTransform(t.transform), t.header.stamp};

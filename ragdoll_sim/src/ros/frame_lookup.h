@@ -9,6 +9,7 @@
 #include <tf2_ros/buffer.h>
 
 #include <atomic>
+#include <deque>
 #include <functional>
 #include <map>
 #include <mutex>
@@ -59,16 +60,25 @@ class FrameLookup {
 
   void listen();  ///< until the end
   void hear(const Event& event, bool is_static);
+  void hearOwn(const Event& event);
+  /// What this node has published since the last look: of others' frames some may hang on its own.
+  void takeOwn() const;
+  /// The frames that are now in the buffer.
+  std::vector<std::string> take(const tf2_msgs::TFMessage& message, const std::string& publisher,
+                                bool is_static) const;
+  void forget();
   void claim(const std::string& frame, const std::string& publisher, bool other);
   bool isOthers(const std::string& frame) const;
 
   std::string world_frame_;
   ros::CallbackQueue queue_;
   ros::NodeHandle node_;
-  tf2_ros::Buffer buffer_;
+  mutable tf2_ros::Buffer buffer_;
   ros::Subscriber moving_, static_;
   ros::Time last_heard_;
   mutable std::mutex mutex_;
+  mutable std::deque<Event> own_;  ///< heard of this node, and not in the buffer yet
+  ros::WallTime claimed_;          ///< when its frames were last known as its own
   struct Owner {
     bool other = false;  ///< it was another node's when it was heard last
     ros::WallTime own;   ///< when this node published it last; 0: never

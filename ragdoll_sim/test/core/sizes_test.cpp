@@ -112,4 +112,20 @@ TEST(Sizes, OfClasses) {
   EXPECT_GT(classes, 15u);
 }
 
+/// How many constants of the step are tuned: those before a file's line "--- Not tuned". Those of
+/// `fast` are its own affair (docs/fast.md#constants); of rk's modes none is.
+TEST(Sizes, OfTheTunedConstants) {
+  int tuned = 0, files = 0;
+  for (const char* room : {"base", "limits", "contact", "linear", "mechanics", "relaxation", "direct"}) {
+    for (const std::string& line : linesOf(fs::path(RAGDOLL_SHARE_DIR) / "src/core" / room / "constants.h")) {
+      if (line.find("--- Not tuned") != std::string::npos) break;
+      if (startsWith(line, "constexpr ")) ++tuned;
+      if (startsWith(line, "#pragma once")) ++files;
+    }
+  }
+  EXPECT_EQ(files, 7);
+  EXPECT_GT(tuned, 20);
+  EXPECT_LE(tuned, 40);
+}
+
 }  // namespace

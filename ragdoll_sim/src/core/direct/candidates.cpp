@@ -64,7 +64,7 @@ double storedElsewhere(Body& body, const Points& after) {
   appendContacts(step.model, step.ws.obstacles, after, after, body.index, 0, set.missed);
   const double stored = storedAfter(body, set.missed);
   const double more = stored - storedAfter(body, set.contacts);
-  return more > kElsewhere * stored ? more : 0;
+  return more > kMostGiven * stored ? more : 0;
 }
 
 /// [J] in springs of the motion that were not there at its start, though they are deep in: of places

@@ -1,56 +1,39 @@
 // What the direct methods' step is tuned by. docs/equations.md tells the algorithms that they
 // belong to.
-// Not tuned: sizes, guards against rounding, caps of loops that converge, and what is made of
-// another constant. Unless it says more, half and double of a constant break no law of 60 random
-// scenes and 12 piles (ragdoll_lab extremes --random-only) and cost the same within 10 %.
+// Tuned ones first; unless it says more, half and double of one break no law of 60 random scenes and
+// 12 piles (ragdoll_lab extremes --random-only) and cost the same within 10 %. Those that are not
+// tuned, after a line that says so: sizes, guards against rounding, caps of loops that converge, the
+// literature's, and what is made of another constant.
 #pragma once
 
 namespace ragdoll {
 
 // --- Tolerances: at kCoarseStep or more; below, with the square of the step, as the method's
 // error.
-constexpr double kCoarseStep = 1.0 / 120;             ///< [s]
-constexpr double kContactTolerance = 1e-6;            ///< [m] violation that a solution may leave
-constexpr double kTouching = 10 * kContactTolerance;  ///< [m] a gap smaller than that is closed
+constexpr double kCoarseStep = 1.0 / 120;   ///< [s]
+constexpr double kContactTolerance = 1e-6;  ///< [m] violation that a solution may leave
 
 // --- Candidates: what a motion may meet. Obstacles are looked at within kNearBody.
 /// [m] Contacts nearer than that are solved for at once and make an island; a deeper overlap is
 /// more than a sound step leaves.
 constexpr double kClose = 1e-3;
-constexpr double kSlop = kClose / 2;  ///< [m] a solution may leave; also of overlapping capsules
-constexpr double kRestsWithin = 2 * kClose;  ///< [m] what a sleeper presses on is nearer
-constexpr double kLever = 0.1;        ///< [m] on which angles count as lengths, and gravity turns
+constexpr double kLever = 0.1;  ///< [m] on which angles count as lengths, and gravity turns
 
 // --- Depenetration: what overlaps opens slowly, so that nothing is shot out.
 constexpr double kRecoverySpeed = 2;    ///< [m/s] of an overlap with an obstacle
-/// [m/s] the same of an obstacle that follows a frame of others: it jumps onto a limb in the midst of
-/// a run, and the limb's end is whipped faster (60 random runs: with 1 to 2.1, with 2 to 4.2).
-constexpr double kFollowedRecoverySpeed = 1;
 constexpr double kRecoveryTurn = 5;     ///< [rad/s] of a violated limit
 constexpr double kRecoveryTime = 0.05;  ///< [s] in which gaps and overlaps shrink to 1 / e
-constexpr double kWildSpeed = 5 * kRecoverySpeed;  ///< [m/s] that no overlap opens at
-
-// --- Length recovery.
-/// Of a stick's length: shorter, it has no direction; of the rest pose, what gives it one.
-constexpr double kNoLength = 0.02;
-constexpr int kRecoverySweeps = 60;  ///< of relaxation, where Newton's method fails: a cap
 
 // --- Position and velocity stages.
 /// Of contacts and sticks in turn. Half: nothing but 7 % less cost; double: 3 % more.
 constexpr int kMaxRounds = 6;
-constexpr int kImplicitRounds = 2 * kMaxRounds;  ///< of implicit steps, which start farther off
 constexpr double kProgress = 0.9;  ///< of the last round's violation: more is no progress
-constexpr int kMaxSearches = 3;    ///< for contacts that others push the body into
-constexpr int kIslandRounds = 4;   ///< of islands that grow: a cap
-constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into shape: of rounding
 
 // --- Impacts.
 constexpr double kRestSteps = 4;  ///< what comes slower than gravity in four steps is at rest
 constexpr double kLimb = 0.6;     ///< [m] on which gravity turns a limb. 0.1: shake loses its order
 constexpr double kLeastPull = 1;  ///< [m/s^2] where gravity is less: other limbs pull, too
 constexpr int kMaxLocated = 8;    ///< in one step; later ones press over their whole substep
-constexpr int kMaxDeepImpacts = 4 * kMaxLocated;  ///< likewise of contacts that would reach deep
-constexpr double kDeepImpact = 0.2;               ///< [m] for a body of human size
 
 // --- Step guard (substep_control.h).
 /// h Omega of a substep; 2: the edge of stability. Half: x1.2 cost; double: energy rises x1.2, of
@@ -60,51 +43,65 @@ constexpr double kStable = 1.0;
 constexpr double kSwing = 0.2;
 /// Of kStable: below, no jump of tension counts. 0.2: shake converges at order 1.91 onto a stop.
 constexpr double kJump = 0.5;
-constexpr int kMaxSubsteps = 16;                        ///< above, one implicit step is cheaper
-constexpr int kMaxDriven = kMaxSubsteps / 4;            ///< the same while obstacles or pins move
-constexpr int kMaxImplicitSubsteps = 4 * kMaxSubsteps;  ///< beyond: one rigid motion
-
+constexpr int kMaxSubsteps = 16;  ///< above, one implicit step is cheaper
 /// Of the kinetic energy (0.3 mJ at least): a substep that gains more is done again at half. Of a
 /// smooth motion, whose energy should neither rise nor fall, in kinetic energy and a fall of 1 m
 /// together: limbs that turn back have none of the first. Half: energy of piles rises x0.6;
 /// double: x2.
 constexpr double kRedoGain = 3e-4;
-
-/// Of the kinetic energy: more than friction between limbs gives back in a step.
+/// Of the kinetic energy: more than friction between limbs gives back in a step. Of the energy in
+/// springs: more than planes in place of round surfaces hide.
 constexpr double kMostGiven = 0.01;
-
-/// Of the energy in springs, that planes in place of round surfaces may hide.
-constexpr double kElsewhere = 0.01;
-
 /// Of a stick's length, how far an iteration moves its ends; [rad] of a rigid motion: more is lost.
 constexpr double kLargestTurn = 0.5;
 
-// --- Adaptive steps; textbook values, not measured.
-/// [s] sqrt(kLever / g): as long an error of velocities moves a limb before gravity turns it, so
-/// that it counts as one of positions.
-constexpr double kSwingTime = 0.1;
+// --- Adaptive steps.
 /// How much more the positions' error counts where something is met or let go: velocities, which jump
 /// a little sooner or later there, do not. 1: 1 window in 5 with contact is off at 1e-4 m/s.
 constexpr double kOfJumps = 8;
-/// Of the tolerance, what a part aims at, so that most stand at once [Hairer1993, II.4].
-constexpr double kAim = 0.38;
-constexpr double kLargestGrowth = 4;      ///< from one part to the next; its inverse the smallest
-constexpr int kOrderOfRk = 4;             ///< of the embedded estimate's error per second
-constexpr int kOrderOfShake = 2;          ///< likewise of step doubling
-constexpr double kDoubling = 3;           ///< 2^2 - 1: the difference over the halves' error
 /// [s] at a tolerance of 1 m/s; shorter with its square root, as of a method of second order.
 constexpr double kShortestPart = 5e-3;
-constexpr double kShortEnough = 1.01;      ///< of the shortest part: rounding is near
-constexpr double kReserved = 0.5;         ///< of the tolerance, for the parts that follow in a step
-constexpr double kLeastOfOrder = 0.25;    ///< of the order: a shorter part that gains less is in vain
-constexpr int kMaxInVain = 2;             ///< in a row: the motion has a jump or a fork there
-constexpr int kMaxUnknown = 4;            ///< likewise where the step guard acts, or nothing is found
-constexpr double kUnknownRate = 1e300;    ///< [m/s] where no motion was found
+constexpr double kReserved = 0.5;      ///< of the tolerance, for the parts that follow in a step
+constexpr double kLeastOfOrder = 0.25;  ///< of the order: a shorter part that gains less is in vain
 
-/// Of the kinetic energy and a fall of 1 m: what rk from event to event may gain is rounding.
-constexpr double kExactGain = 1e-9;
+// --- Not tuned: made of others.
+constexpr double kTouching = 10 * kContactTolerance;  ///< [m] a gap smaller than that is closed
+constexpr double kSlop = kClose / 2;  ///< [m] a solution may leave; also of overlapping capsules
+constexpr double kRestsWithin = 2 * kClose;  ///< [m] what a sleeper presses on is nearer
+/// [m/s] of an overlap with an obstacle that follows a frame of others: it jumps onto a limb in the
+/// midst of a run, and the limb's end is whipped faster (60 random runs: with 1 to 2.1, with 2 to
+/// 4.2).
+constexpr double kFollowedRecoverySpeed = kRecoverySpeed / 2;
+constexpr double kWildSpeed = 5 * kRecoverySpeed;         ///< [m/s] that no overlap opens at
+constexpr int kImplicitRounds = 2 * kMaxRounds;           ///< implicit steps start farther off
+constexpr double kDeepImpact = 2 * kLever;                ///< [m] for a body of human size
+constexpr int kMaxDeepImpacts = 4 * kMaxLocated;          ///< of contacts that would reach so deep
+constexpr int kMaxDriven = kMaxSubsteps / 4;              ///< while obstacles or pins move
+constexpr int kMaxImplicitSubsteps = 4 * kMaxSubsteps;    ///< beyond: one rigid motion
+/// [s] sqrt(kLever / g): as long an error of velocities moves a limb before gravity turns it, so that
+/// it counts as one of positions.
+constexpr double kSwingTime = 0.1;
 
-// --- Not tuned: what several files take for rounding.
+// --- Not tuned: the literature's.
+/// Of the tolerance, what a part aims at, so that most stand at once [Hairer1993, II.4].
+constexpr double kAim = 0.38;
+constexpr double kLargestGrowth = 4;  ///< from one part to the next; its inverse the smallest
+constexpr int kOrderOfRk = 4;         ///< of the embedded estimate's error per second
+constexpr int kOrderOfShake = 2;      ///< likewise of step doubling
+constexpr double kDoubling = 3;       ///< 2^2 - 1: the difference over the halves' error
+
+// --- Not tuned: caps.
+constexpr int kRecoverySweeps = 60;  ///< of relaxation, where Newton's method fails
+constexpr int kMaxSearches = 3;      ///< for contacts that others push the body into
+constexpr int kIslandRounds = 4;     ///< of islands that grow
+constexpr int kMaxInVain = 2;        ///< in a row: the motion has a jump or a fork there
+constexpr int kMaxUnknown = 2 * kMaxInVain;  ///< where the guard acts, or nothing is found
+constexpr int kAffineEvery = 256;    ///< [steps] rigid groups are put back into shape: of rounding
+
+// --- Not tuned: rounding.
+constexpr double kExactGain = 1e-9;     ///< as kRedoGain: what rk from event to event may gain
+constexpr double kShortEnough = 1.01;   ///< of the shortest part
+constexpr double kUnknownRate = 1e300;  ///< [m/s] where no motion was found
 constexpr double kSnap = 1e-6;          ///< of the substep: nearer to its ends is there
 constexpr double kNothingLeft = 1e-9;   ///< of the step: rounding of what was taken
 constexpr double kReportedGain = 1e-6;  ///< [J] less is not told

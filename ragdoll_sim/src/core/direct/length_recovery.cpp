@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/constants.h"
 #include "core/direct/constants.h"
 #include "core/direct/motion.h"
 #include "core/linear/constants.h"

@@ -1,7 +1,5 @@
 // What linear systems are solved by.
-// Not tuned: sizes, guards against rounding, caps of loops that converge, and what is made of
-// another constant. Unless it says more, half and double of a constant break no law of 60 random
-// scenes and 12 piles (ragdoll_lab extremes --random-only) and cost the same within 10 %.
+// How to read it: direct/constants.h.
 #pragma once
 
 namespace ragdoll {
@@ -14,16 +12,20 @@ constexpr double kSweepTolerance = 1e-7;  ///< largest change of an impulse, of 
 constexpr double kConstant = 0.1;  ///< what two ratios of changes may differ, of 1 less the ratio
 /// Below, the sweeps are as fast themselves. 0: x1.3 cost.
 constexpr double kLeastRatio = 0.2;
-constexpr double kMostRatio = 1 - kConstant / 2;  ///< above, impulses may be growing, by leaps
-constexpr double kEndless = 1e-3;  ///< what the ratio of changes that do not shrink is off 1
-constexpr int kEndlessSweeps = 4;  ///< so many of them: impulses grow without end, no solution
 
 // --- Batches of sweeps, where they alone do not settle (Schur::solveOn, anderson.h).
-constexpr int kMemory = 5;             ///< batches that are combined
-constexpr int kBatch = 2 * kMemory;    ///< [sweeps] what converges fast is then done
-constexpr int kBatches = 4 * kMemory;  ///< a cap
-constexpr double kNoChange = 1e-6;     ///< share by which changes of no end differ
-constexpr double kMostGrowth = 1e4;    ///< of impulses: rows contradict each other, no use
+constexpr int kMemory = 5;  ///< batches that are combined
+
+// --- Not tuned: made of others.
+constexpr double kMostRatio = 1 - kConstant / 2;  ///< above, impulses may be growing, by leaps
+constexpr int kBatch = 2 * kMemory;               ///< [sweeps] what converges fast is then done
+
+// --- Not tuned: caps, and guards against impulses that grow without end.
+constexpr int kBatches = 4 * kMemory;
+constexpr double kEndless = 1e-3;   ///< what the ratio of changes that do not shrink is off 1
+constexpr int kEndlessSweeps = 4;   ///< so many of them: there is no solution
+constexpr double kNoChange = 1e-6;  ///< share by which changes of no end differ
+constexpr double kMostGrowth = 1e4;  ///< of impulses: rows contradict each other, no use
 
 // --- Not tuned: the unit in which bodies are large or small.
 constexpr double kHumanStick = 0.25;  ///< [m] a usual length

@@ -1,10 +1,12 @@
 // What sleep and findings go by; the speeds and times of sleep are public (sleep.h).
-// Not tuned: sizes, guards against rounding, caps of loops that converge, and what is made of
-// another constant.
+// How to read it: direct/constants.h.
 #pragma once
+
+#include "core/contact/constants.h"
 
 namespace ragdoll {
 
-constexpr double kWakeReach = 0.05;  ///< [m] an obstacle that moves this near wakes a body
+// --- Not tuned: made of others.
+constexpr double kWakeReach = 10 * kNearBody;  ///< [m] an obstacle that moves this near wakes a body
 
 }  // namespace ragdoll
