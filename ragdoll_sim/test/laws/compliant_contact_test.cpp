@@ -287,8 +287,8 @@ obstacles:
 }
 
 /// Sticks thrown at what is soft, as they come: where the deepest place passes from a stick onto its
-/// end no spring is added to that which is there (40 % of the energy came of it), and what a coarse
-/// step does not see of a place that runs along the stick is done again.
+/// end no spring is added to that which is there (40 % of the energy came of it), and energy is that
+/// of all springs, not of those that a motion knew (up to 144 % at 120 Hz).
 TEST(CompliantContactOfASmallBody, SticksThrownAtSoftThingsGainNothing) {
   const std::string things[] = {"type: capsule, from: [0, -1, -0.1], to: [0, 1, -0.1], radius: 0.1",
                                 "type: sphere, position: [0, 0, -0.2], radius: 0.2",
@@ -312,7 +312,7 @@ TEST(CompliantContactOfASmallBody, SticksThrownAtSoftThingsGainNothing) {
       const double before = kineticEnergy(world.model, world.state);
       world.steps(static_cast<int>(0.8 * hz));
       const double gain = kineticEnergy(world.model, world.state) / before - 1;
-      EXPECT_LT(gain, hz < 500 ? 5e-3 : 1e-4) << things[i % 3] << " " << i << " " << hz;
+      EXPECT_LT(gain, 1e-9) << things[i % 3] << " " << i << " " << hz;
       if (hz > 500 && i % 3 < 2) EXPECT_GT(gain, -1e-3) << things[i % 3] << " " << i;
     }
   }

@@ -48,40 +48,6 @@ bool isPassed(const Body& body, const Contact& c) {
          std::count(passed.begin(), passed.end(), c.obstacle) > 0;
 }
 
-/// [J] in the springs of contacts after the motion.
-double storedAfter(const Body& body, const std::vector<Contact>& contacts) {
-  double stored = 0;
-  for (const Contact& c : contacts) stored += c.storedEnergy(gapAfter(body, c));
-  return stored;
-}
-
-/// [J] in springs that press where the motion ends, beyond what its contacts know: of others, or at
-/// other places. What is less is of the planes that stand for round surfaces.
-double storedElsewhere(Body& body, const Points& after) {
-  const StepContext& step = *body.context;
-  ConstraintSet& set = body.constraints;
-  set.missed.clear();
-  appendContacts(step.model, step.ws.obstacles, after, after, body.index, 0, set.missed);
-  const double stored = storedAfter(body, set.missed);
-  const double more = stored - storedAfter(body, set.contacts);
-  return more > kMostGiven * stored ? more : 0;
-}
-
-/// [J] in springs of the motion that were not there at its start, though they are deep in: of places
-/// that pass from a particle onto a stick.
-double storedFromNowhere(Body& body) {
-  const StepContext& step = *body.context;
-  ConstraintSet& set = body.constraints;
-  double stored = 0;
-  for (const Contact& c : set.contacts) stored += c.storedEnergy(c.before);
-  if (stored == 0) return 0;
-  set.missed.clear();
-  appendContacts(step.model, step.ws.obstacles, step.state.x, step.state.x, body.index, 0,
-                 set.missed);
-  for (const Contact& c : set.missed) stored -= c.storedEnergy(c.gap_start);
-  return std::max(0.0, stored);
-}
-
 /// Takes out the contacts with the obstacles that the body is in.
 void passThrough(Body& body) {
   std::vector<Contact>& all = body.constraints.contacts;
@@ -135,12 +101,11 @@ void findCandidates(Body& body, double h) {
     body.detector.appendSelf(step.model, step.state.x, after, body.index,
                              PairSearch::touches(kNearBody), set.contacts);
   if (body.overlaps == OverlapPolicy::kPassThrough) passThrough(body);
-  set.overlap = set.uncounted = 0;
+  set.overlap = 0;
   for (Contact& c : set.contacts) {
     startContact(body, c, h);
     if (!c.isSoft()) set.overlap = std::max(set.overlap, -c.gap_start);
   }
-  set.created = step.model.compliant && !step.relaxed ? storedFromNowhere(body) : 0;
   set.contact_role.assign(set.contacts.size(), Role::kIfNear);
   if (body.isWhole()) addLimits(body, kNearLimit, h, Role::kIfNear);
 }
@@ -178,7 +143,6 @@ bool findMissed(Body& body, double h) {
   const bool limits = body.isWhole() || step.relaxed;
   const Points& after = poseAfter(body);
   bool any = limits && addLimits(body, -kGapResolution / kLever, step.h, Role::kActive);
-  set.uncounted = step.model.compliant && !step.relaxed ? storedElsewhere(body, after) : 0;
   set.missed.clear();
   if (!step.ws.obstacles.empty()) {
     appendContacts(step.model, step.ws.obstacles, step.state.x, after, body.index, 0, set.missed);

@@ -49,8 +49,7 @@ constexpr int kMaxSubsteps = 16;  ///< above, one implicit step is cheaper
 /// together: limbs that turn back have none of the first. Half: energy of piles rises x0.6;
 /// double: x2.
 constexpr double kRedoGain = 3e-4;
-/// Of the kinetic energy: more than friction between limbs gives back in a step. Of the energy in
-/// springs: more than planes in place of round surfaces hide.
+/// Of the kinetic energy: more than friction between limbs gives back in a step.
 constexpr double kMostGiven = 0.01;
 /// Of a stick's length, how far an iteration moves its ends; [rad] of a rigid motion: more is lost.
 constexpr double kLargestTurn = 0.5;

@@ -35,9 +35,6 @@ struct ConstraintSet {
   std::vector<SpringRow> springs;            ///< of the contacts
   int own_rows = 0;                          ///< rows of contacts with other bodies come after
   double overlap = 0;                        ///< [m] the deepest, at the motion's start
-  // [J] in springs, beside what contacts store before and after the motion:
-  double created = 0;    ///< at its start, of those that were not there before
-  double uncounted = 0;  ///< at its end, of those that it was not solved with
   std::vector<int> passed;                   ///< obstacles that the body is dragged through
   std::vector<Contact> missed;               ///< scratch: what the motion was pushed into
 };

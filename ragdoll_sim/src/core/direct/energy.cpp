@@ -3,30 +3,76 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/detect.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/workspace.h"
 #include "core/mechanics/energy_removal.h"
 
 namespace ragdoll {
 namespace {
 
-/// [J] that a contact's spring gave to the motion.
-double releasedEnergy(const Contact& c, const State& state) {
-  return c.storedEnergy(c.before) - c.storedEnergy(c.gapAt(state.x));
+/// [J] in the springs of contacts with obstacles at a pose (3 x N), before or after the motion: a
+/// motion itself knows those that it was solved with, and by planes.
+double storedAt(Body& body, const Points& pose, bool after) {
+  const StepContext& step = *body.context;
+  std::vector<Contact>& contacts = body.constraints.missed;
+  contacts.clear();
+  appendContacts(step.model, step.ws.obstacles, pose, pose, body.index, 0, contacts);
+  if (step.model.self_collision)
+    body.detector.appendSelf(step.model, pose, pose, body.index, PairSearch::touches(0), contacts);
+  double stored = 0;
+  for (const Contact& c : contacts) stored += c.storedEnergy(after ? c.gapAt(pose) : c.gap_start);
+  return stored;
 }
 
-/// [J] that soft limits and springs of contacts gave to the motion: less than at its start is
-/// stored in them.
-double releasedEnergy(const Body& body) {
-  double released = -body.constraints.created - body.constraints.uncounted;
-  for (const Contact& c : body.constraints.contacts)
-    released += releasedEnergy(c, body.context->state);
+/// [J] that springs of contacts gave to the motion.
+double releasedByContacts(Body& body) {
+  const StepContext& step = *body.context;
+  if (!step.model.compliant || step.relaxed) return 0;
+  double released = -storedAt(body, step.state.x, true);
+  Points& before = posesOf(step);
+  before.middleCols(body.first, body.n) = body.saved.x;
+  released += storedAt(body, before, false);
+  return released;
+}
+
+/// [J] that these and soft limits gave to the motion: less than at its start is stored in them.
+double releasedEnergy(Body& body) {
+  double released = releasedByContacts(body);
   for (const LimitRow& limit : body.constraints.limits) {
     if (limit.compliance == 0) continue;
     const double value = std::min(0.0, anglesBefore(body)[limit.limit]);
     released += (limit.start * limit.start - value * value) / (2 * limit.compliance);
   }
   return released;
+}
+
+/// [J] in the springs between bodies at a pose.
+double storedBetween(Island& island, const Points& pose) {
+  const StepContext& step = island.context;
+  std::vector<Contact>& contacts = island.pairs.missed;
+  contacts.clear();
+  island.s.detector.appendBetween(step.model, step.state, island.s.all, pose, pose,
+                                  PairSearch::touches(0), contacts);
+  double stored = 0;
+  for (const Contact& c : contacts) stored += c.storedEnergy(c.gap_start);
+  return stored;
+}
+
+/// [J] that these gave to the motion.
+double releasedByPairs(Island& island) {
+  const StepContext& step = island.context;
+  if (island.isLone() || !step.model.compliant || step.relaxed) return 0;
+  Points& before = posesOf(step);
+  for (const int i : island.s.all) {  // of sleepers it stays; others may move at the same time
+    const Ragdoll& r = step.model.ragdolls[i];
+    const int n = step.model.skeletonOf(r).size();
+    before.middleCols(r.first, n) = step.state.x.middleCols(r.first, n);
+  }
+  for (const Body* body : island.bodies) before.middleCols(body->first, body->n) = body->saved.x;
+  const double stored = storedBetween(island, before);
+  return stored - storedBetween(island, step.state.x);
 }
 
 bool isSmooth(const Body& body) {
@@ -116,8 +162,7 @@ bool isSmooth(const Island& island) {
 double gainedEnergy(Island& island, double drive) {
   double gain = 0;
   for (Body* body : island.bodies) gain += gainedEnergy(*body, drive);
-  for (const Contact& c : island.pairs.contacts) gain -= releasedEnergy(c, island.context.state);
-  return gain;
+  return gain - releasedByPairs(island);
 }
 
 bool isLargeGain(Island& island, double gain, bool smooth) {
