@@ -75,6 +75,21 @@ TEST(CompliantPairs, ThePeakForceOfABlowIsThatOfTheReducedMass) {
   EXPECT_NEAR(peak / std::sqrt(0.5 * 0.5 * kStiffness), 1, 0.01);
 }
 
+/// Along each other they have two springs, whose forces add up.
+TEST(CompliantPairs, ThePeakForceOfTwoSpringsIsTheirSum) {
+  World world(sceneOfText(bar(kBelow) + bar("name: falls, position: [0, 0, 0.15], velocity: [0, 0, -1]"), 1000));
+  Contacts contacts(world.model);
+  world.workspace.keepContacts(&contacts.log());
+  double peak = 0;
+  for (int i = 0; i < 100; ++i) {
+    contacts.begin(world.state);
+    world.steps(1);
+    contacts.end(world.model, world.inputs, world.state);
+    for (const Touch& t : contacts.take().touches) peak = std::max(peak, t.peak_force);
+  }
+  EXPECT_NEAR(peak / std::sqrt(0.5 * kStiffness), 1, 0.01);
+}
+
 /// A bar that pins hold is an obstacle: the same springs, places and directions.
 TEST(CompliantPairs, ABarThatIsHeldIsACapsule) {
   const std::string falls =
@@ -100,20 +115,30 @@ TEST(CompliantPairs, ABarThatIsHeldIsACapsule) {
 /// Off their middles, at an angle, sliding and turning: energy only goes to friction, and momentum
 /// stays. Finer steps lead to one motion.
 TEST(CompliantPairs, BarsThatMeetAnyhowNeitherGainEnergyNorMomentum) {
-  const std::string falls =
-      "name: falls, position: [0.1, -0.13, 0.15], rpy_deg: [0, 0, 70], velocity: [0.2, 0.1, -1]";
-  for (const double hz : {120, 500, 2000}) {
-    World world(sceneOfText(bar(kBelow) + bar(falls), hz));
-    const Vec3 p = momentum(world.model, world.state), l = angularMomentum(world.model, world.state);
-    double least = energy(world);
-    for (int i = 0; i < 0.3 * hz; ++i) {
-      world.steps(1);
-      EXPECT_LT(energy(world), least + 1e-3) << hz << " " << i;
-      least = std::min(least, energy(world));
+  const char* starts[] = {
+      "position: [0.1, -0.13, 0.15], rpy_deg: [0, 0, 70], velocity: [0.2, 0.1, -1]",
+      // All but along each other, where one spring becomes two: 1.1 to 2.3 times the energy.
+      "position: [0, 0, 0.2], rpy_deg: [0, 0, 8], velocity: [0, 0, -2], angular_velocity: [0, 2, 0]",
+      "position: [0.1, 0, 0.2], rpy_deg: [0, 0, 8], velocity: [0, 0, -2], angular_velocity: [0, 2, 0]",
+      // Friction's moment was not given back while springs let go: 15 % of it was lost.
+      "position: [0.14, 0.03, 0.3], rpy_deg: [0, 43, -159], velocity: [0, 0, -2], angular_velocity: [-3, 4, 1.5]"};
+  for (const std::string start : starts)
+    for (const double hz : {60, 120, 500, 2000}) {
+      World world(sceneOfText(bar(kBelow) + bar("name: falls, " + start), hz));
+      const Vec3 p = momentum(world.model, world.state), l = angularMomentum(world.model, world.state);
+      const double before = energy(world);
+      double least = before;
+      for (int i = 0; i < 0.3 * hz; ++i) {
+        world.steps(1);
+        EXPECT_LT(energy(world), least + 1e-9) << start << hz << " " << i;
+        least = std::min(least, energy(world));
+      }
+      EXPECT_LT(least, 0.999 * before) << "they meet";
+      EXPECT_LT((momentum(world.model, world.state) - p).norm(), 1e-11);
+      // In coarse steps along each other what would give it back would give energy, too.
+      if (hz >= 500 || start == starts[3])
+        EXPECT_LT((angularMomentum(world.model, world.state) - l).norm(), 1e-10) << start << hz;
     }
-    EXPECT_LT((momentum(world.model, world.state) - p).norm(), 1e-12);
-    EXPECT_LT((angularMomentum(world.model, world.state) - l).norm(), 1e-10);
-  }
 }
 
 /// On two bars that are held, with dampers: it sinks in by its weight over the springs, and each

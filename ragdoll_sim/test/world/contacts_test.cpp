@@ -381,6 +381,19 @@ TEST(Contacts, BallThatFallsTellsItsApproach) {
   EXPECT_NEAR(impacts[2].contact.approach, 0.4 * v, 0.02 * v);
 }
 
+TEST(Contacts, ApproachByFastIsThatBeforeTheStep) {
+  World world(parseScene(balls("1.1", 2, "obstacles: [{type: plane, restitution: 0}]\nsolver: {method: fast}\n")));
+  world.keepContacts(true);
+  std::vector<ImpactReport> impacts;
+  for (int i = 0; i < 120; ++i) {
+    world.advance();
+    const ContactReport report = *world.takeContacts();
+    impacts.insert(impacts.end(), report.impacts.begin(), report.impacts.end());
+  }
+  ASSERT_GE(impacts.size(), 1u);
+  EXPECT_NEAR(impacts[0].contact.approach, std::sqrt(2 * kG * 1.0), 1.5 * kG * world.stepLength());
+}
+
 TEST(Contacts, AreTheSameWhenOneBeginsToListenLater) {
   Scene scene = loadScene("fall");
   World early(scene), late(scene);

@@ -33,10 +33,16 @@ struct ContactLog {
   std::vector<ContactImpulse> impulses;
 };
 
+/// Before a step: velocities (3 x N) [m/s], and what pressed.
+struct PressedBefore {
+  Points v;
+  std::vector<CachedImpulse> impulses;
+};
+
 /// What presses on the ragdolls whose `wanted` is set, as a state alone tells it: the contacts that
 /// its cached impulses are of, each times the step; of a ragdoll without any (relaxation keeps none)
-/// all that touch, without an impulse.
+/// all that touch, without an impulse. before: what begins to press has its approach by that.
 void appendPressing(const Model& model, const State& state, const std::vector<std::uint8_t>& wanted,
-                    std::vector<ContactImpulse>& out);
+                    std::vector<ContactImpulse>& out, const PressedBefore* before = nullptr);
 
 }  // namespace ragdoll

@@ -57,12 +57,9 @@ Vec3 givenByPokes(const Island& island, const Vec3& middle, double took) {
 /// can follow.
 double shareToGive(Island& island, const Vec3& spin, const Rotation& now) {
   const double given = spin.dot(now.angular), square = spin.dot(now.inertia * spin);
-  double lost = 0, energy = 0;
-  for (Body* body : island.bodies) {
-    lost -= gainedEnergy(*body, 0);
-    energy += kineticEnergy(*body);
-  }
-  double spare = std::max(0.0, lost);
+  double energy = 0;
+  for (Body* body : island.bodies) energy += kineticEnergy(*body);
+  double spare = std::max(0.0, -gainedEnergy(island, 0));
   if (!isSmooth(island)) spare += kMostGiven * energy;  // else no gain is taken out
   if (!(given + 0.5 * square > spare)) return 1;
   return (std::sqrt(given * given + 2 * square * spare) - given) / square;

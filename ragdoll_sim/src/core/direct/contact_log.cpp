@@ -159,6 +159,18 @@ void addSpring(const Island& island, const Contact& c, double answer, double h,
 
 ContactLog& logOf(const Island& island) { return *island.context.log; }
 
+/// Two sticks that lie along each other have two springs: together they press at their peak.
+void addPeaks(std::vector<ContactImpulse>& entries, std::size_t first) {
+  for (std::size_t i = first; i + 1 < entries.size(); ++i) {
+    ContactImpulse &a = entries[i], &b = entries[i + 1];
+    if (a.other != b.other || a.ragdoll != b.ragdoll || a.particle != b.particle ||
+        a.other_particle != b.other_particle)
+      continue;
+    a.peak += b.peak;
+    b.peak = 0;
+  }
+}
+
 }  // namespace
 
 void logImpulse(const Body& body, const Contact& c, const LoggedImpact& impact, const double* x,
@@ -236,12 +248,21 @@ void logVelocities(Island& island, const RowValues& rates, int first_pair, const
         add(body.touching.contacts[schur.row(i).source], s.joint.firstOf(static_cast<int>(k)) + i,
             schur.matrix()(i, i), &body, i);
   }
+  const std::size_t first = logSize(island);
   for (std::size_t i = 0; i < island.pairs.touching.size(); ++i)
     add(island.pairs.touching[i], first_pair + 3 * static_cast<int>(i),
         pairAnswer(island, static_cast<int>(i)), nullptr, 0);
+  addPeaks(logOf(island).impulses, first);
 }
 
 namespace {
+
+bool hasPressed(const PressedBefore& before, const CachedImpulse& key) {
+  return std::any_of(before.impulses.begin(), before.impulses.end(), [&](const CachedImpulse& c) {
+    return c.ragdoll == key.ragdoll && c.obstacle == key.obstacle && c.a == key.a && c.b == key.b &&
+           c.other == key.other;
+  });
+}
 
 /// Of bodies with each other; sleepers, too.
 std::vector<Contact> nearEachOther(const Model& model, State state, PairDetector& detector) {
@@ -255,7 +276,7 @@ std::vector<Contact> nearEachOther(const Model& model, State state, PairDetector
 }  // namespace
 
 void appendPressing(const Model& model, const State& state, const std::vector<std::uint8_t>& wanted,
-                    std::vector<ContactImpulse>& out) {
+                    std::vector<ContactImpulse>& out, const PressedBefore* before) {
   std::vector<SweptObstacle> obstacles;
   sweepObstacles(model, state, {}, obstacles);
   PairDetector detector;
@@ -283,7 +304,10 @@ void appendPressing(const Model& model, const State& state, const std::vector<st
       if (!pressed && !cache.empty() && c.other < 0) continue;
       c.found = c.offset;
       out.push_back(entryOf(model, state, c));
-      if (pressed) out.back().impulse = model.solver.step * pressed->impulse;
+      if (!pressed) continue;
+      out.back().impulse = model.solver.step * pressed->impulse;
+      if (before && !hasPressed(*before, keyOf(c)))
+        out.back().approach = std::max(0.0, -c.normal.dot(c.of(before->v)));
     }
     for (std::size_t k = 0; k < cache.impulses().size(); ++k)
       if (!cache.isHandedOut(k)) addLeft(model, state, cache.impulses()[k], out);

@@ -322,7 +322,8 @@ void stepPacks(const StepContext& context, FastScratch& s, StepReport& report,
 void stepFast(const StepContext& context, FastScratch& s, StepReport& report) {
   const Model& model = context.model;
   State& state = context.state;
-  if (model.ragdoll_collision || model.compliant) {
+  s.packed = !model.ragdoll_collision && !model.compliant;
+  if (!s.packed) {
     report.fast_fallbacks =
         static_cast<int>(std::count(state.asleep.begin(), state.asleep.end(), std::uint8_t(0)));
     return stepDirect(context, report);

@@ -56,6 +56,7 @@ struct FastScratch {
   bool driven = false;             ///< an obstacle moves
   std::vector<fast::PackScratch> packs;  ///< per thread
   std::vector<int> left;                 ///< ragdolls for the direct method
+  bool packed = false;                   ///< the others were in packs; else none was
   int most_lanes = 0;  ///< of a pack; 0: as many as the processor has. For tests.
 };
 

@@ -32,6 +32,21 @@ const Points* gatherForces(const Inputs& inputs, double h, const State& state, P
   return any ? &force : nullptr;
 }
 
+/// Relaxation and packs keep no account of what contacts gave.
+bool hasNoLog(Method method) { return method == Method::kJakobsen || method == Method::kFast; }
+
+/// What presses of the bodies that a method without a log has moved.
+void logPressing(const Model& model, const State& state, Workspace::Impl& ws) {
+  const bool fast = model.solver.method == Method::kFast;
+  if (fast && !ws.fast.packed) return;
+  if (!fast) ws.log->impulses.clear();  // its guard's steps
+  ws.unlogged.resize(model.ragdolls.size());
+  for (std::size_t i = 0; i < ws.unlogged.size(); ++i) ws.unlogged[i] = !state.asleep[i];
+  if (fast)
+    for (const int i : ws.fast.left) ws.unlogged[i] = 0;
+  appendPressing(model, state, ws.unlogged, ws.log->impulses, &ws.before);
+}
+
 }  // namespace
 
 StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, State& state) {
@@ -44,6 +59,7 @@ StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, 
   ws.supports.gripped.assign(model.ragdolls.size(), 0);
   const bool relaxed = model.solver.method == Method::kJakobsen;
   if (ws.log) ws.log->impulses.clear();
+  if (ws.log && hasNoLog(model.solver.method)) ws.before = {state.v, state.impulses};
   const StepContext context{model,      inputs,  h,     gatherForces(inputs, h, state, ws.force),
                             ws.guarded, relaxed, state, ws.direct,
                             ws.supports, ws.log};
@@ -53,12 +69,7 @@ StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, 
     stepFast(context, ws.fast, report);
   else
     stepDirect(context, report);
-  if (ws.log && (relaxed || model.solver.method == Method::kFast)) {
-    ws.awake.resize(model.ragdolls.size());  // these methods keep no account of their own
-    for (std::size_t i = 0; i < ws.awake.size(); ++i) ws.awake[i] = !state.asleep[i];
-    ws.log->impulses.clear();
-    appendPressing(model, state, ws.awake, ws.log->impulses);
-  }
+  if (ws.log && hasNoLog(model.solver.method)) logPressing(model, state, ws);
   if (model.solver.sleep) putToSleep(model, h, ws.supports, state);
   if (!inputs.obstacles.empty()) state.obstacles = inputs.obstacles;
   ++state.step;

@@ -16,7 +16,8 @@ struct Workspace::Impl {
   DirectWorkspace direct;
   FastScratch fast;
   ContactLog* log = nullptr;
-  std::vector<std::uint8_t> awake;
+  std::vector<std::uint8_t> unlogged;  ///< ragdolls that a method without a log has moved
+  PressedBefore before;                ///< of the step, where the method has no log
   bool guarded = true;  ///< false: the step guard is off
 };
 
