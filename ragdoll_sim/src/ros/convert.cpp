@@ -84,7 +84,7 @@ ragdoll_msgs::RagdollModel toRagdollModel(const Ragdoll& ragdoll, const Skeleton
   const auto names = skeleton.particles.begin();
   m.particles.assign(names, names + skeleton.named);
   const Eigen::VectorXd masses = pointMasses(skeleton);
-  m.masses.assign(masses.begin(), masses.end());
+  m.masses.assign(masses.data(), masses.data() + masses.size());
   m.mass = masses.sum();
   m.sticks.resize(skeleton.sticks.size());
   for (std::size_t k = 0; k < skeleton.sticks.size(); ++k) {

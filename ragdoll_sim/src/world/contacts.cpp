@@ -22,14 +22,23 @@ auto keyOf(const ContactImpulse& c) {
 
 bool isBefore(const ContactImpulse& a, const ContactImpulse& b) { return keyOf(a) < keyOf(b); }
 
+/// Of two parts, by how much each pressed: about it friction stays within its cone.
+Vec3 meanNormal(const ContactImpulse& a, const ContactImpulse& b) {
+  const Vec3 sum = std::max(0.0, a.impulse.dot(a.normal)) * a.normal +
+                   std::max(0.0, b.impulse.dot(b.normal)) * b.normal;
+  return sum.norm() > 0 ? Vec3(sum.normalized()) : b.normal;
+}
+
 /// A later part of the same contact.
 void addTo(ContactImpulse& sum, const ContactImpulse& next) {
+  const Vec3 normal = meanNormal(sum, next);
   const Vec3 impulse = sum.impulse + next.impulse;
   const double approach = std::max(sum.approach, next.approach);
   const double mass = next.effective_mass > 0 ? next.effective_mass : sum.effective_mass;
   const double slip = next.effective_mass > 0 ? next.slip : sum.slip;
   const double peak = std::max(sum.peak, next.peak);
   sum = next;
+  sum.normal = normal;
   sum.peak = peak;
   sum.impulse = impulse;
   sum.approach = approach;
