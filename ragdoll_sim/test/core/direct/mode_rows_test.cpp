@@ -84,7 +84,7 @@ TEST(ModeRows, OfAStickFollowTheNearestPlace) {
     Above one(oneStick(), obstacle);
     for (int sample = 0; sample < 50; ++sample) {
       Coordinates x, v;
-      for (double& c : v) c = unit(random);
+      for (int k = 0; k < v.size(); ++k) v(k) = unit(random);
       const bool round = obstacle.type == ObstacleSpec::Type::kSphere;
       if (round)
         x << -0.5, -0.3, 0.8, 0.5, 0.2, 1.1;

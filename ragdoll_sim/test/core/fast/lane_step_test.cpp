@@ -100,7 +100,8 @@ TEST(LaneStep, DampingInsideLeavesTheRigidMotionWithTheSameMomenta) {
   std::normal_distribution<double> normal;
   Points& x = one.bodies[0].x;
   x.col(2) = x.col(1) + Vec3(0, 0.6, 0.8);
-  for (double& v : one.bodies[0].v.reshaped()) v = normal(random);
+  Points& v = one.bodies[0].v;
+  for (int i = 0; i < v.size(); ++i) v.data()[i] = normal(random);
   OneLane& w = one.predicted();
   EXPECT_NEAR(fast::energyOf(one.body, w, w.v, 1), 0.5 * one.bodies[0].v.squaredNorm(), 1e-14);
   fast::dampInside(one.body, 0, w);

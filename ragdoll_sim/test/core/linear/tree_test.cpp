@@ -210,7 +210,7 @@ class Both {
   Points randomMotion(double size) {
     std::uniform_real_distribution<double> unit(-1, 1);
     Points force(3, x_.cols());
-    for (double& f : force.reshaped()) f = unit(random_);
+    for (int i = 0; i < force.size(); ++i) force.data()[i] = unit(random_);
     Points dx = force * model_.systemOf(model_.ragdolls[0]).direct.W;
     return size / dx.cwiseAbs().maxCoeff() * dx;
   }
