@@ -75,12 +75,9 @@ void FrameLookup::hearOwn(const Event& event) {
 }
 
 void FrameLookup::takeOwn() const {
-  std::deque<Event> news;
-  {
-    std::lock_guard<std::mutex> lock(mutex_);
-    news.swap(own_);
-  }
-  for (const Event& event : news) take(*event.getConstMessage(), ros::this_node::getName(), false);
+  std::lock_guard<std::mutex> lock(mutex_);  // all the while: who looks at the same time has them, too
+  for (const Event& event : own_) take(*event.getConstMessage(), ros::this_node::getName(), false);
+  own_.clear();
 }
 
 std::vector<std::string> FrameLookup::take(const tf2_msgs::TFMessage& message,

@@ -92,6 +92,29 @@ TEST(EventsOnSprings, ASoftHumanLandsAtFifthOrder) {
   EXPECT_LT(fine, 1e-10);
 }
 
+/// Feet that land on a soft slope and stick, slide a little, or slide freely: shake meets rk, at its
+/// order (it was 1.2, with 3.6e-4 m at 250 Hz).
+TEST(EventsOnSprings, FeetOnASoftSlopeAreWhereShakeSaysToSecondOrder) {
+  for (const double friction : {1.0, 0.1, 0.0}) {
+    Scene scene = parseScene(
+        "ragdolls: [{model: human, contact: compliant, position: [0, 0, 0.995]}]\n"
+        "obstacles: [{type: plane, normal: [0.17, 0, 1], stiffness: 20000}]\nsolver: {sleep: false}\n");
+    scene.obstacles[0].friction = friction;
+    const auto after = [&](Method method, double hz) {
+      scene.solver.method = method;
+      scene.solver.events = method == Method::kRk;
+      scene.solver.step = 1 / hz;
+      World world(scene);
+      world.steps(static_cast<int>(std::lround(0.1 * hz)));
+      return world.state.x;
+    };
+    const Points exact = after(Method::kRk, 2000);
+    EXPECT_LT((after(Method::kShake, 250) - exact).cwiseAbs().maxCoeff(), 1e-4) << friction;
+    EXPECT_LT((after(Method::kShake, 1000) - exact).cwiseAbs().maxCoeff(), 6.5e-6) << friction;
+    EXPECT_LT((after(Method::kShake, 4000) - exact).cwiseAbs().maxCoeff(), 4.5e-7) << friction;
+  }
+}
+
 /// A stick whose ends meet a soft sphere: where the place is passes from the stick to its end and
 /// back, and the guard sees what the springs hold, not what planes say.
 TEST(EventsOnSprings, AStickLeavesASoftSphereWithItsEnergy) {

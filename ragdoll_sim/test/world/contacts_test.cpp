@@ -365,15 +365,20 @@ obstacles: [{type: box, name: edge, position: [-0.5, 0, 0], size: [1.02, 1, 0.2]
   EXPECT_EQ(otherName(*world.model(), c), "edge");
 }
 
-TEST(Contacts, BallThatFallsTellsItsApproach) {
-  World world(parseScene(balls("1.1", 2, "obstacles: [{type: plane, restitution: 0.4}]\n")));
+std::vector<ImpactReport> impactsOf(World& world, int steps) {
   world.keepContacts(true);
   std::vector<ImpactReport> impacts;
-  for (int i = 0; i < 120; ++i) {
+  for (int i = 0; i < steps; ++i) {
     world.advance();
     const ContactReport report = *world.takeContacts();
     impacts.insert(impacts.end(), report.impacts.begin(), report.impacts.end());
   }
+  return impacts;
+}
+
+TEST(Contacts, BallThatFallsTellsItsApproach) {
+  World world(parseScene(balls("1.1", 2, "obstacles: [{type: plane, restitution: 0.4}]\n")));
+  const std::vector<ImpactReport> impacts = impactsOf(world, 120);
   ASSERT_GE(impacts.size(), 4u);
   const double v = std::sqrt(2 * kG * 1.0);
   EXPECT_NEAR(impacts[0].contact.approach, v, 1e-3);
@@ -383,13 +388,7 @@ TEST(Contacts, BallThatFallsTellsItsApproach) {
 
 TEST(Contacts, ApproachByFastIsThatBeforeTheStep) {
   World world(parseScene(balls("1.1", 2, "obstacles: [{type: plane, restitution: 0}]\nsolver: {method: fast}\n")));
-  world.keepContacts(true);
-  std::vector<ImpactReport> impacts;
-  for (int i = 0; i < 120; ++i) {
-    world.advance();
-    const ContactReport report = *world.takeContacts();
-    impacts.insert(impacts.end(), report.impacts.begin(), report.impacts.end());
-  }
+  const std::vector<ImpactReport> impacts = impactsOf(world, 120);
   ASSERT_GE(impacts.size(), 1u);
   EXPECT_NEAR(impacts[0].contact.approach, std::sqrt(2 * kG * 1.0), 1.5 * kG * world.stepLength());
 }

@@ -59,7 +59,10 @@ StepReport step(const Model& model, const Inputs& inputs, Workspace& workspace, 
   ws.supports.gripped.assign(model.ragdolls.size(), 0);
   const bool relaxed = model.solver.method == Method::kJakobsen;
   if (ws.log) ws.log->impulses.clear();
-  if (ws.log && hasNoLog(model.solver.method)) ws.before = {state.v, state.impulses};
+  if (ws.log && hasNoLog(model.solver.method)) {
+    ws.before.v = state.v;
+    ws.before.impulses = state.impulses;
+  }
   const StepContext context{model,      inputs,  h,     gatherForces(inputs, h, state, ws.force),
                             ws.guarded, relaxed, state, ws.direct,
                             ws.supports, ws.log};
