@@ -9,8 +9,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "imu_publisher.h"
 #include "ragdoll_sim/ros/convert.h"
+#include "topic_names.h"
 
 namespace ragdoll {
 namespace {
@@ -88,9 +88,8 @@ void ContactPublisher::follow(const Snapshot& world, const std::vector<std::stri
     return;
   }
   std::vector<ros::Publisher> topics;
-  for (const std::string& name : names)
-    topics.push_back(
-        nh_.advertise<geometry_msgs::WrenchStamped>("wrenches/" + topicName(name), kQueue));
+  for (const std::string& name : topicNames(names))
+    topics.push_back(nh_.advertise<geometry_msgs::WrenchStamped>("wrenches/" + name, kQueue));
   wrenches_ = std::move(topics);
   names_ = std::move(names);
 }

@@ -4,10 +4,10 @@
 #include <sensor_msgs/Imu.h>
 
 #include <algorithm>
-#include <cctype>
 #include <utility>
 
 #include "ragdoll_sim/ros/convert.h"
+#include "topic_names.h"
 
 namespace ragdoll {
 namespace {
@@ -39,14 +39,6 @@ double ageOf(const Snapshot& world, double time) {
 
 }  // namespace
 
-std::string topicName(const std::string& name) {
-  std::string out = name;
-  const auto fits = [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '/'; };
-  std::replace_if(
-      out.begin(), out.end(), [&](char c) { return !fits(c); }, '_');
-  return out;
-}
-
 ImuPublisher::ImuPublisher(ros::NodeHandle& nh, std::string frame_prefix)
     : nh_(nh), frame_prefix_(std::move(frame_prefix)) {}
 
@@ -57,8 +49,11 @@ void ImuPublisher::follow(const Snapshot& world) {
   scene_ = world.scene;
   topics_.clear();
   mounts_.clear();
+  std::vector<std::string> names;
+  for (const Sensor& sensor : world.model->sensors) names.push_back("imu/" + sensor.name);
+  for (const std::string& topic : topicNames(names))
+    topics_.push_back(nh_.advertise<sensor_msgs::Imu>(topic, kQueue));
   for (const Sensor& sensor : world.model->sensors) {
-    topics_.push_back(nh_.advertise<sensor_msgs::Imu>("imu/" + topicName(sensor.name), kQueue));
     const SensorFrame frame = sensorFrame(*world.model, *world.tracker, sensor);
     mounts_.push_back({frame.frame, frame.local});
   }

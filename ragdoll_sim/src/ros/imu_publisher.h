@@ -12,9 +12,6 @@
 
 namespace ragdoll {
 
-/// `name` as part of a topic's name: what those may not have becomes '_'.
-std::string topicName(const std::string& name);
-
 class ImuPublisher {
  public:
   ImuPublisher(ros::NodeHandle& nh, std::string frame_prefix);

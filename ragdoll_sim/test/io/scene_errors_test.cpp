@@ -77,7 +77,7 @@ TEST(SceneErrors, Sensors) {
   EXPECT_THAT(error("name: a, segment: torso, range: {gyroscope: 0}"),
               StartsWith("scene.yaml:3: sensors[0].range.gyroscope: is 0;"));
   EXPECT_THAT(error("name: a, segment: torso}\n  - {name: a, type: imu, segment: head"),
-              StartsWith("scene.yaml:4: sensors[1].name: duplicate sensor name 'ragdoll/a'"));
+              StartsWith("scene.yaml:4: sensors[1].name: name 'ragdoll/a' is another sensor's"));
   EXPECT_THAT(error("name: a"), StartsWith("scene.yaml:3: sensors[0]: "));
   EXPECT_THAT(errorAfterRagdoll("sensors: [{name: a, type: gps, segment: torso}]\n"),
               AllOf(StartsWith("scene.yaml:2: sensors[0].type: is 'gps'"), HasSubstr("imu")));

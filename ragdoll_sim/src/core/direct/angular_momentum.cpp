@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "core/direct/constants.h"
 #include "core/direct/energy.h"
@@ -14,10 +15,10 @@ constexpr double kRounding = 1e-15;  ///< of the angular momentum: less lost is 
 
 /// The motion of the bodies' common centre of mass, at x, v of each: of(body).
 template <class OfX, class OfV>
-RigidMotion driftOf(const Island& island, const OfX& x, const OfV& v) {
+RigidMotion driftOf(const std::vector<Body*>& bodies, const OfX& x, const OfV& v) {
   RigidMotion drift;
   double mass = 0;
-  for (const Body* body : island.bodies) {
+  for (const Body* body : bodies) {
     const Eigen::VectorXd& own = body->rows->mass;
     drift.centre += x(*body).lazyProduct(own);
     drift.drift += v(*body).lazyProduct(own);
@@ -29,9 +30,10 @@ RigidMotion driftOf(const Island& island, const OfX& x, const OfV& v) {
 }
 
 template <class OfX, class OfV>
-Rotation rotationOf(const Island& island, const RigidMotion& drift, const OfX& x, const OfV& v) {
+Rotation rotationOf(const std::vector<Body*>& bodies, const RigidMotion& drift, const OfX& x,
+                    const OfV& v) {
   Rotation all;
-  for (Body* body : island.bodies) {
+  for (Body* body : bodies) {
     const Rotation own = rotationOf(massOf(*body), x(*body), v(*body), drift);
     all.angular += own.angular;
     all.inertia += own.inertia;
@@ -40,12 +42,13 @@ Rotation rotationOf(const Island& island, const RigidMotion& drift, const OfX& x
 }
 
 /// [kg m^2/s] By pokes over `took`, about the centre of mass: at the poses half way.
-Vec3 givenByPokes(const Island& island, const Vec3& middle, double took) {
+Vec3 givenByPokes(const std::vector<Body*>& bodies, const Vec3& middle, double took) {
   Vec3 given = Vec3::Zero();
-  if (!island.context.force) return given;
-  for (const Body* body : island.bodies)
+  const Points* force_on = bodies[0]->context->force;
+  if (!force_on) return given;
+  for (const Body* body : bodies)
     for (int i = 0; i < body->n; ++i) {
-      const Vec3 force = island.context.force->col(body->first + i);
+      const Vec3 force = force_on->col(body->first + i);
       const Vec3 arm = 0.5 * (body->saved.x.col(i) + body->x().col(i)) - middle;
       given += took * arm.cross(force);
     }
@@ -55,14 +58,54 @@ Vec3 givenByPokes(const Island& island, const Vec3& middle, double took) {
 /// How much of a spin can be added without giving more energy than can be taken out again: after a
 /// poke that turns a limb right round in a step the lost momentum belongs to a motion that no step
 /// can follow.
-double shareToGive(Island& island, const Vec3& spin, const Rotation& now) {
+double shareToGive(Island& island, const std::vector<Body*>& bodies, const Vec3& spin,
+                   const Rotation& now) {
   const double given = spin.dot(now.angular), square = spin.dot(now.inertia * spin);
   double energy = 0;
-  for (Body* body : island.bodies) energy += kineticEnergy(*body);
-  double spare = std::max(0.0, -gainedEnergy(island, 0));
+  for (Body* body : bodies) energy += kineticEnergy(*body);
+  double spare = std::max(0.0, -gainedEnergy(island, bodies, 0));
   if (!isSmooth(island)) spare += kMostGiven * energy;  // else no gain is taken out
   if (!(given + 0.5 * square > spare)) return 1;
   return (std::sqrt(given * given + 2 * square * spare) - given) / square;
+}
+
+/// Gives back to bodies that pressed on each other what they lost together over `took`.
+void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took) {
+  if (isHeld(island, bodies)) return;
+  const auto x0 = [](const Body& body) -> const Points& { return body.saved.x; };
+  const auto v0 = [](const Body& body) -> const Points& { return body.saved.v; };
+  const auto x1 = [](const Body& body) { return body.x(); };
+  const auto v1 = [](const Body& body) { return body.v(); };
+  const RigidMotion before = driftOf(bodies, x0, v0), after = driftOf(bodies, x1, v1);
+  Vec3 wanted = rotationOf(bodies, before, x0, v0).angular;
+  if (bodies[0]->damps_within) wanted *= std::exp(-island.context.model.solver.damping * took);
+  wanted += givenByPokes(bodies, 0.5 * (before.centre + after.centre), took);
+  const Rotation now = rotationOf(bodies, after, x1, v1);
+  const Vec3 lost = wanted - now.angular;
+  if (lost.norm() <= kRounding * now.angular.norm()) return;
+  Vec3 spin = spinOf(now.inertia, lost);
+  spin += spinOf(now.inertia, lost - now.inertia * spin);  // it is exact but for its guard
+  spin *= shareToGive(island, bodies, spin, now);
+  for (Body* body : bodies)
+    for (int i = 0; i < body->n; ++i)
+      body->v().col(i) += spin.cross(Vec3(body->x().col(i) - after.centre));
+}
+
+/// One number for bodies that pressed on each other, in this motion or in an impact of the step.
+void findGroups(const Island& island, std::vector<int>& group_of) {
+  group_of.resize(island.bodies.size());
+  std::iota(group_of.begin(), group_of.end(), 0);
+  const auto join = [&](const std::vector<BodyPair>& pairs) {
+    for (const BodyPair& pair : pairs) {
+      const int first = island.placeOf(pair.first), second = island.placeOf(pair.second);
+      if (first < 0 || second < 0) continue;
+      const int kept = std::min(group_of[first], group_of[second]);
+      const int gone = std::max(group_of[first], group_of[second]);
+      std::replace(group_of.begin(), group_of.end(), gone, kept);
+    }
+  };
+  join(island.pairs.pressing);
+  join(island.pairs.met);
 }
 
 }  // namespace
@@ -78,25 +121,15 @@ bool pressesItself(const Island& island) {
 }
 
 void restoreAngularMomentum(Island& island, double took) {
-  if (isHeld(island)) return;
-  const auto x0 = [](const Body& body) -> const Points& { return body.saved.x; };
-  const auto v0 = [](const Body& body) -> const Points& { return body.saved.v; };
-  const auto x1 = [](const Body& body) { return body.x(); };
-  const auto v1 = [](const Body& body) { return body.v(); };
-  const RigidMotion before = driftOf(island, x0, v0), after = driftOf(island, x1, v1);
-  Vec3 wanted = rotationOf(island, before, x0, v0).angular;
-  if (island.bodies[0]->damps_within)
-    wanted *= std::exp(-island.context.model.solver.damping * took);
-  wanted += givenByPokes(island, 0.5 * (before.centre + after.centre), took);
-  const Rotation now = rotationOf(island, after, x1, v1);
-  const Vec3 lost = wanted - now.angular;
-  if (lost.norm() <= kRounding * now.angular.norm()) return;
-  Vec3 spin = spinOf(now.inertia, lost);
-  spin += spinOf(now.inertia, lost - now.inertia * spin);  // it is exact but for its guard
-  spin *= shareToGive(island, spin, now);
-  for (Body* body : island.bodies)
-    for (int i = 0; i < body->n; ++i)
-      body->v().col(i) += spin.cross(Vec3(body->x().col(i) - after.centre));
+  std::vector<int>& group_of = island.s.group;
+  std::vector<Body*>& grouped = island.s.grouped;
+  findGroups(island, group_of);
+  for (std::size_t k = 0; k < group_of.size(); ++k) {
+    grouped.clear();
+    for (std::size_t i = k; i < group_of.size(); ++i)
+      if (group_of[i] == static_cast<int>(k)) grouped.push_back(island.bodies[i]);
+    if (!grouped.empty()) restoreGroup(island, grouped, took);
+  }
 }
 
 }  // namespace ragdoll

@@ -5,8 +5,8 @@
 // do explicit steps where they bring sticks back along their new directions. And friction between
 // two capsules acts on their axes, as bones take no moment about their own: two opposite forces
 // that are as far apart as the radii together, in place of one point of both surfaces. What they
-// take comes back as a spin of all bodies together, which changes no distance and no speed between
-// them.
+// take comes back as a spin of all bodies that pressed on each other together, which changes no
+// distance and no speed between them; who only came near gets none of it.
 #pragma once
 
 #include "core/direct/island.h"

@@ -48,20 +48,26 @@ double releasedEnergy(Body& body) {
   return released;
 }
 
-/// [J] in the springs between bodies at a pose.
-double storedBetween(Island& island, const Points& pose) {
+bool has(const std::vector<Body*>& bodies, int ragdoll) {
+  return std::any_of(bodies.begin(), bodies.end(),
+                     [ragdoll](const Body* body) { return body->index == ragdoll; });
+}
+
+/// [J] in the springs that these bodies are at an end of, at a pose.
+double storedBetween(Island& island, const std::vector<Body*>& bodies, const Points& pose) {
   const StepContext& step = island.context;
   std::vector<Contact>& contacts = island.pairs.missed;
   contacts.clear();
   island.s.detector.appendBetween(step.model, step.state, island.s.all, pose, pose,
                                   PairSearch::touches(0), contacts);
   double stored = 0;
-  for (const Contact& c : contacts) stored += c.storedEnergy(c.gap_start);
+  for (const Contact& c : contacts)
+    if (has(bodies, c.ragdoll) || has(bodies, c.other)) stored += c.storedEnergy(c.gap_start);
   return stored;
 }
 
 /// [J] that these gave to the motion.
-double releasedByPairs(Island& island) {
+double releasedByPairs(Island& island, const std::vector<Body*>& bodies) {
   const StepContext& step = island.context;
   if (island.isLone() || !step.model.compliant || step.relaxed) return 0;
   Points& before = posesOf(step);
@@ -71,8 +77,8 @@ double releasedByPairs(Island& island) {
     before.middleCols(r.first, n) = step.state.x.middleCols(r.first, n);
   }
   for (const Body* body : island.bodies) before.middleCols(body->first, body->n) = body->saved.x;
-  const double stored = storedBetween(island, before);
-  return stored - storedBetween(island, step.state.x);
+  const double stored = storedBetween(island, bodies, before);
+  return stored - storedBetween(island, bodies, step.state.x);
 }
 
 bool isSmooth(const Body& body) {
@@ -89,8 +95,8 @@ bool isSmooth(const Body& body) {
          std::all_of(impulses.begin(), impulses.end(), touches);
 }
 
-/// [J] at the most, by what drives the body at `drive` [m/s]. Seen from there it gains nothing; here
-/// it may be faster by twice the speed, and be lifted against what else acts on it.
+/// [J] at the most, by what drives the body at `drive` [m/s]. Seen from there it gains nothing;
+/// here it may be faster by twice the speed, and be lifted against what else acts on it.
 double drivenWork(Body& body, double drive) {
   const StepContext& step = *body.context;
   const double mass = body.rows->mass.sum();
@@ -112,13 +118,17 @@ bool meetsObstacle(const Body& body) {
 
 }  // namespace
 
-bool isHeld(const Island& island) {
-  for (const Body* body : island.bodies)
+bool isHeld(const Island& island, const std::vector<Body*>& bodies) {
+  for (const Body* body : bodies)
     if (!body->pinned->pins.empty() || meetsObstacle(*body)) return true;
-  return std::any_of(island.pairs.pressing.begin(), island.pairs.pressing.end(),
-                     [&island](const BodyPair& pair) {  // a sleeper
-                       return island.placeOf(pair.first) < 0 || island.placeOf(pair.second) < 0;
-                     });
+  const auto isSleeper = [&island](int ragdoll) { return island.placeOf(ragdoll) < 0; };
+  const auto holds = [&](const BodyPair& pair) {
+    return (isSleeper(pair.first) && has(bodies, pair.second)) ||
+           (isSleeper(pair.second) && has(bodies, pair.first));
+  };
+  const PairSet& pairs = island.pairs;
+  return std::any_of(pairs.pressing.begin(), pairs.pressing.end(), holds) ||
+         std::any_of(pairs.met.begin(), pairs.met.end(), holds);
 }
 
 double kineticEnergy(Body& body) { return kineticEnergy(*body.rows, body.v(), body.energy); }
@@ -154,15 +164,18 @@ double gainedEnergy(Body& body, double drive) {
 
 bool isSmooth(const Island& island) {
   return island.pairs.cache.empty() && island.pairs.touching.empty() &&
-         std::all_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
-           return body->pin_speed == 0 && isSmooth(*body);
-         });
+         std::all_of(island.bodies.begin(), island.bodies.end(),
+                     [](const Body* body) { return body->pin_speed == 0 && isSmooth(*body); });
+}
+
+double gainedEnergy(Island& island, const std::vector<Body*>& bodies, double drive) {
+  double gain = 0;
+  for (Body* body : bodies) gain += gainedEnergy(*body, drive);
+  return gain - releasedByPairs(island, bodies);
 }
 
 double gainedEnergy(Island& island, double drive) {
-  double gain = 0;
-  for (Body* body : island.bodies) gain += gainedEnergy(*body, drive);
-  return gain - releasedByPairs(island);
+  return gainedEnergy(island, island.bodies, drive);
 }
 
 bool isLargeGain(Island& island, double gain, bool smooth) {
@@ -184,8 +197,9 @@ bool removeEnergy(Island& island, double gain) {
   if (!(gain > 0)) return true;
   double before = 0;
   for (Body* body : island.bodies) before += kineticEnergy(*body);
-  const double left = takeEnergyOut(island.context.model, island.s.ragdolls, isHeld(island), gain,
-                                    island.context.state, island.s.removal);
+  const double left =
+      takeEnergyOut(island.context.model, island.s.ragdolls, isHeld(island, island.bodies), gain,
+                    island.context.state, island.s.removal);
   return left <= kRedoGain * before;
 }
 

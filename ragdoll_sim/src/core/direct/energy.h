@@ -14,7 +14,8 @@ double swingScale(Body& body);
 /// [J] by how much the body gained more since it was saved than what acts on it, driven at `drive`
 /// [m/s], can have given it.
 double gainedEnergy(Body& body, double drive);
-/// The same of all bodies of an island.
+/// The same of some bodies of an island, with what is between them; and of all.
+double gainedEnergy(Island& island, const std::vector<Body*>& bodies, double drive);
 double gainedEnergy(Island& island, double drive);
 /// [m/s] of what moves the bodies from outside: pins, obstacles that they may touch.
 double driveSpeed(const Island& island);
@@ -30,8 +31,8 @@ bool isLargeGain(Island& island, double gain, bool smooth);
 /// the bodies from rest to a speed that no overlap opens at.
 double wildGain(Island& island);
 
-/// Whether something takes the bodies' momentum: a pin, an obstacle, a sleeper.
-bool isHeld(const Island& island);
+/// Whether something takes the momentum of some bodies of an island: a pin, an obstacle, a sleeper.
+bool isHeld(const Island& island, const std::vector<Body*>& bodies);
 
 /// Takes the gain out of the motion (energy_removal.h). Whether all of it is out, or nearly.
 bool removeEnergy(Island& island, double gain);

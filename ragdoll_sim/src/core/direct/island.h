@@ -51,8 +51,10 @@ struct IslandScratch {
   RowValues rates;         ///< [m/s] where contacts are logged: before the velocity stage
   std::size_t logged = 0;  ///< entries of the contact log before the present substep
   std::vector<RowValues> parts;
-  std::vector<int> ragdolls;  ///< of the bodies
-  std::vector<int> used;      ///< places of each skeleton
+  std::vector<int> ragdolls;   ///< of the bodies
+  std::vector<int> used;       ///< places of each skeleton
+  std::vector<int> group;      ///< of each body: those that pressed on each other
+  std::vector<Body*> grouped;  ///< the bodies of a group
 };
 
 struct Island {

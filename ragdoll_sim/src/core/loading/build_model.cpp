@@ -169,7 +169,8 @@ void addRagdolls(const Scene& scene, const std::vector<RagdollSpec>& specs, Mode
     if (r.name.empty() || r.name.find('/') != std::string::npos)
       throw Error(r.where + ".name", "name '" + r.name + "' must be a word without '/'");
     if (!names.insert(r.name).second)
-      throw Error(r.where + ".name", "duplicate ragdoll name '" + r.name + "'");
+      throw Error(r.where + ".name",
+                  "name '" + r.name + "' is another ragdoll's; each needs its own");
     auto [it, fresh] =
         known.try_emplace(r.skeleton.get(), static_cast<int>(model.skeletons.size()));
     if (fresh) {

@@ -89,7 +89,8 @@ void addSensor(const SensorSpec& spec, Model& model) {
   sensor.name = model.ragdolls[sensor.ragdoll].name + "/" + spec.name;
   for (const Sensor& other : model.sensors)
     if (other.name == sensor.name)
-      throw Error(spec.where + ".name", "duplicate sensor name '" + sensor.name + "'");
+      throw Error(spec.where + ".name",
+                  "name '" + sensor.name + "' is another sensor's; each needs its own");
   checkPosition(spec.where + ".position", spec.position);
   sensor.position = spec.position;
   sensor.orientation = spec.orientation.normalized();

@@ -35,7 +35,8 @@ void addParticles(const SkeletonSpec& spec, Skeleton& s) {
     const ParticleSpec& p = spec.particles[i];
     if (p.name.empty() || p.name.find('/') != std::string::npos)
       throw Error(p.where, "name '" + p.name + "' must be a word without '/'");
-    if (s.particle(p.name) >= 0) throw Error(p.where, "duplicate particle name '" + p.name + "'");
+    if (s.particle(p.name) >= 0)
+      throw Error(p.where, "name '" + p.name + "' is another particle's; each needs its own");
     checkPosition(p.where + ".position", p.position);
     if (!(std::isfinite(p.mass) && p.mass >= 0))
       throw Error(p.where + ".mass",
@@ -59,7 +60,7 @@ void addSticks(const SkeletonSpec& spec, Skeleton& s) {
     const std::string name = stickName(s, stick.a, stick.b);
     if (stick.a == stick.b) throw Error(k.where, "stick " + name + " joins a particle to itself");
     if (!seen.insert(std::minmax(stick.a, stick.b)).second)
-      throw Error(k.where, "duplicate stick " + name);
+      throw Error(k.where, "stick " + name + " is there twice; once is right");
     stick.length = k.length ? *k.length : (s.rest.col(stick.a) - s.rest.col(stick.b)).norm();
     if (!(std::isfinite(stick.length) && stick.length > kMinLength))
       throw Error(k.where, "stick " + name + " has length " + numberText(stick.length) +
@@ -71,7 +72,8 @@ void addSticks(const SkeletonSpec& spec, Skeleton& s) {
 
 void addSegments(const SkeletonSpec& spec, Skeleton& s) {
   for (const SegmentSpec& g : spec.segments) {
-    if (s.segment(g.name) >= 0) throw Error(g.where, "duplicate segment name '" + g.name + "'");
+    if (s.segment(g.name) >= 0)
+      throw Error(g.where, "name '" + g.name + "' is another segment's; each needs its own");
     Segment segment;
     segment.name = g.name;
     segment.group = g.group;
@@ -94,7 +96,8 @@ void addSegments(const SkeletonSpec& spec, Skeleton& s) {
 
 void addJoints(const SkeletonSpec& spec, Skeleton& s) {
   for (const JointSpec& j : spec.joints) {
-    if (s.joint(j.name) >= 0) throw Error(j.where, "duplicate joint name '" + j.name + "'");
+    if (s.joint(j.name) >= 0)
+      throw Error(j.where, "name '" + j.name + "' is another joint's; each needs its own");
     Joint joint;
     joint.name = j.name;
     joint.type = j.type;
