@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -161,6 +162,40 @@ TEST(Contacts, OfTwoBodiesPushBothAlikeAndOpposite) {
     EXPECT_LT((impulseOn(0, touches) - to_a).norm(), 1e-9 * a.norm()) << method;
     EXPECT_LT((impulseOn(1, touches) - to_b).norm(), 1e-9 * a.norm()) << method;
   }
+}
+
+TEST(ContactLog, WhoTouchesNobodyKeepsItsMomentumBesideOthersThatCollide) {
+  Scene scene = parseScene(
+      "gravity: [0, 0, 0]\nself_collision: true\nragdoll_collision: true\n"
+      "solver: {sleep: false}\nragdolls:\n"
+      "  - {name: a, model: human, velocity: [2, 0, 0]}\n"
+      "  - {name: b, model: human, position: [0.8, 0.05, 0.1], rpy_deg: [0, 20, 70]}\n"
+      "  - {name: c, model: human, position: [0.8, 1.2, 0.1], angular_velocity: [1, 2, -1]}\n");
+  const Model model = buildModel(scene);
+  State state = startState(model);
+  const Inputs inputs = startInputs(model);
+  Workspace workspace;
+  ContactLog log;
+  workspace.keepContacts(&log);
+  int beside = 0;
+  for (int i = 0; i < 240; ++i) {
+    std::array<Vec3, 3> before;
+    for (int k = 0; k < 3; ++k) before[k] = momentumOf(model, k, state);
+    step(model, inputs, workspace, state);
+    std::array<bool, 3> touched{};
+    for (const ContactImpulse& c : log.impulses) {
+      if (c.other < 0) continue;  // with itself
+      touched[c.ragdoll] = true;
+      touched[c.other] = true;
+    }
+    for (int k = 0; k < 3; ++k) {
+      if (touched[k]) continue;
+      beside += touched[0] || touched[1] || touched[2];
+      EXPECT_LT((momentumOf(model, k, state) - before[k]).norm(), 1e-10 * massOf(model, k))
+          << "body " << k << " in step " << i;
+    }
+  }
+  EXPECT_GT(beside, 10) << "somebody collides while another touches nobody";
 }
 
 TEST(ContactLog, CarriesTheWeightOfWhoLiesAwake) {
