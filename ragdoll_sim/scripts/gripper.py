@@ -11,6 +11,9 @@ from std_srvs.srv import Trigger
 
 RATE = 100.0  # [Hz] of the frames
 
+if not hasattr(threading.Thread, 'isAlive'):  # which Debian 11's rospy asks for, but not its python has
+    threading.Thread.isAlive = threading.Thread.is_alive
+
 # rospy's own handler ends ROS within whatever the main thread does, which may hold the lock that
 # the end of ROS wants: it would never come.
 INTERRUPTED = threading.Event()

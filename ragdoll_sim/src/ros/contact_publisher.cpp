@@ -100,7 +100,7 @@ bool ContactPublisher::wanted() const {
                      [](const ros::Publisher& topic) { return topic.getNumSubscribers() > 0; });
 }
 
-void ContactPublisher::publish(const Snapshot& world, const ros::Time& now) {
+void ContactPublisher::publish(const Snapshot& world, const ros::Time& now, Outbox& out) {
   if (!world.contacts) return;
   const ContactReport& report = *world.contacts;
   const std_msgs::Header header = toHeader(world_frame_, now);
@@ -108,7 +108,7 @@ void ContactPublisher::publish(const Snapshot& world, const ros::Time& now) {
     for (const ImpactReport& impact : report.impacts) {
       ragdoll_msgs::Impact m = toImpact(*world.model, impact);
       m.header = header;
-      impacts_.publish(m);
+      out.add(impacts_, std::move(m));
     }
   if (!(report.interval > 0)) return;  // no step since the last one
   if (contacts_.getNumSubscribers() > 0) {
@@ -118,12 +118,12 @@ void ContactPublisher::publish(const Snapshot& world, const ros::Time& now) {
     m.interval = report.interval;
     for (const Touch& touch : report.touches)
       m.contacts.push_back(toContactState(*world.model, touch, report.interval));
-    contacts_.publish(m);
+    out.add(contacts_, std::move(m));
   }
-  publishWrenches(world, now);
+  publishWrenches(world, now, out);
 }
 
-void ContactPublisher::publishWrenches(const Snapshot& world, const ros::Time& now) {
+void ContactPublisher::publishWrenches(const Snapshot& world, const ros::Time& now, Outbox& out) {
   const ContactReport& report = *world.contacts;
   const Model& model = *world.model;
   const std::size_t obstacles = model.obstacles.size();
@@ -137,14 +137,15 @@ void ContactPublisher::publishWrenches(const Snapshot& world, const ros::Time& n
                now_at.orientation * back.orientation};
     }
     publishWrench(k, report, report.on_obstacles[k], report.moments[k],
-                  o.frame.empty() ? world_frame_ : o.frame, frame, now);
+                  o.frame.empty() ? world_frame_ : o.frame, frame, now, out);
   }
   for (std::size_t p = 0; p < model.pins.size() && p < report.on_pins.size(); ++p) {
     const Pin& pin = model.pins[p];
     const Vec3 place = world.state.x.col(pin.particle);
     const bool follows = p < world.pin_frames.size() && world.pin_frames[p].has_value();
     publishWrench(obstacles + p, report, report.on_pins[p], place.cross(report.on_pins[p]),
-                  follows ? pin.frame : world_frame_, follows ? *world.pin_frames[p] : Pose(), now);
+                  follows ? pin.frame : world_frame_, follows ? *world.pin_frames[p] : Pose(), now,
+                  out);
   }
 }
 
@@ -152,14 +153,14 @@ void ContactPublisher::publishWrenches(const Snapshot& world, const ros::Time& n
 void ContactPublisher::publishWrench(std::size_t topic, const ContactReport& report,
                                      const Vec3& impulse, const Vec3& moment,
                                      const std::string& frame, const Pose& pose,
-                                     const ros::Time& now) {
+                                     const ros::Time& now, Outbox& out) {
   if (wrenches_[topic].getNumSubscribers() == 0) return;
   const Quat back = pose.orientation.conjugate();
   geometry_msgs::WrenchStamped m;
   m.header = toHeader(frame, now);
   m.wrench.force = toVector3(back * impulse / report.interval);
   m.wrench.torque = toVector3(back * (moment - pose.position.cross(impulse)) / report.interval);
-  wrenches_[topic].publish(m);
+  out.add(wrenches_[topic], std::move(m));
 }
 
 }  // namespace ragdoll

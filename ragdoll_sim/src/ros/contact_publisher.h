@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "outbox.h"
 #include "ragdoll_sim/world/snapshot.h"
 
 namespace ragdoll {
@@ -19,13 +20,13 @@ class ContactPublisher {
   void follow(const Snapshot& world, const std::vector<std::string>& pin_names);
   /// Whether anyone listens to one of the topics.
   bool wanted() const;
-  void publish(const Snapshot& world, const ros::Time& now);
+  void publish(const Snapshot& world, const ros::Time& now, Outbox& out);
 
  private:
-  void publishWrenches(const Snapshot& world, const ros::Time& now);
+  void publishWrenches(const Snapshot& world, const ros::Time& now, Outbox& out);
   void publishWrench(std::size_t topic, const ContactReport& report, const Vec3& impulse,
                      const Vec3& moment, const std::string& frame, const Pose& pose,
-                     const ros::Time& now);
+                     const ros::Time& now, Outbox& out);
 
   ros::NodeHandle nh_;
   std::string world_frame_;

@@ -134,6 +134,7 @@ void Publisher::tick(Why why) {
   if (!between) publishTf(shown, now);
   if (!between) publishState(now, why);
   if (!between) publishJoints(shown, now);
+  out_.send();
   markers_.useFrames(tfBodies() == "all");
   markers_.publish(world_, shown);
   metrics_.publish(world_, toHeader(parameters_.world_frame, now));
@@ -171,7 +172,7 @@ void Publisher::publishTf(const Posture& posture, const ros::Time& now) {
   const auto message = boost::make_shared<tf2_msgs::TFMessage>();
   message->transforms = toTransforms(*world_.tracker, posture, header, bodies == "roots");
   imus_.appendTransforms(world_, posture, bodies == "all", header, message->transforms);
-  tf_.publish(message);
+  out_.add(tf_, message);
 }
 
 const std::string& Publisher::tfBodies() {
@@ -195,8 +196,8 @@ void Publisher::publishState(const ros::Time& now, Why why) {
     return;
   told_revision_ = world_.revision;
   if (state_.getNumSubscribers() == 0) return;
-  state_.publish(
-      toStateMsg(*world_.model, world_.state, world_.mark, toHeader(parameters_.world_frame, now)));
+  out_.add(state_, toStateMsg(*world_.model, world_.state, world_.mark,
+                              toHeader(parameters_.world_frame, now)));
 }
 
 void Publisher::publishEvents(const ros::Time& now) {
@@ -207,7 +208,7 @@ void Publisher::publishEvents(const ros::Time& now) {
 }
 
 void Publisher::publishContacts(const ros::Time& now) {
-  contacts_.publish(world_, now);
+  contacts_.publish(world_, now, out_);
   contacts_.follow(world_, world_.pin_names);
   const bool wanted = contacts_.wanted() || markers_.wantsContacts();
   if (wanted == keeps_contacts_) return;
@@ -236,7 +237,7 @@ void Publisher::publishJoints(const Posture& posture, const ros::Time& now) {
     for (std::size_t i = 0; i < message.velocity.size(); ++i)
       message.velocity[i] = std::remainder(angles_after_[i] - angles_before_[i], kTurn) / passed;
   }
-  joints_.publish(message);
+  out_.add(joints_, std::move(message));
 }
 
 }  // namespace ragdoll

@@ -18,6 +18,7 @@
 #include "imu_publisher.h"
 #include "markers.h"
 #include "metrics.h"
+#include "outbox.h"
 #include "parameters.h"
 #include "ragdoll_sim/body/angles.h"
 #include "ragdoll_sim/world/simulation.h"
@@ -70,6 +71,7 @@ class Publisher {
   MarkerPublisher markers_;
   Metrics metrics_;
 
+  Outbox out_;
   Snapshot world_;
   Posture between_;
   std::shared_ptr<const Scene> told_scene_;

@@ -106,12 +106,6 @@ void Imus::mount(const Model& model, const Sensor& sensor) {
   const Skeleton& s = model.skeletonOf(ragdoll);
   const Segment& segment = s.segments[sensor.segment];
   const FrameTree& tree = tracker_.tree(sensor.ragdoll);
-  const std::string own = sensor.name.substr(sensor.name.find('/') + 1);
-  if (tree.frame(own) >= 0)
-    throw Error(sensor.where + ".name", "'" + sensor.name +
-                                            "' is a frame of the body already; another name is "
-                                            "right, such as '" +
-                                            own + "_imu'");
   const int part = partWith(tree, segment);
   if (part < 0)
     throw Error(sensor.where + ".segment",

@@ -10,7 +10,11 @@ using std::chrono::duration;
 using std::chrono::duration_cast;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kNap{2};       ///< shortest sleep; several short steps share one wake-up
+constexpr milliseconds kNap{2};  ///< shortest sleep; several short steps share one wake-up
+/// Where steps are light, who looks at the world makes those that are due: one wake-up for both.
+constexpr milliseconds kLongNap{100};
+constexpr std::chrono::microseconds kLight{250};  ///< a step that takes less is
+constexpr milliseconds kMostCatchUp{2};           ///< for steps, by who looks
 constexpr milliseconds kMaxLag{250};  ///< a simulation that is later than this does not catch up
 constexpr milliseconds kPoll{1};      ///< how often another clock is looked at
 constexpr std::chrono::minutes kLatenessWindow{1};
@@ -182,6 +186,7 @@ void Simulation::post(Queued command) {
 
 void Simulation::run() {
   for (;;) {
+    makeOverdue();
     drain();
     {
       std::lock_guard<std::mutex> lock(mutex_);
@@ -267,7 +272,7 @@ void Simulation::noteLateness(Clock::time_point begin) {
     last_lateness_ = std::exchange(lateness_, Histogram());
     lateness_begin_ = begin;
   }
-  lateness_.add(duration<double>(begin - due_ + given_up_).count());
+  lateness_.add(duration<double>(begin - std::max(due_, planned_) + given_up_).count());
 }
 
 void Simulation::advance() {
@@ -275,6 +280,7 @@ void Simulation::advance() {
   noteLateness(begin);
   world_.advance();
   const Clock::time_point end = Clock::now();
+  light_ = end - begin < kLight;
 
   ++progress_.steps;
   progress_.simulated += world_.stepLength();
@@ -307,17 +313,33 @@ void Simulation::advance() {
   if (late) giveUp();
 }
 
+void Simulation::makeOverdue() {
+  if (paused_ || options_.external_clock || realtime_factor_ < 0 || !napsLong()) return;
+  const Clock::time_point begin = Clock::now();
+  while (Clock::now() < begin + kMostCatchUp && stepIsDue()) advance();
+}
+
+void Simulation::catchUp() {
+  planned_ = Clock::now();
+  makeOverdue();
+  behind_ = napsLong() && stepIsDue();
+  if (behind_) wake_.notify_all();
+}
+
 void Simulation::waitForWork() {
   std::unique_lock<std::mutex> lock(mutex_);
-  const auto work = [this] { return stopping_ || !queue_.empty(); };
+  const auto work = [this] { return stopping_ || behind_ || !queue_.empty(); };
   waits_ = true;
   if (paused_ && step_jobs_.empty())
     wake_.wait(lock, work);
   else if (options_.external_clock)
     wake_.wait_for(lock, kPoll, work);
-  else
-    wake_.wait_until(lock, std::max(due_, Clock::now() + kNap), work);
-  waits_ = false;
+  else {
+    const Clock::time_point end = std::max(due_, Clock::now() + (napsLong() ? kLongNap : kNap));
+    planned_ = end;
+    if (wake_.wait_until(lock, end, work)) planned_ = Clock::now();
+  }
+  waits_ = behind_ = false;
 }
 
 void Simulation::endStepJobs() { step_jobs_.clear(); }

@@ -130,6 +130,10 @@ def keeps_pace(time_of_state):
     return wait_for(window, 'a simulation at its pace')
 
 
+# In a traceback; roslaunch of Debian 11 has one of its own whenever it is interrupted.
+GRIPPER_FAILED = r'File "[^"]*/(push|gripper)\.py"'
+
+
 class FaultsTest(unittest.TestCase):
     def start(self, name, **parameters):
         node = Node(name, **parameters)
@@ -314,7 +318,7 @@ class FaultsTest(unittest.TestCase):
     def test_the_demo_of_pushing_ends_after_its_rounds(self):
         launch, said, _ = self.launch('push.launch', 'rviz:=false', 'rounds:=1', 'speed:=10')
         launch.wait(LIMIT)
-        self.assertNotIn('Traceback', said())
+        self.assertNotRegex(said(), GRIPPER_FAILED)
         self.assertNotIn('SIGKILL', said())
 
     def test_the_demo_of_pushing_ends_when_it_is_interrupted(self):
@@ -333,7 +337,7 @@ class FaultsTest(unittest.TestCase):
         wait_for(moves, 'the gripper')
         launch.send_signal(signal.SIGINT)
         launch.wait(LIMIT)
-        self.assertNotIn('Traceback', said())
+        self.assertNotRegex(said(), GRIPPER_FAILED)
         self.assertNotIn('escalating', said())  # as roslaunch does with what does not end by itself
 
     def test_two_nodes_that_publish_the_same_frames_are_told(self):

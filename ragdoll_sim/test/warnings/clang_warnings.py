@@ -20,7 +20,7 @@ from xml.sax.saxutils import escape
 WARNINGS = ['-Wall', '-Wextra', '-Wunused-const-variable', '-Wshadow-field', '-Wshadow']
 SKIPPED = 77
 JOBS = 2
-KEPT = ('-D', '-U', '-I', '-std=', '-ffp-contract')  # of the options that gcc is given
+KEPT = ('-D', '-U', '-I', '-std=', '-ffp-contract', '-fPIC')  # of the options that gcc is given
 WITH_VALUE = ('-isystem', '-include', '-I', '-D')
 # What takes clang half of its time, as nearly every source includes it: compiled once for all that have the
 # same options.

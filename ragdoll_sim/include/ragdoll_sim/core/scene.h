@@ -105,7 +105,7 @@ struct ObstacleSpec {
   double friction = 0.6;                        ///< Coulomb coefficient
   double restitution = 0;                       ///< in [0, 1]
   ContactSpec contact;
-  std::string frame;                            ///< TF frame it follows; empty: fixed in the world
+  std::string frame;  ///< TF frame it follows; empty: fixed in the world
   std::string where;
 };
 
@@ -149,9 +149,9 @@ struct SolverSpec {
   Integrator integrator = Integrator::kVerlet;  ///< jakobsen: free motion
   double step = 1.0 / 60;                       ///< [s] in (0, 1]
   int sweeps = 10;                              ///< jakobsen: relaxation sweeps per step, >= 1
-  double tolerance = 0;      ///< rk: [m] of estimated error per simulated second; 0: fixed step
-  bool events = false;       ///< rk: from event to event through limits and contacts, at 20x the cost
-  double damping = 0;        ///< [1/s] velocity decay rate, >= 0
+  double tolerance = 0;  ///< shake, rk: [m] of error per simulated second; 0: fixed step
+  bool events = false;   ///< rk: from event to event through limits and contacts, at 20x the cost
+  double damping = 0;    ///< [1/s] velocity decay rate, >= 0
   double joint_damping = 0;  ///< [1/s] decay rate of motion within a body (joint_damping.h), >= 0
   bool sleep = true;         ///< bodies at rest stop moving and costing until disturbed (sleep.h)
   Numbers numbers = Numbers::kDouble;  ///< fast: what it computes with

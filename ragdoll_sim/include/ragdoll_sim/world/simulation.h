@@ -1,7 +1,8 @@
 // Runs a World on a thread of its own, paced by a steady clock, by another clock, or free.
 //
 // Others reach the world only through call(): a command waits in a queue that is drained between
-// steps, so the physics never waits for anyone; or, to read it, through look(). Knows nothing of ROS.
+// steps, so the physics never waits for anyone; or, to read it, through look(). Knows nothing of
+// ROS.
 #pragma once
 
 #include <atomic>
@@ -62,12 +63,16 @@ class Simulation {
   }
 
   /// call() for what leaves pace and steps alone: at once, on the caller's own thread, while the
-  /// simulation waits for its next step, so that nobody has to be woken.
+  /// simulation waits, so that nobody has to be woken; after the steps that are due, if they are
+  /// light.
   template <class Command>
   auto look(Command command) -> decltype(command(std::declval<World&>())) {
     {
       std::lock_guard<std::mutex> lock(mutex_);
-      if (waits_ && queue_.empty()) return command(world_);
+      if (waits_ && queue_.empty()) {
+        catchUp();
+        return command(world_);
+      }
     }
     return call(std::move(command));
   }
@@ -125,6 +130,11 @@ class Simulation {
   void noteLateness(Clock::time_point begin);
   void advance();
   void waitForWork();
+  bool napsLong() const { return light_ && !(sample_every_ > 0); }
+  /// Makes the steps that a long nap has left.
+  void makeOverdue();
+  /// The same while the simulation's own thread waits, which is woken if that would take too long.
+  void catchUp();
   void endStepJobs();
   void rebase();       ///< the next step is due now
   double readClock();  ///< [s] the other clock; learns how it ticks
@@ -137,6 +147,7 @@ class Simulation {
   std::atomic<bool> paused_;
   std::atomic<double> realtime_factor_;
   Clock::time_point due_, followed_due_;
+  Clock::time_point planned_;   ///< when steps that are due are to be made, if later
   Clock::duration given_up_{};  ///< how late it was when it last gave up, until it is in time again
   double external_due_ = 0;
   double last_clock_ = 0;            ///< [s] of the other clock when it was looked at last
@@ -161,8 +172,10 @@ class Simulation {
   std::vector<Queued> queue_;
   std::vector<Queued> draining_;
   bool stopping_ = false, stopped_ = false;
-  bool waits_ = false;  ///< its thread, in waitForWork(): whoever has mutex_ has the world
-  std::thread thread_;  // last: starts when all else is there
+  bool waits_ = false;   ///< its thread, in waitForWork(): whoever has mutex_ has the world
+  bool light_ = false;   ///< the last step
+  bool behind_ = false;  ///< who looked could not make all steps that were due
+  std::thread thread_;   // last: starts when all else is there
 };
 
 }  // namespace ragdoll

@@ -55,18 +55,39 @@ Vec3 givenByPokes(const std::vector<Body*>& bodies, const Vec3& middle, double t
   return given;
 }
 
-/// How much of a spin can be added without giving more energy than can be taken out again: after a
-/// poke that turns a limb right round in a step the lost momentum belongs to a motion that no step
-/// can follow.
-double shareToGive(Island& island, const std::vector<Body*>& bodies, const Vec3& spin,
-                   const Rotation& now) {
-  const double given = spin.dot(now.angular), square = spin.dot(now.inertia * spin);
+void addSpin(const std::vector<Body*>& bodies, const Vec3& centre, const Vec3& spin) {
+  for (Body* body : bodies)
+    for (int i = 0; i < body->n; ++i)
+      body->v().col(i) += spin.cross(Vec3(body->x().col(i) - centre));
+}
+
+/// [J] that a spin may give: what the motion has lost, and what is taken out again of one that is
+/// not smooth.
+double energyToGive(Island& island, const std::vector<Body*>& bodies, bool smooth) {
   double energy = 0;
   for (Body* body : bodies) energy += kineticEnergy(*body);
-  double spare = std::max(0.0, -gainedEnergy(island, bodies, 0));
-  if (!isSmooth(island)) spare += kMostGiven * energy;  // else no gain is taken out
-  if (!(given + 0.5 * square > spare)) return 1;
-  return (std::sqrt(given * given + 2 * square * spare) - given) / square;
+  return std::max(0.0, -gainedEnergy(island, bodies, 0)) + (smooth ? 0 : kMostGiven * energy);
+}
+
+/// Gives a spin. What energy that needs beyond is taken out of the motion within the bodies. Only a
+/// part of the spin is given where there is not so much: after a poke that turns a limb right round
+/// in a step the lost momentum belongs to a motion that no step can follow; or where nothing is to
+/// be taken out: of smooth motions, and beside springs, whose next substeps give back what this one
+/// took.
+void giveSpin(Island& island, const std::vector<Body*>& bodies, const Vec3& centre,
+              const Vec3& spin, const Rotation& now) {
+  const bool smooth = isSmooth(island);
+  const double given = spin.dot(now.angular), square = spin.dot(now.inertia * spin);
+  const double spare = energyToGive(island, bodies, smooth);
+  addSpin(bodies, centre, spin);
+  const double excess = given + 0.5 * square - spare;
+  if (!(excess > 0)) return;
+  const bool takes = !smooth && !island.context.model.compliant;
+  if (takes && takeEnergyOut(island, bodies, excess) <= 0) return;
+  if (takes)
+    for (Body* body : bodies) body->v() = island.s.removal.before.middleCols(body->first, body->n);
+  const double share = (std::sqrt(given * given + 2 * square * spare) - given) / square;
+  addSpin(bodies, centre, (share - 1) * spin);
 }
 
 /// Gives back to bodies that pressed on each other what they lost together over `took`.
@@ -85,27 +106,20 @@ void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took)
   if (lost.norm() <= kRounding * now.angular.norm()) return;
   Vec3 spin = spinOf(now.inertia, lost);
   spin += spinOf(now.inertia, lost - now.inertia * spin);  // it is exact but for its guard
-  spin *= shareToGive(island, bodies, spin, now);
-  for (Body* body : bodies)
-    for (int i = 0; i < body->n; ++i)
-      body->v().col(i) += spin.cross(Vec3(body->x().col(i) - after.centre));
+  giveSpin(island, bodies, after.centre, spin, now);
 }
 
-/// One number for bodies that pressed on each other, in this motion or in an impact of the step.
+/// One number for bodies that pressed on each other.
 void findGroups(const Island& island, std::vector<int>& group_of) {
   group_of.resize(island.bodies.size());
   std::iota(group_of.begin(), group_of.end(), 0);
-  const auto join = [&](const std::vector<BodyPair>& pairs) {
-    for (const BodyPair& pair : pairs) {
-      const int first = island.placeOf(pair.first), second = island.placeOf(pair.second);
-      if (first < 0 || second < 0) continue;
-      const int kept = std::min(group_of[first], group_of[second]);
-      const int gone = std::max(group_of[first], group_of[second]);
-      std::replace(group_of.begin(), group_of.end(), gone, kept);
-    }
-  };
-  join(island.pairs.pressing);
-  join(island.pairs.met);
+  for (const BodyPair& pair : island.pairs.pushed) {
+    const int first = island.placeOf(pair.first), second = island.placeOf(pair.second);
+    if (first < 0 || second < 0) continue;
+    const int kept = std::min(group_of[first], group_of[second]);
+    const int gone = std::max(group_of[first], group_of[second]);
+    std::replace(group_of.begin(), group_of.end(), gone, kept);
+  }
 }
 
 }  // namespace

@@ -6,7 +6,8 @@
 // two capsules acts on their axes, as bones take no moment about their own: two opposite forces
 // that are as far apart as the radii together, in place of one point of both surfaces. What they
 // take comes back as a spin of all bodies that pressed on each other together, which changes no
-// distance and no speed between them; who only came near gets none of it.
+// distance and no speed between them; who only came near gets none of it. What energy that needs is
+// taken out of the motion within them.
 #pragma once
 
 #include "core/direct/island.h"
@@ -17,7 +18,7 @@ namespace ragdoll {
 bool pressesItself(const Island& island);
 
 /// After a motion over `took` [s] since the bodies were saved; nothing where pins, obstacles or
-/// sleepers take part. What energy that gives is to be taken out (energy.h), which leaves momentum.
+/// sleepers take part.
 void restoreAngularMomentum(Island& island, double took);
 
 }  // namespace ragdoll

@@ -126,9 +126,7 @@ bool isHeld(const Island& island, const std::vector<Body*>& bodies) {
     return (isSleeper(pair.first) && has(bodies, pair.second)) ||
            (isSleeper(pair.second) && has(bodies, pair.first));
   };
-  const PairSet& pairs = island.pairs;
-  return std::any_of(pairs.pressing.begin(), pairs.pressing.end(), holds) ||
-         std::any_of(pairs.met.begin(), pairs.met.end(), holds);
+  return std::any_of(island.pairs.pushed.begin(), island.pairs.pushed.end(), holds);
 }
 
 double kineticEnergy(Body& body) { return kineticEnergy(*body.rows, body.v(), body.energy); }
@@ -162,10 +160,11 @@ double gainedEnergy(Body& body, double drive) {
   return drive > 0 ? gain - drivenWork(body, drive) : gain;
 }
 
-bool isSmooth(const Island& island) {
+bool isSmooth(Island& island) {
   return island.pairs.cache.empty() && island.pairs.touching.empty() &&
          std::all_of(island.bodies.begin(), island.bodies.end(),
-                     [](const Body* body) { return body->pin_speed == 0 && isSmooth(*body); });
+                     [](const Body* body) { return body->pin_speed == 0 && isSmooth(*body); }) &&
+         releasedByPairs(island, island.bodies) == 0;
 }
 
 double gainedEnergy(Island& island, const std::vector<Body*>& bodies, double drive) {
@@ -193,14 +192,19 @@ double wildGain(Island& island) {
   return wild;
 }
 
+double takeEnergyOut(Island& island, const std::vector<Body*>& bodies, double gain) {
+  std::vector<int>& ragdolls = island.s.drained;
+  ragdolls.clear();
+  for (const Body* body : bodies) ragdolls.push_back(body->index);
+  return takeEnergyOut(island.context.model, ragdolls, isHeld(island, bodies), gain,
+                       island.context.state, island.s.removal);
+}
+
 bool removeEnergy(Island& island, double gain) {
   if (!(gain > 0)) return true;
   double before = 0;
   for (Body* body : island.bodies) before += kineticEnergy(*body);
-  const double left =
-      takeEnergyOut(island.context.model, island.s.ragdolls, isHeld(island, island.bodies), gain,
-                    island.context.state, island.s.removal);
-  return left <= kRedoGain * before;
+  return takeEnergyOut(island, island.bodies, gain) <= kRedoGain * before;
 }
 
 }  // namespace ragdoll

@@ -22,7 +22,7 @@ double driveSpeed(const Island& island);
 
 /// Whether the trial met nothing but limits that pressed all the while, and no pin moves: the
 /// energy stays but for leapfrog's swing, which is not to be taken out.
-bool isSmooth(const Island& island);
+bool isSmooth(Island& island);
 
 /// Whether a trial that gained so much is to be done again at half.
 bool isLargeGain(Island& island, double gain, bool smooth);
@@ -34,7 +34,10 @@ double wildGain(Island& island);
 /// Whether something takes the momentum of some bodies of an island: a pin, an obstacle, a sleeper.
 bool isHeld(const Island& island, const std::vector<Body*>& bodies);
 
-/// Takes the gain out of the motion (energy_removal.h). Whether all of it is out, or nearly.
+/// Takes a gain out of the motion of some bodies of an island (energy_removal.h); returns what is
+/// left of it. island.s.removal.before: velocities as they were (columns as the state's).
+double takeEnergyOut(Island& island, const std::vector<Body*>& bodies, double gain);
+/// The same of all. Whether all of it is out, or nearly.
 bool removeEnergy(Island& island, double gain);
 
 }  // namespace ragdoll

@@ -89,9 +89,7 @@ double pairGapAfter(const Island& island, const Contact& c) {
   return gap;
 }
 
-double pairRate(const State& state, const Contact& c) {
-  return c.normal.dot(c.of(state.v));
-}
+double pairRate(const State& state, const Contact& c) { return c.normal.dot(c.of(state.v)); }
 
 void limitDepenetration(const Island& island, Contact& pair, double h) {
   if (!pair.isSoft()) pair.offset = pair.found - allowedPenetration(pair, h, island.context.h);
@@ -158,6 +156,7 @@ void save(Island& island) {
     saved.cache = body->cache;
   }
   island.pairs.saved = island.pairs.cache;
+  island.pairs.pushed.clear();
   island.s.logged = logSize(island);
 }
 

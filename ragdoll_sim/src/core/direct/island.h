@@ -27,6 +27,7 @@ struct PairSet {
   ImpulseCache cache, saved;         ///< saved: before the present substep
   std::vector<BodyPair> pressing;    ///< in the last motion
   std::vector<BodyPair> met;         ///< in an impact of the step
+  std::vector<BodyPair> pushed;      ///< by a row of any stage since the bodies were saved
 
   /// No contacts; nothing pressed yet.
   void clear() {
@@ -35,6 +36,7 @@ struct PairSet {
     cache.clear();
     pressing.clear();
     met.clear();
+    pushed.clear();
   }
 };
 
@@ -55,6 +57,7 @@ struct IslandScratch {
   std::vector<int> used;       ///< places of each skeleton
   std::vector<int> group;      ///< of each body: those that pressed on each other
   std::vector<Body*> grouped;  ///< the bodies of a group
+  std::vector<int> drained;    ///< ragdolls that energy is taken out of
 };
 
 struct Island {

@@ -208,12 +208,12 @@ void keepRates(Island& island) {
   }
 }
 
-/// Bodies that press on each other at an impact, between which nothing bounces.
-void rememberMet(Island& island, int first_pair) {
+/// Those that the last solution pressed together; of an impact, as between them nothing bounces.
+void keepPressed(Island& island, int first_pair, std::vector<BodyPair>& pressed) {
   PairSet& pairs = island.pairs;
   for (std::size_t i = 0; i < pairs.touching.size(); ++i)
     if (island.s.p[first_pair + 3 * static_cast<int>(i)] > 0)
-      pairs.met.push_back({pairs.touching[i].ragdoll, pairs.touching[i].other, false});
+      pressed.push_back({pairs.touching[i].ragdoll, pairs.touching[i].other, false});
 }
 
 /// One solution of the rates and what it does to velocities.
@@ -236,6 +236,7 @@ void pushVelocities(Island& island, int first_pair, const LoggedStage& at) {
   evaluatePairRates(island, first_pair, impact);
   if (isLogged(island)) keepRates(island);
   s.joint.solve(s.b, s.p, impact ? Sweeps::kToTheEnd : Sweeps::kAlongTheSlip);
+  keepPressed(island, first_pair, island.pairs.pushed);
   s.joint.split(s.p, s.parts);
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Schur& schur = island.bodies[k]->memory->schur;
@@ -320,12 +321,12 @@ void solveVelocities(Island& island, Stage stage, double h, double damping) {
       else if (h > 0)
         lockComing(*body);
     pushVelocities(island, first_pair, {false, h});
-    if (stage == Stage::kImpact) rememberMet(island, first_pair);
+    if (stage == Stage::kImpact) keepPressed(island, first_pair, island.pairs.met);
     dampWithin(island, damping);
   }
   if (stage == Stage::kMotion) return;
   pushVelocities(island, first_pair, {true, h});
-  rememberMet(island, first_pair);
+  keepPressed(island, first_pair, island.pairs.met);
 }
 
 }  // namespace ragdoll
