@@ -76,11 +76,12 @@ double energyToGive(Island& island, const std::vector<Body*>& bodies, bool smoot
 /// took.
 void giveSpin(Island& island, const std::vector<Body*>& bodies, const Vec3& centre,
               const Vec3& spin, const Rotation& now) {
-  const bool smooth = isSmooth(island);
   const double given = spin.dot(now.angular), square = spin.dot(now.inertia * spin);
-  const double spare = energyToGive(island, bodies, smooth);
+  const double needed = given + 0.5 * square;
+  const bool smooth = needed > 0 && isSmooth(island);
+  const double spare = needed > 0 ? energyToGive(island, bodies, smooth) : 0;
   addSpin(bodies, centre, spin);
-  const double excess = given + 0.5 * square - spare;
+  const double excess = needed - spare;
   if (!(excess > 0)) return;
   const bool takes = !smooth && !island.context.model.compliant;
   if (takes && takeEnergyOut(island, bodies, excess) <= 0) return;
@@ -125,9 +126,7 @@ void findGroups(const Island& island, std::vector<int>& group_of) {
 }  // namespace
 
 bool pressesItself(const Island& island) {
-  const Model& model = island.context.model;
-  return model.ragdoll_collision || model.self_collision || !island.pairs.pressing.empty() ||
-         !island.pairs.touching.empty() ||
+  return !island.pairs.pushed.empty() || !island.pairs.touching.empty() ||
          std::any_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
            return !body->cache.empty() || !body->touching.contacts.empty() ||
                   !body->touching.limits.empty();
