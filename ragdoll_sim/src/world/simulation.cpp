@@ -320,9 +320,10 @@ void Simulation::makeOverdue() {
 }
 
 void Simulation::catchUp() {
+  if (!long_nap_) return;
   planned_ = Clock::now();
   makeOverdue();
-  behind_ = napsLong() && stepIsDue();
+  behind_ = !napsLong() || stepIsDue();
   if (behind_) wake_.notify_all();
 }
 
@@ -335,11 +336,12 @@ void Simulation::waitForWork() {
   else if (options_.external_clock)
     wake_.wait_for(lock, kPoll, work);
   else {
-    const Clock::time_point end = std::max(due_, Clock::now() + (napsLong() ? kLongNap : kNap));
+    long_nap_ = napsLong();
+    const Clock::time_point end = std::max(due_, Clock::now() + (long_nap_ ? kLongNap : kNap));
     planned_ = end;
     if (wake_.wait_until(lock, end, work)) planned_ = Clock::now();
   }
-  waits_ = behind_ = false;
+  waits_ = long_nap_ = behind_ = false;
 }
 
 void Simulation::endStepJobs() { step_jobs_.clear(); }

@@ -172,9 +172,10 @@ class Simulation {
   std::vector<Queued> queue_;
   std::vector<Queued> draining_;
   bool stopping_ = false, stopped_ = false;
-  bool waits_ = false;   ///< its thread, in waitForWork(): whoever has mutex_ has the world
-  bool light_ = false;   ///< the last step
-  bool behind_ = false;  ///< who looked could not make all steps that were due
+  bool waits_ = false;  ///< its thread, in waitForWork(): whoever has mutex_ has the world
+  bool light_ = false;  ///< the last step was
+  bool long_nap_ = false;
+  bool behind_ = false;  ///< who looked left steps that are due to its thread
   std::thread thread_;   // last: starts when all else is there
 };
 
