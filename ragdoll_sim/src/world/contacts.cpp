@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "pin_impulses.h"
 #include "ragdoll_sim/core/findings.h"
 
 namespace ragdoll {
@@ -67,6 +68,7 @@ Contacts::Contacts(const Model& model) {
 
 void Contacts::begin(const State& state) {
   before_ = state.v;
+  places_ = state.x;
   slept_ = state.asleep;
 }
 
@@ -128,17 +130,13 @@ void Contacts::balance(const Model& model, const Inputs& inputs, const State& st
     if (partnerOf(c) >= 0) rest[partnerOf(c)] += c.impulse;
   }
   bool any = false;
-  pins_.assign(model.pins.size(), Vec3::Zero());
   for (std::size_t i = 0; i < count; ++i) {
-    if (isPinned(model, static_cast<int>(i))) {
-      putOnPins(model, state, static_cast<int>(i), rest[i]);
+    if (isPinned(model, static_cast<int>(i)) || !(rest[i].norm() > kNoRest * scale[i]))
       rest[i].setZero();
-    } else if (!(rest[i].norm() > kNoRest * scale[i])) {
-      rest[i].setZero();
-    }
     any = any || !rest[i].isZero(0);
   }
   if (any) spread(model, rest);
+  putOnPins(model, inputs, state);
   // What only came near.
   const double least = kNoForce * h * model.gravity.norm();
   step_.erase(std::remove_if(step_.begin(), step_.end(),
@@ -195,12 +193,18 @@ void Contacts::spread(const Model& model, const std::vector<Vec3>& rest) {
   }
 }
 
-/// What pins gave to the body, evenly: their sum is exact.
-void Contacts::putOnPins(const Model& model, const State&, int ragdoll, const Vec3& rest) {
-  int count = 0;
-  for (const Pin& pin : model.pins) count += pin.ragdoll == ragdoll;
-  for (std::size_t p = 0; p < model.pins.size(); ++p)
-    if (model.pins[p].ragdoll == ragdoll) pins_[p] = rest / count;
+/// What is left for those of each body that has any.
+void Contacts::putOnPins(const Model& model, const Inputs& inputs, const State& state) {
+  pins_.assign(model.pins.size(), Vec3::Zero());
+  const Points middle = 0.5 * (places_ + state.x);
+  for (int i = 0; i < static_cast<int>(model.ragdolls.size()); ++i) {
+    if (!isPinned(model, i)) continue;
+    const std::vector<Vec3> by_pins = impulsesByPins(
+        model, i, middle, unexplained(model, inputs, step_, before_, state, i));
+    auto next = by_pins.begin();
+    for (std::size_t p = 0; p < model.pins.size(); ++p)
+      if (model.pins[p].ragdoll == i) pins_[p] = *next++;
+  }
 }
 
 /// Impacts begin and end.
@@ -267,7 +271,7 @@ ContactReport Contacts::take() {
 }
 
 double peakForce(const ContactImpulse& c, double h) {
-  return c.peak > 0 ? c.peak : c.impulse.norm() / h;
+  return std::max(c.peak, c.impulse.norm() / h);
 }
 
 void addTouch(std::vector<Touch>& all, const Touch& next) {

@@ -81,12 +81,12 @@ class Contacts {
   void merge();
   void balance(const Model& model, const Inputs& inputs, const State& state);
   void spread(const Model& model, const std::vector<Vec3>& rest);
-  void putOnPins(const Model& model, const State& state, int ragdoll, const Vec3& rest);
+  void putOnPins(const Model& model, const Inputs& inputs, const State& state);
   void collect(const Model& model, const State& state);
   void follow(const Model& model, const State& state);
 
   std::vector<Eigen::VectorXd> masses_;  ///< [kg] per ragdoll: row sums of M
-  Points before_;                        ///< [m/s] velocities before the step
+  Points places_, before_;               ///< [m], [m/s] positions and velocities before the step
   std::vector<std::uint8_t> slept_;      ///< per ragdoll: when the step began; then all of it
   ContactLog log_;
   std::vector<ContactImpulse> step_;

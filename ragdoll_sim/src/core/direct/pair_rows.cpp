@@ -146,10 +146,14 @@ void rememberPairs(Island& island, double h) {
 }
 
 double worstPairViolation(const Island& island) {
+  const PairSet& pairs = island.pairs;
   double worst = 0;
-  for (std::size_t i = 0; i < island.pairs.contacts.size(); ++i)
-    if (island.pairs.row[i] >= 0 && !island.pairs.contacts[i].isSoft())
-      worst = std::max(worst, -pairGapAfter(island, island.pairs.contacts[i]));
+  for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
+    if (pairs.row[i] < 0) continue;
+    const Contact& c = pairs.contacts[i];
+    const double p = c.isSoft() ? island.s.total[pairs.row[i]] : 0;
+    worst = std::max(worst, -pairs.springs[i].slack(pairGapAfter(island, c), p));
+  }
   return worst;
 }
 

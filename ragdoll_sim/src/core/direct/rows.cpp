@@ -122,9 +122,12 @@ bool soften(Body& body, double h, bool leapfrog) {
 double worstViolation(Body& body) {
   const ConstraintSet& set = body.constraints;
   double worst = 0;
-  for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    if (set.contact_row[i] >= 0 && !set.contacts[i].isSoft())
-      worst = std::max(worst, -gapAfter(body, set.contacts[i]));
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const int row = set.contact_row[i];
+    if (row < 0) continue;
+    const double p = set.contacts[i].isSoft() ? body.total[row] : 0;
+    worst = std::max(worst, -set.springs[i].slack(gapAfter(body, set.contacts[i]), p));
+  }
   const LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];

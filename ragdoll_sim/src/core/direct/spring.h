@@ -14,6 +14,9 @@ struct SpringRow {
   double offset = 0;      ///< [m]
   double compliance = 0;  ///< [1/kg]
   double answer = 0;      ///< [1/kg] of the body to a push along the normal
+
+  /// [m] of the row, at a gap [m] after p [kg m]; what is rigid has neither offset nor compliance.
+  double slack(double gap, double p) const { return gap + offset + compliance * p; }
 };
 
 /// leapfrog: the force acts in the middle of
