@@ -3,6 +3,8 @@
 #include <ros/console.h>
 #include <ros/this_node.h>
 
+#include <chrono>
+
 #include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
@@ -14,6 +16,8 @@ namespace ragdoll {
 namespace {
 
 constexpr double kRivalry = 5;  ///< [s] without a frame of the other's, then it is over
+constexpr std::chrono::milliseconds kPeriod{250};  ///< between two times that it hears unasked
+constexpr int kQueue = 10000;  ///< messages that may come meanwhile
 constexpr std::size_t kOwnKept = 600;  ///< messages: 10 s at 60 Hz, as long as tf2 keeps any
 
 /// TF lets numbers of any size through, infinite ones, too.
@@ -24,7 +28,6 @@ bool isPlace(const Pose& pose) {
 }  // namespace
 
 FrameLookup::FrameLookup(const std::string& world_frame) : world_frame_(world_frame) {
-  constexpr int kQueue = 100;
   node_.setCallbackQueue(&queue_);
   // tf2_ros::TransformListener does not say who has published a frame, and in its own thread what
   // tf2 throws at stamps near 2^32 s would end the node.
@@ -36,23 +39,32 @@ FrameLookup::FrameLookup(const std::string& world_frame) : world_frame_(world_fr
   };
   moving_ = subscribe("/tf", false);
   static_ = subscribe("/tf_static", true);
-  thread_ = std::thread(&FrameLookup::listen, this);
+  thread_ = std::thread(&FrameLookup::run, this);
 }
 
 FrameLookup::~FrameLookup() {
-  ends_ = true;
+  {
+    std::lock_guard<std::mutex> lock(end_mutex_);
+    ends_ = true;
+  }
+  end_.notify_all();
   thread_.join();
 }
 
-void FrameLookup::listen() {
-  constexpr double kPatience = 0.1;  // [s] after which it looks whether to end
-  while (!ends_) queue_.callAvailable(ros::WallDuration(kPatience));
+void FrameLookup::run() {
+  std::unique_lock<std::mutex> lock(end_mutex_);
+  while (!end_.wait_for(lock, kPeriod, [this] { return ends_; })) listen();
+}
+
+void FrameLookup::listen() const {
+  std::lock_guard<std::mutex> lock(hearing_);
+  queue_.callAvailable();
 }
 
 void FrameLookup::hear(const Event& event, bool is_static) {
-  const ros::Time now = ros::Time::now();
-  if (now < last_heard_) forget();  // a bag that begins anew, as tf2_ros does
-  last_heard_ = now;
+  const ros::Time came = event.getReceiptTime();
+  if (came < last_heard_) forget();  // a bag that begins anew, as tf2_ros does
+  last_heard_ = came;
   const std::string publisher = event.getPublisherName();
   if (publisher == ros::this_node::getName()) return hearOwn(event);
   for (const std::string& frame : take(*event.getConstMessage(), publisher, is_static))
@@ -118,6 +130,7 @@ void FrameLookup::claim(const std::string& frame, const std::string& publisher, 
 }
 
 std::vector<std::string> FrameLookup::rivals() const {
+  listen();
   std::lock_guard<std::mutex> lock(mutex_);
   std::vector<std::string> names;
   for (const auto& [publisher, claim] : claims_)
@@ -135,6 +148,7 @@ bool FrameLookup::isWorld(const std::string& frame) const {
 }
 
 std::vector<std::string> FrameLookup::others() const {
+  listen();
   std::lock_guard<std::mutex> lock(mutex_);
   std::vector<std::string> names;
   for (const auto& [frame, owner] : owners_)
@@ -151,6 +165,7 @@ bool FrameLookup::isOthers(const std::string& frame) const {
 
 Pose FrameLookup::inWorld(const std::string& frame, const Names& own) const {
   if (isWorld(frame)) return Pose();
+  listen();
   takeOwn();
   try {
     if (!isOthers(frame)) throw tf2::LookupException(frame);
@@ -174,6 +189,7 @@ Pose FrameLookup::inWorld(const std::string& frame, const Names& own) const {
 
 std::optional<StampedPose> FrameLookup::find(const std::string& frame) const {
   if (isWorld(frame)) return StampedPose();
+  listen();
   if (!isOthers(frame)) return std::nullopt;
   takeOwn();
   try {

@@ -1,5 +1,8 @@
 // Other nodes' TF frames. Never waits: a lookup answers from what has been heard so far, so that it
 // cannot hang when no clock ticks.
+//
+// What comes on /tf, this node's own messages among it, lies in a queue until someone asks, or for
+// kPeriod: to be woken by each message would cost more than all else here.
 #pragma once
 
 #include <ros/callback_queue.h>
@@ -8,7 +11,7 @@
 #include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/buffer.h>
 
-#include <atomic>
+#include <condition_variable>
 #include <deque>
 #include <functional>
 #include <map>
@@ -58,7 +61,8 @@ class FrameLookup {
  private:
   using Event = ros::MessageEvent<tf2_msgs::TFMessage const>;
 
-  void listen();  ///< until the end
+  void run();           ///< hears now and then, until the end
+  void listen() const;  ///< hears all that has come; who asks at the same time waits for it
   void hear(const Event& event, bool is_static);
   void hearOwn(const Event& event);
   /// What this node has published since the last look: of others' frames some may hang on its own.
@@ -71,7 +75,8 @@ class FrameLookup {
   bool isOthers(const std::string& frame) const;
 
   std::string world_frame_;
-  ros::CallbackQueue queue_;
+  mutable ros::CallbackQueue queue_;
+  mutable std::mutex hearing_;  ///< before mutex_
   ros::NodeHandle node_;
   mutable tf2_ros::Buffer buffer_;
   ros::Subscriber moving_, static_;
@@ -89,7 +94,9 @@ class FrameLookup {
     ros::WallTime at;
   };
   std::map<std::string, Claim> claims_;       ///< by node: an own frame that it published
-  std::atomic<bool> ends_{false};
+  std::mutex end_mutex_;
+  std::condition_variable end_;
+  bool ends_ = false;
   std::thread thread_;
 };
 
