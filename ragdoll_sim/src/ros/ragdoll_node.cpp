@@ -1,12 +1,15 @@
 // The node: reads the parameters, starts the simulation, the publisher and the services, and waits.
 #include <ros/ros.h>
+#include <semaphore.h>
 
 #include <atomic>
 #include <csignal>
+#include <ctime>
 #include <memory>
 #include <utility>
 
 #include "attachments.h"
+#include "callback_threads.h"
 #include "control.h"
 #include "frame_lookup.h"
 #include "handles.h"
@@ -24,7 +27,6 @@
 
 namespace {
 
-constexpr double kPoll = 0.05;       ///< [s] between two looks whether to end
 constexpr int kCallbackThreads = 4;  ///< a long ~step leaves some for the other services
 
 ragdoll::World loadWorld(const std::string& parameter, const ragdoll::Parameters& parameters,
@@ -65,6 +67,7 @@ ragdoll::Simulation::Options pace(const ragdoll::Parameters& parameters) {
 class Signals {
  public:
   Signals() {
+    sem_init(&news_, 0, 0);
     for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, take);
   }
   /// False if a signal came before.
@@ -76,13 +79,25 @@ class Signals {
     runs_ = true;
     deferred_ = false;
   }
-  /// A signal has come: the loop of main is to end.
-  static bool taken() { return taken_; }
+  /// Returns when a signal has come, or once ROS ends the node for another reason.
+  static void wait() {
+    while (ros::ok() && !ros::isShuttingDown() && !taken_) {
+      timespec until{};
+      clock_gettime(CLOCK_MONOTONIC, &until);
+      until.tv_nsec += kPoll;
+      if (until.tv_nsec >= kSecond) ++until.tv_sec, until.tv_nsec -= kSecond;
+      sem_clockwait(&news_, CLOCK_MONOTONIC, &until);
+    }
+  }
 
  private:
+  static constexpr long kSecond = 1000000000;  // [ns]
+  static constexpr long kPoll = kSecond / 4;   ///< [ns] between two looks at ROS
   static void take(int) {
     if (taken_.exchange(true) || !(deferred_ || runs_)) ros::requestShutdown();
+    sem_post(&news_);  // of what may wake a thread the one thing that a signal may do
   }
+  static inline sem_t news_;
   static inline std::atomic<bool> deferred_{false}, runs_{false}, taken_{false};
 };
 
@@ -141,11 +156,9 @@ int main(int argc, char** argv) {
                            [&] { reconfigure.refresh(); });
     std::unique_ptr<ragdoll::ClockPublisher> ticks;
     if (clock.own()) ticks = std::make_unique<ragdoll::ClockPublisher>(nh, simulation, clock);
-    ros::AsyncSpinner spinner(kCallbackThreads);
-    spinner.start();
+    const ragdoll::CallbackThreads callbacks(kCallbackThreads);
     signals.release();
-    while (ros::ok() && !ros::isShuttingDown() && !signals.taken())
-      ros::WallDuration(kPoll).sleep();
+    signals.wait();
     publisher.clearMarkers();
     ros::requestShutdown();
     simulation.end();  // else ROS would wait for a call that waits for its steps
