@@ -2,7 +2,6 @@
 
 #include <QLabel>
 #include <QString>
-#include <algorithm>
 #include <cmath>
 
 namespace ragdoll_rviz {
@@ -32,14 +31,14 @@ void TouchFigures::listen(ros::NodeHandle& nh, const std::string& node) {
   using ragdoll_msgs::ContactStates;
   using ragdoll_msgs::Impact;
   clear();
-  contacts_ = nh.subscribe<ContactStates>(
-      node + "/contacts", 1, [this](const ContactStates::ConstPtr& m) { hearContacts(*m); });
+  contact_ = nh.subscribe<ContactStates>(
+      node + "/largest_contact", 1, [this](const ContactStates::ConstPtr& m) { hearContact(*m); });
   impacts_ = nh.subscribe<Impact>(node + "/impacts", kQueue,
                                   [this](const Impact::ConstPtr& m) { hearImpact(*m); });
 }
 
 void TouchFigures::stop() {
-  contacts_.shutdown();
+  contact_.shutdown();
   impacts_.shutdown();
 }
 
@@ -49,14 +48,11 @@ void TouchFigures::clear() {
   last_ = 0;
 }
 
-void TouchFigures::hearContacts(const ragdoll_msgs::ContactStates& m) {
-  const auto largest = std::max_element(
-      m.contacts.begin(), m.contacts.end(),
-      [](const auto& a, const auto& b) { return sizeOf(a.force) < sizeOf(b.force); });
-  force_->setText(largest == m.contacts.end()
-                      ? QString("none")
-                      : newtons(sizeOf(largest->force)) + ", " +
-                            pairOf(largest->ragdoll, largest->body, largest->other));
+void TouchFigures::hearContact(const ragdoll_msgs::ContactStates& m) {
+  if (m.contacts.empty()) return force_->setText("none");
+  const ragdoll_msgs::ContactState& largest = m.contacts.front();
+  force_->setText(newtons(sizeOf(largest.force)) + ", " +
+                  pairOf(largest.ragdoll, largest.body, largest.other));
 }
 
 void TouchFigures::hearImpact(const ragdoll_msgs::Impact& m) {

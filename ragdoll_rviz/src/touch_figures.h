@@ -1,6 +1,6 @@
 // The panel's two lines of what touches: the largest contact force now and the last impact, from
-// ~contacts and ~impacts. A node keeps contacts only while someone listens, so listen only while
-// the lines are seen.
+// ~largest_contact and ~impacts. A node keeps contacts only while someone listens, so listen only
+// while the lines are seen.
 #pragma once
 
 #ifndef Q_MOC_RUN
@@ -29,11 +29,11 @@ class TouchFigures {
   void clear();
 
  private:
-  void hearContacts(const ragdoll_msgs::ContactStates& message);
+  void hearContact(const ragdoll_msgs::ContactStates& message);
   void hearImpact(const ragdoll_msgs::Impact& message);
 
   QLabel *force_ = nullptr, *impact_ = nullptr;
-  ros::Subscriber contacts_, impacts_;
+  ros::Subscriber contact_, impacts_;
   std::uint32_t last_ = 0;  ///< the shown impact's id
 };
 

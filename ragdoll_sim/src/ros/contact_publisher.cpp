@@ -2,13 +2,13 @@
 
 #include <geometry_msgs/WrenchStamped.h>
 #include <ragdoll_msgs/ContactStates.h>
-#include <ragdoll_msgs/Impact.h>
 #include <ros/console.h>
 #include <ros/master.h>
 
 #include <algorithm>
 #include <utility>
 
+#include "contact_messages.h"
 #include "ragdoll_sim/ros/convert.h"
 #include "topic_names.h"
 
@@ -19,43 +19,6 @@ constexpr int kQueue = 100;
 constexpr int kImpactQueue = 10000;         ///< one step may have many
 constexpr std::size_t kMostWrenches = 200;  ///< topics
 
-ragdoll_msgs::ContactState toContactState(const Model& model, const Touch& touch, double interval) {
-  const ContactImpulse& c = touch.contact;
-  ragdoll_msgs::ContactState m;
-  m.ragdoll = model.ragdolls[c.ragdoll].name;
-  m.body = particlesName(model, c.ragdoll, c.particle);
-  m.other = otherName(model, c, &m.other_body);
-  m.position = toPoint(c.point);
-  m.normal = toVector3(c.normal);
-  m.depth = c.depth;
-  m.force = toVector3(c.impulse / interval);
-  m.peak_force = touch.peak_force;
-  m.impulse = c.impulse.norm();
-  m.slip = c.slip;
-  return m;
-}
-
-ragdoll_msgs::Impact toImpact(const Model& model, const ImpactReport& impact) {
-  const ContactImpulse& c = impact.contact;
-  ragdoll_msgs::Impact m;
-  m.step = impact.step;
-  m.id = impact.id;
-  m.over = impact.over;
-  m.ragdoll = model.ragdolls[c.ragdoll].name;
-  m.body = particlesName(model, c.ragdoll, c.particle);
-  m.region = regionName(model, c.ragdoll, c.particle);
-  m.other = otherName(model, c);
-  m.position = toPoint(c.point);
-  m.normal = toVector3(c.normal);
-  m.approach_speed = c.approach;
-  m.effective_mass = c.effective_mass;
-  if (!impact.over) return m;
-  m.impulse = c.impulse.norm();
-  m.peak_force = impact.peak_force;
-  m.duration = impact.duration;
-  return m;
-}
-
 Pose inverse(const Pose& pose) {
   const Quat back = pose.orientation.conjugate();
   return {-(back * pose.position), back};
@@ -64,7 +27,7 @@ Pose inverse(const Pose& pose) {
 }  // namespace
 
 ContactPublisher::ContactPublisher(ros::NodeHandle& nh, std::string world_frame)
-    : nh_(nh), world_frame_(std::move(world_frame)) {
+    : nh_(nh), world_frame_(std::move(world_frame)), largest_(nh) {
   contacts_ = nh.advertise<ragdoll_msgs::ContactStates>("contacts", kQueue);
   impacts_ = nh.advertise<ragdoll_msgs::Impact>("impacts", kImpactQueue);
 }
@@ -95,7 +58,8 @@ void ContactPublisher::follow(const Snapshot& world, const std::vector<std::stri
 }
 
 bool ContactPublisher::wanted() const {
-  return contacts_.getNumSubscribers() > 0 || impacts_.getNumSubscribers() > 0 ||
+  return largest_.wanted() || contacts_.getNumSubscribers() > 0 ||
+         impacts_.getNumSubscribers() > 0 ||
          std::any_of(wrenches_.begin(), wrenches_.end(),
                      [](const ros::Publisher& topic) { return topic.getNumSubscribers() > 0; });
 }
@@ -110,6 +74,7 @@ void ContactPublisher::publish(const Snapshot& world, const ros::Time& now, Outb
       m.header = header;
       out.add(impacts_, std::move(m));
     }
+  largest_.publish(world, header, out);
   if (!(report.interval > 0)) return;  // no step since the last one
   if (contacts_.getNumSubscribers() > 0) {
     ragdoll_msgs::ContactStates m;

@@ -1,4 +1,4 @@
-// ~contacts, ~impacts and ~wrenches/<name>, from the contacts of a snapshot.
+// ~contacts, ~largest_contact, ~impacts and ~wrenches/<name>, from the contacts of a snapshot.
 #pragma once
 
 #include <ros/node_handle.h>
@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "largest_contact.h"
 #include "outbox.h"
 #include "ragdoll_sim/world/snapshot.h"
 
@@ -31,6 +32,7 @@ class ContactPublisher {
   ros::NodeHandle nh_;
   std::string world_frame_;
   ros::Publisher contacts_, impacts_;
+  LargestContact largest_;
   std::vector<std::string> names_;
   std::vector<ros::Publisher> wrenches_;  ///< of obstacles, then of pins
 };
