@@ -28,8 +28,8 @@ Pose inverse(const Pose& pose) {
 
 ContactPublisher::ContactPublisher(ros::NodeHandle& nh, std::string world_frame)
     : nh_(nh), world_frame_(std::move(world_frame)), largest_(nh) {
-  contacts_ = nh.advertise<ragdoll_msgs::ContactStates>("contacts", kQueue);
-  impacts_ = nh.advertise<ragdoll_msgs::Impact>("impacts", kImpactQueue);
+  contacts_ = Topic::advertise<ragdoll_msgs::ContactStates>(nh, "contacts", kQueue);
+  impacts_ = Topic::advertise<ragdoll_msgs::Impact>(nh, "impacts", kImpactQueue);
 }
 
 void ContactPublisher::follow(const Snapshot& world, const std::vector<std::string>& pin_names) {
@@ -50,25 +50,25 @@ void ContactPublisher::follow(const Snapshot& world, const std::vector<std::stri
     names_ = std::move(names);
     return;
   }
-  std::vector<ros::Publisher> topics;
+  std::vector<Topic> topics;
   for (const std::string& name : topicNames(names))
-    topics.push_back(nh_.advertise<geometry_msgs::WrenchStamped>("wrenches/" + name, kQueue));
+    topics.push_back(
+        Topic::advertise<geometry_msgs::WrenchStamped>(nh_, "wrenches/" + name, kQueue));
   wrenches_ = std::move(topics);
   names_ = std::move(names);
 }
 
 bool ContactPublisher::wanted() const {
-  return largest_.wanted() || contacts_.getNumSubscribers() > 0 ||
-         impacts_.getNumSubscribers() > 0 ||
+  return largest_.wanted() || contacts_.isHeard() || impacts_.isHeard() ||
          std::any_of(wrenches_.begin(), wrenches_.end(),
-                     [](const ros::Publisher& topic) { return topic.getNumSubscribers() > 0; });
+                     [](const Topic& topic) { return topic.isHeard(); });
 }
 
 void ContactPublisher::publish(const Snapshot& world, const ros::Time& now, Outbox& out) {
   if (!world.contacts) return;
   const ContactReport& report = *world.contacts;
   const std_msgs::Header header = toHeader(world_frame_, now);
-  if (impacts_.getNumSubscribers() > 0)
+  if (impacts_.isHeard())
     for (const ImpactReport& impact : report.impacts) {
       ragdoll_msgs::Impact m = toImpact(*world.model, impact);
       m.header = header;
@@ -76,7 +76,7 @@ void ContactPublisher::publish(const Snapshot& world, const ros::Time& now, Outb
     }
   largest_.publish(world, header, out);
   if (!(report.interval > 0)) return;  // no step since the last one
-  if (contacts_.getNumSubscribers() > 0) {
+  if (contacts_.isHeard()) {
     ragdoll_msgs::ContactStates m;
     m.header = header;
     m.step = report.step;
@@ -119,7 +119,7 @@ void ContactPublisher::publishWrench(std::size_t topic, const ContactReport& rep
                                      const Vec3& impulse, const Vec3& moment,
                                      const std::string& frame, const Pose& pose,
                                      const ros::Time& now, Outbox& out) {
-  if (wrenches_[topic].getNumSubscribers() == 0) return;
+  if (!wrenches_[topic].isHeard()) return;
   const Quat back = pose.orientation.conjugate();
   geometry_msgs::WrenchStamped m;
   m.header = toHeader(frame, now);

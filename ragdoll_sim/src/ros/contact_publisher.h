@@ -10,6 +10,7 @@
 #include "largest_contact.h"
 #include "outbox.h"
 #include "ragdoll_sim/world/snapshot.h"
+#include "topic.h"
 
 namespace ragdoll {
 
@@ -31,10 +32,10 @@ class ContactPublisher {
 
   ros::NodeHandle nh_;
   std::string world_frame_;
-  ros::Publisher contacts_, impacts_;
+  Topic contacts_, impacts_;
   LargestContact largest_;
   std::vector<std::string> names_;
-  std::vector<ros::Publisher> wrenches_;  ///< of obstacles, then of pins
+  std::vector<Topic> wrenches_;  ///< of obstacles, then of pins
 };
 
 }  // namespace ragdoll

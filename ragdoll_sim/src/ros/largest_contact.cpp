@@ -17,7 +17,7 @@ constexpr std::chrono::milliseconds kPeriod{250};
 }  // namespace
 
 LargestContact::LargestContact(ros::NodeHandle& nh) {
-  topic_ = nh.advertise<ragdoll_msgs::ContactStates>("largest_contact", kQueue);
+  topic_ = Topic::advertise<ragdoll_msgs::ContactStates>(nh, "largest_contact", kQueue);
 }
 
 void LargestContact::publish(const Snapshot& world, const std_msgs::Header& header, Outbox& out) {

@@ -9,6 +9,7 @@
 
 #include "outbox.h"
 #include "ragdoll_sim/world/simulation.h"
+#include "topic.h"
 
 namespace ragdoll {
 
@@ -17,7 +18,7 @@ class LargestContact {
   explicit LargestContact(ros::NodeHandle& nh);
 
   /// Whether anyone listens.
-  bool wanted() const { return topic_.getNumSubscribers() > 0; }
+  bool wanted() const { return topic_.isHeard(); }
 
   /// With each snapshot; a message when one is due and steps were made.
   void publish(const Snapshot& world, const std_msgs::Header& header, Outbox& out);
@@ -28,7 +29,7 @@ class LargestContact {
   void hear(const Snapshot& world);
   void clear();
 
-  ros::Publisher topic_;
+  Topic topic_;
   std::vector<Touch> touches_;  ///< since the last message
   double interval_ = 0;         ///< [s] that they are of
   std::uint32_t run_ = 0;       ///< the same

@@ -41,9 +41,9 @@ double arrowLength(double force) {
 MarkerPublisher::MarkerPublisher(ros::NodeHandle& nh, const std::string& world_frame,
                                  const std::string& coat)
     : world_frame_(world_frame), coat_(coat) {
-  const auto heard = [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; };
-  publisher_ = nh.advertise<visualization_msgs::MarkerArray>("markers", kQueue, heard);
-  scenery_ = nh.advertise<visualization_msgs::MarkerArray>("scenery", kQueue, heard);
+  const auto joined = [this] { newcomer_ = true; };
+  markers_ = Topic::advertise<visualization_msgs::MarkerArray>(nh, "markers", kQueue, joined);
+  scenery_ = Topic::advertise<visualization_msgs::MarkerArray>(nh, "scenery", kQueue, joined);
 }
 
 void MarkerPublisher::setCoat(const std::string& coat) {
@@ -69,11 +69,11 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
   if (slow) next_sticks_ = now + kStickPeriod;
   message_.markers.clear();
   addScenery(world, posture, all, slow);
-  if (!message_.markers.empty()) scenery_.publish(message_);
-  if (publisher_.getNumSubscribers() == 0) return;
+  if (!message_.markers.empty()) scenery_.publisher().publish(message_);
+  if (!markers_.isHeard()) return;
   if (slow) addSticks(world, posture);
   addBodies(world, posture, now, all);
-  if (!message_.markers.empty()) publisher_.publish(message_);
+  if (!message_.markers.empty()) markers_.publisher().publish(message_);
 }
 
 void MarkerPublisher::addBodies(const Snapshot& world, const Posture& posture,
@@ -101,8 +101,8 @@ void MarkerPublisher::clear() {
   visualization_msgs::MarkerArray message;
   message.markers.push_back(marker("", 0, 0));
   message.markers[0].action = Marker::DELETEALL;
-  publisher_.publish(message);
-  scenery_.publish(message);
+  markers_.publisher().publish(message);
+  scenery_.publisher().publish(message);
 }
 
 void MarkerPublisher::startScene(const Snapshot& world) {

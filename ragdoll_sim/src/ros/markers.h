@@ -1,8 +1,8 @@
 // What rviz shows: the coat, the sticks, obstacles, the pokes and pulls that act, and the joints'
-// limits and the contacts while they are asked for; ~scenery is ~markers without the bodies (coat and sticks), for
-// who draws those itself. Fixed namespaces and ids, so that each message overwrites the
-// last. What stays as it is, rigid parts and obstacles, is told once to a new listener and when it
-// changes, and has no lifetime; what is told again and again has a short one.
+// limits and the contacts while they are asked for; ~scenery is ~markers without the bodies (coat
+// and sticks), for who draws those itself. Fixed namespaces and ids, so that each message
+// overwrites the last. What stays as it is, rigid parts and obstacles, is told once to a new
+// listener and when it changes, and has no lifetime; what is told again and again has a short one.
 #pragma once
 
 #include <ros/publisher.h>
@@ -18,6 +18,7 @@
 #include "body_markers.h"
 #include "contact_markers.h"
 #include "ragdoll_sim/world/simulation.h"
+#include "topic.h"
 
 namespace ragdoll {
 
@@ -26,9 +27,7 @@ class MarkerPublisher {
   /// coat: overrides the scene's unless empty.
   MarkerPublisher(ros::NodeHandle& nh, const std::string& world_frame, const std::string& coat);
 
-  bool wanted() const {
-    return publisher_.getNumSubscribers() > 0 || scenery_.getNumSubscribers() > 0;
-  }
+  bool wanted() const { return markers_.isHeard() || scenery_.isHeard(); }
 
   /// Joint limits from the next message on, or no more (body/limit_shapes.h). Of any thread.
   void showLimits(bool show) { limits_ = show; }
@@ -72,7 +71,7 @@ class MarkerPublisher {
   std::string coat_;
   std::atomic<bool> other_coat_{false};
   std::atomic<bool> newcomer_{true}, limits_{false}, contacts_{false};
-  ros::Publisher publisher_, scenery_;
+  Topic markers_, scenery_;
   std::shared_ptr<const Scene> scene_;
   CoatKind kind_ = CoatKind::kNone;
   std::vector<BodyMarkers> bodies_;

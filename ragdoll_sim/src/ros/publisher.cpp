@@ -34,13 +34,13 @@ Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock
   markers_.showLimits(parameters.show_limits);
   markers_.showContacts(parameters.show_contacts);
   model_ = nh.advertise<ragdoll_msgs::Model>("model", 1, true);
-  state_ = nh.advertise<ragdoll_msgs::State>(
-      "state", parameters.publish_every > 0 ? kEventQueue : kQueue,
-      [this](const ros::SingleSubscriberPublisher&) { newcomer_ = true; });
+  state_ = Topic::advertise<ragdoll_msgs::State>(
+      nh, "state", parameters.publish_every > 0 ? kEventQueue : kQueue,
+      [this] { newcomer_ = true; });
   pokes_ = nh.advertise<ragdoll_msgs::PokeEvent>("pokes", kEventQueue);
   followed_ = nh.advertise<ragdoll_msgs::FollowedFrame>("followed", kEventQueue);
-  tf_ = nh.advertise<tf2_msgs::TFMessage>("/tf", kQueue);
-  joints_ = nh.advertise<sensor_msgs::JointState>("joint_states", kQueue);
+  tf_ = Topic::advertise<tf2_msgs::TFMessage>(nh, "/tf", kQueue);
+  joints_ = Topic::advertise<sensor_msgs::JointState>(nh, "joint_states", kQueue);
   thread_ = std::thread([this] { run(); });
 }
 
@@ -195,7 +195,7 @@ void Publisher::publishState(const ros::Time& now, Why why) {
   if ((world_.paused || sampled) && !changed && (why != Why::kDemanded || sampled) && !newcomer)
     return;
   told_revision_ = world_.revision;
-  if (state_.getNumSubscribers() == 0) return;
+  if (!state_.isHeard()) return;
   out_.add(state_, toStateMsg(*world_.model, world_.state, world_.mark,
                               toHeader(parameters_.world_frame, now)));
 }
@@ -217,7 +217,7 @@ void Publisher::publishContacts(const ros::Time& now) {
 }
 
 void Publisher::publishJoints(const Posture& posture, const ros::Time& now) {
-  if (joints_.getNumSubscribers() == 0) return;
+  if (!joints_.isHeard()) return;
   if (world_.scene != angles_scene_) {
     angles_.emplace(*world_.model, *world_.tracker);
     angles_scene_ = world_.scene;

@@ -23,6 +23,7 @@
 #include "ragdoll_sim/body/angles.h"
 #include "ragdoll_sim/world/simulation.h"
 #include "ros_clock.h"
+#include "topic.h"
 
 namespace ragdoll {
 
@@ -64,7 +65,8 @@ class Publisher {
   Simulation& simulation_;
   const RosClock& clock_;
   const Parameters parameters_;
-  ros::Publisher model_, state_, pokes_, followed_, joints_, tf_;
+  ros::Publisher model_, pokes_, followed_;
+  Topic state_, joints_, tf_;
   ImuPublisher imus_;
   ContactPublisher contacts_;
   bool keeps_contacts_ = false;  ///< the world does
