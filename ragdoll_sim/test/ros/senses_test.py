@@ -8,8 +8,8 @@ import unittest
 import rospy
 import rostest
 import tf2_ros
-from client import LIMIT, Client, Inbox
-from geometry_msgs.msg import WrenchStamped
+from client import LIMIT, Client, Inbox, wait_for
+from geometry_msgs.msg import TransformStamped, WrenchStamped
 from ragdoll_msgs.msg import ContactStates, Impact
 from sensor_msgs.msg import Imu
 
@@ -30,6 +30,15 @@ sensors: [{name: box, type: imu, segment: plate, position: [0.1, 0, 0.2], rpy_de
 solver: {sleep: false}
 %s
 '''
+BALL = '''
+  - name: %s
+    position: %s
+    model: {particles: {p: {position: [0, 0, 0], mass: %g, radius: 0.1}}}
+'''
+
+
+def xyz(v):
+    return v.x, v.y, v.z
 
 
 class SensesTest(unittest.TestCase):
@@ -69,6 +78,65 @@ class SensesTest(unittest.TestCase):
         told = floor.first(lambda m: abs(m.wrench.force.z + 4 * G) < 1e-6, 'the weight')
         self.assertEqual(told.header.frame_id, 'world')
         self.assertLess(abs(told.wrench.torque.x) + abs(told.wrench.torque.y), 1e-3)
+
+    def load_balls(self, balls, *rest):
+        """Each a name, a place [m] and a mass [kg]."""
+        yaml = '\n'.join(['ragdolls:' + ''.join(BALL % ball for ball in balls)] + list(rest))
+        answer = self.client.call_load(yaml=yaml)
+        self.assertTrue(answer.success, answer.status_message)
+
+    def test_largest_contact_is_of_the_heavier_ball(self):
+        largest = Inbox('/ragdoll/largest_contact', ContactStates)
+        self.load_balls([('al', [0, 0, 0.1], 1), ('ben', [1, 0, 0.1], 3), ('eva', [2, 0, 0.1], 2)],
+                        'obstacles: [{name: floor, type: plane}]')
+        told = largest.first(lambda m: m.contacts and abs(m.contacts[0].force.z - 3 * G) < 1e-3,
+                             'the weight of three')
+        self.assertEqual((told.contacts[0].ragdoll, told.contacts[0].other), ('ben', 'floor'))
+        self.assertAlmostEqual(told.contacts[0].impulse, 3 * G * told.interval, 2)
+        largest.first(lambda m: (m.header.stamp - told.header.stamp).to_sec() > 2, 'two seconds')
+        later = [m for m in largest.all() if m.header.stamp > told.header.stamp]
+        self.assertTrue(all(len(m.contacts) == 1 for m in later))
+        self.assertTrue(all(m.interval > 0.2 for m in later), [m.interval for m in later])
+        self.load_balls([('al', [0, 0, 100], 1)])
+        largest.first(lambda m: not m.contacts, 'a message of nothing')
+
+    def test_names_that_are_the_same_as_topics_are_told_apart(self):
+        self.load_balls([('al', [0, 0, 0.1], 4)], 'obstacles:',
+                        ' - {name: wall-1, type: box, size: [1, 1, 1], position: [50, 0, 0]}',
+                        ' - {name: wall.1, type: plane}')
+        for topic, force in (('wall_1', 0), ('wall_1_2', -4 * G)):
+            Inbox('/ragdoll/wrenches/' + topic, WrenchStamped).first(
+                lambda m: abs(m.wrench.force.z - force) < 1e-3, topic)
+
+    def check_wrench(self, topic, frame, force, torque):
+        def near(a, b):
+            return all(abs(x - y) < 0.02 * G for x, y in zip(xyz(a), b))
+        told = Inbox('/ragdoll/wrenches/' + topic, WrenchStamped).first(
+            lambda m: near(m.wrench.force, force) and near(m.wrench.torque, torque),
+            'the wrench on ' + topic)
+        self.assertEqual(told.header.frame_id, frame)
+
+    def test_torque_is_about_the_origin_of_the_world(self):
+        self.load_balls([('al', [2, 1, 0.1], 4), ('ben', [-3, 2, 5], 1)],
+                        'obstacles: [{name: floor, type: plane}]',
+                        'pins: [ben/p]')
+        self.check_wrench('floor', 'world', (0, 0, -4 * G), (-4 * G, 8 * G, 0))
+        self.check_wrench('pin_ben_p', 'world', (0, 0, -G), (-2 * G, -3 * G, 0))
+
+    def test_torque_is_about_the_frame_that_an_obstacle_follows_and_in_its_axes(self):
+        palm = TransformStamped()
+        palm.header.frame_id, palm.child_frame_id = 'world', 'palm'
+        at, turn = palm.transform.translation, palm.transform.rotation
+        at.x, at.y, at.z = 1, 2, 0.5
+        turn.x = turn.w = 0.5 ** 0.5  # its y is up, its z to the right
+        broadcaster = tf2_ros.StaticTransformBroadcaster()
+        broadcaster.sendTransform(palm)
+        wait_for(lambda: broadcaster.pub_tf.get_num_connections() > 0, 'the node')
+        self.load_balls([('al', [1.3, 2.2, 1], 4)],  # which falls onto it
+                        'obstacles:',
+                        ' - {name: table, type: box, size: [2, 2, 0.1], frame: palm,',
+                        '    position: [0.2, -0.3, 0.1], rpy_deg: [90, 0, 0]}')
+        self.check_wrench('table', 'palm', (0, -4 * G, 0), (-0.8 * G, 0, -1.2 * G))
 
     def test_pin_carries_the_body(self):
         self.load('eva', 2, 'pins: [a, b]')
