@@ -169,6 +169,20 @@ TEST(CompliantPairs, BarsThrownAtRandomGainNoEnergy) {
 
 /// On two bars that are held, with dampers: it sinks in by its weight over the springs, and each
 /// carries half of it.
+/// Friction turns them; what they lose of their angular momentum together is given back as a turn, too.
+TEST(CompliantPairs, BarsThatSlideOnEachOtherEndWhereSmallStepsDo) {
+  const auto end = [](double hz) {
+    World world(sceneOfText(
+        bar(kBelow) + bar("name: across, position: [0.2, -0.18, 0.13], rpy_deg: [0, 0, 80], velocity: [1.5, 0.4, -1]"),
+        hz));
+    world.steps(static_cast<int>(std::lround(0.05 * hz)));
+    return world.state.x;
+  };
+  const Points limit = end(64000);  // 2e-4 and 4e-5 m off without the turn
+  EXPECT_LT((end(1000) - limit).colwise().norm().maxCoeff(), 8e-5);
+  EXPECT_LT((end(4000) - limit).colwise().norm().maxCoeff(), 6e-6);
+}
+
 TEST(CompliantPairs, ABarRestsOnTwoByItsWeight) {
   const std::string left = "name: left, position: [0.05, -0.2, 0], rpy_deg: [0, 0, 90]",
                     right = "name: right, position: [0.35, -0.2, 0], rpy_deg: [0, 0, 90]";

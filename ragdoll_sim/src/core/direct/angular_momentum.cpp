@@ -61,6 +61,37 @@ void addSpin(const std::vector<Body*>& bodies, const Vec3& centre, const Vec3& s
       body->v().col(i) += spin.cross(Vec3(body->x().col(i) - centre));
 }
 
+/// [rad/s] that makes a rotation's angular momentum that which is wanted.
+Vec3 spinFor(const Rotation& now, const Vec3& wanted) {
+  const Vec3 lost = wanted - now.angular;
+  const Vec3 spin = spinOf(now.inertia, lost);
+  return spin + spinOf(now.inertia, lost - now.inertia * spin);  // it is exact but for its guard
+}
+
+/// Turns the bodies together by an angle [rad].
+void turn(const std::vector<Body*>& bodies, const Vec3& centre, const Vec3& angle) {
+  if (angle.isZero(0)) return;
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(angle.norm(), angle.normalized()).toRotationMatrix();
+  for (Body* body : bodies) {
+    for (int i = 0; i < body->n; ++i) body->x().col(i) = centre + R * (body->x().col(i) - centre);
+    BodyResponse& response = body->memory->response;
+    response.setEnd(body->xData());
+    response.projectAtEnd(body->vData());
+    response.endIsStart();
+  }
+}
+
+/// Whether bodies pressed on each other by springs alone.
+bool metSoftly(const Island& island, const std::vector<Body*>& bodies) {
+  return bodies.size() > 1 &&
+         std::all_of(
+             island.pairs.pushed.begin(), island.pairs.pushed.end(), [&](const BodyPair& pair) {
+               return pair.soft ||
+                      std::none_of(bodies.begin(), bodies.end(),
+                                   [&](const Body* body) { return body->index == pair.first; });
+             });
+}
+
 /// [J] that a spin may give: what the motion has lost, and what is taken out again of one that is
 /// not smooth.
 double energyToGive(Island& island, const std::vector<Body*>& bodies, bool smooth) {
@@ -91,7 +122,9 @@ void giveSpin(Island& island, const std::vector<Body*>& bodies, const Vec3& cent
   addSpin(bodies, centre, (share - 1) * spin);
 }
 
-/// Gives back to bodies that pressed on each other what they lost together over `took`.
+/// Gives back to bodies that pressed on each other what they lost together over `took`. Springs
+/// lose it evenly over that time, so that half of the spin's turn is missing as well; of a blow,
+/// which has its place within, one does not know.
 void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took) {
   if (isHeld(island, bodies)) return;
   const auto x0 = [](const Body& body) -> const Points& { return body.saved.x; };
@@ -102,12 +135,13 @@ void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took)
   Vec3 wanted = rotationOf(bodies, before, x0, v0).angular;
   if (bodies[0]->damps_within) wanted *= std::exp(-island.context.model.solver.damping * took);
   wanted += givenByPokes(bodies, 0.5 * (before.centre + after.centre), took);
-  const Rotation now = rotationOf(bodies, after, x1, v1);
-  const Vec3 lost = wanted - now.angular;
-  if (lost.norm() <= kRounding * now.angular.norm()) return;
-  Vec3 spin = spinOf(now.inertia, lost);
-  spin += spinOf(now.inertia, lost - now.inertia * spin);  // it is exact but for its guard
-  giveSpin(island, bodies, after.centre, spin, now);
+  Rotation now = rotationOf(bodies, after, x1, v1);
+  if ((wanted - now.angular).norm() <= kRounding * now.angular.norm()) return;
+  if (metSoftly(island, bodies)) {
+    turn(bodies, after.centre, 0.5 * took * spinFor(now, wanted));
+    now = rotationOf(bodies, after, x1, v1);
+  }
+  giveSpin(island, bodies, after.centre, spinFor(now, wanted), now);
 }
 
 /// One number for bodies that pressed on each other.

@@ -140,7 +140,7 @@ void rememberPairs(Island& island, double h) {
           island.s.total[row + d] / (h * h) * island.s.joint.row(row + d).direction;
     const double friction = std::hypot(island.s.total[row + 1], island.s.total[row + 2]);
     pairs.pressing.push_back(
-        {c.ragdoll, c.other, isInsideCone(c.friction, island.s.total[row], friction)});
+        {c.ragdoll, c.other, isInsideCone(c.friction, island.s.total[row], friction), c.isSoft()});
     pairs.pushed.push_back(pairs.pressing.back());
   }
 }

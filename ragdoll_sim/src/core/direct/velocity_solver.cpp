@@ -211,9 +211,11 @@ void keepRates(Island& island) {
 /// Those that the last solution pressed together; of an impact, as between them nothing bounces.
 void keepPressed(Island& island, int first_pair, std::vector<BodyPair>& pressed) {
   PairSet& pairs = island.pairs;
-  for (std::size_t i = 0; i < pairs.touching.size(); ++i)
+  for (std::size_t i = 0; i < pairs.touching.size(); ++i) {
+    const Contact& c = pairs.touching[i];
     if (island.s.p[first_pair + 3 * static_cast<int>(i)] > 0)
-      pressed.push_back({pairs.touching[i].ragdoll, pairs.touching[i].other, false});
+      pressed.push_back({c.ragdoll, c.other, false, c.isSoft()});
+  }
 }
 
 /// One solution of the rates and what it does to velocities.
