@@ -229,12 +229,17 @@ void Contacts::follow(const Model& model, const State& state) {
       }
     }
     open->touched = true;
+    if (open->report.over) continue;
     open->report.contact.impulse += c.impulse;
-    open->report.peak_force = std::max(open->report.peak_force, peakForce(c, h));
     open->report.duration = static_cast<double>(state.step - open->first + 1) * h;
+    if (const double force = peakForce(c, h); force > open->report.peak_force) {
+      open->report.peak_force = force;
+      open->hardest = state.step;
+    }
   }
   for (Open& open : open_) {
-    if (open.touched || !open.told) continue;
+    const double since = static_cast<double>(state.step - open.hardest) * h;
+    if (!open.told || open.report.over || (open.touched && since < kSettled)) continue;
     open.report.over = true;
     open.report.step = state.step;
     open.report.time = state.time;

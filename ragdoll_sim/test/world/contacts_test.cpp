@@ -421,6 +421,21 @@ TEST(Contacts, BallThatFallsTellsItsApproach) {
   EXPECT_NEAR(impacts[2].contact.approach, 0.4 * v, 0.02 * v);
 }
 
+TEST(Contacts, ImpactOfABallThatStaysDownIsOverATenthOfASecondLater) {
+  World world(parseScene(balls("1.1", 2, "obstacles: [{type: plane, restitution: 0}]\n")));
+  const std::vector<ImpactReport> impacts = impactsOf(world, 240);
+  ASSERT_EQ(impacts.size(), 2u);
+  const ImpactReport &begin = impacts[0], &end = impacts[1];
+  EXPECT_TRUE(end.over);
+  EXPECT_EQ(end.id, begin.id);
+  const double h = world.stepLength(), lasted = end.time - begin.time;
+  EXPECT_NEAR(lasted, Contacts::kSettled, 1.01 * h);
+  EXPECT_NEAR(end.duration, lasted + h, 1e-9);
+  const double v = std::sqrt(2 * kG * 1.0);
+  EXPECT_NEAR(end.contact.impulse.z(), 2 * (v + kG * lasted), 2 * kG * h);
+  EXPECT_NEAR(end.peak_force, 2 * v / h, 2 * kG);
+}
+
 TEST(Contacts, ApproachByFastIsThatBeforeTheStep) {
   World world(parseScene(balls("1.1", 2, "obstacles: [{type: plane, restitution: 0}]\nsolver: {method: fast}\n")));
   const std::vector<ImpactReport> impacts = impactsOf(world, 120);

@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <regex>
 #include <string>
 #include <utility>
 
@@ -71,23 +74,36 @@ TEST(HeadInjury, FreeFallIsOneG) {
   EXPECT_NEAR(heads.heads()[0].injury.peakG(), 9.81 / kG, 1e-9);
 }
 
-/// What a scene's regions took in so many steps.
-RegionLoads::Loads loadsOf(const std::string& text, int steps) {
-  const Model model = buildModel(parseScene(text));
+struct FallRun {
+  HeadInjuries heads;
+  RegionLoads loads;
+};
+
+/// What heads and regions took over a time [s].
+FallRun runOf(const Scene& scene, double time) {
+  const Model model = buildModel(scene);
   State state = startState(model);
   const Inputs inputs = startInputs(model);
   Workspace workspace;
   Contacts contacts(model);
   workspace.keepContacts(&contacts.log());
-  RegionLoads loads;
-  for (int i = 0; i < steps; ++i) {
+  FallRun run{HeadInjuries(model), {}};
+  for (int i = 0; i < std::lround(time / model.solver.step); ++i) {
     contacts.begin(state);
+    run.heads.begin(state);
     step(model, inputs, workspace, state);
+    run.heads.end(model, state);
     contacts.end(model, inputs, state);
-    loads.add(model, contacts.last(), model.solver.step);
-    loads.add(model, contacts.take().impacts);
+    run.loads.add(model, contacts.last(), model.solver.step);
+    run.loads.add(model, contacts.take().impacts);
   }
-  return loads.loads();
+  return run;
+}
+
+/// What a scene's regions took in so many steps.
+RegionLoads::Loads loadsOf(const std::string& text, int steps) {
+  const Scene scene = parseScene(text);
+  return runOf(scene, steps * scene.solver.step).loads.loads();
 }
 
 const char* const kRod = R"(
@@ -150,6 +166,51 @@ TEST(RegionLoads, BothBodiesTakeWhatTheyGiveEachOther) {
     EXPECT_GT(load.peak_force, 0);
   }
   EXPECT_EQ(loads.begin()->second.peak_force, std::next(loads.begin())->second.peak_force);
+}
+
+/// A region of the page, or "HIC15": of the last run, the larger of left and right, as the page
+/// writes it, in kN and J or HIC and g.
+std::pair<double, double> figuresOf(const FallRun& run, const std::string& region) {
+  if (region == "HIC15")
+    return {run.heads.heads()[0].injury.hic15(), run.heads.heads()[0].injury.peakG()};
+  std::pair<double, double> figures{0, 0};
+  std::string joined = region;
+  std::replace(joined.begin(), joined.end(), ' ', '_');
+  for (const auto& [key, load] : run.loads.loads()) {
+    if (key.second != joined && key.second != "left_" + joined && key.second != "right_" + joined)
+      continue;
+    figures.first = std::max(figures.first, load.peak_force / 1000);
+    figures.second = std::max(figures.second, load.approach_energy);
+  }
+  return figures;
+}
+
+/// "7.3 kN, 202 J", "745 (96 g)", "-".
+std::pair<double, double> numbersIn(const std::string& cell) {
+  static const std::regex number("([0-9.]+)[^0-9.]+([0-9.]+)");
+  std::smatch found;
+  if (!std::regex_search(cell, found, number)) return {0, 0};
+  return {std::stod(found[1]), std::stod(found[2])};
+}
+
+TEST(InjuryPage, TellsWhatTheFallsGive) {
+  std::ifstream page(std::string(RAGDOLL_SHARE_DIR) + "/../docs/injury.md");
+  if (!page) GTEST_SKIP() << "the package stands alone, without docs/";
+  const FallRun fall = runOf(loadScene("fall"), 5), stairs = runOf(loadScene("stairs"), 5);
+  const std::regex row(R"(\| ([a-zA-Z0-9 ]+) \| [0-9][^|]*\| ([^|]+) \| ([^|]+) \|)");
+  std::smatch found;
+  int count = 0;
+  for (std::string line; std::getline(page, line);) {
+    if (!std::regex_match(line, found, row)) continue;
+    ++count;
+    for (const auto& [run, cell] : {std::pair(&fall, found[2]), std::pair(&stairs, found[3])}) {
+      const auto [first, second] = figuresOf(*run, found[1]);
+      const auto [told_first, told_second] = numbersIn(cell);
+      EXPECT_NEAR(told_first, first, 0.04 * first) << line;
+      EXPECT_NEAR(told_second, second, 0.04 * second) << line;
+    }
+  }
+  EXPECT_EQ(count, 8);
 }
 
 }  // namespace

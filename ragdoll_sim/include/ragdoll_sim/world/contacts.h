@@ -27,7 +27,8 @@ struct Touch {
   double peak_force = 0;  ///< [N] largest of a step
 };
 
-/// A touch that began fast; told when it begins, and once more when it is over.
+/// A touch that began fast; told when it begins, and once more when it is over: the touch ends, or
+/// goes on for Contacts::kSettled since its largest force; what comes then is rest.
 struct ImpactReport {
   std::uint32_t id = 0;
   bool over = false;
@@ -53,6 +54,8 @@ class Contacts {
  public:
   /// [m/s] a touch that begins faster is an impact.
   static constexpr double kImpactSpeed = 0.1;
+  /// [s] after its largest force an impact is over.
+  static constexpr double kSettled = 0.1;
 
   explicit Contacts(const Model& model);
 
@@ -74,7 +77,7 @@ class Contacts {
     ImpactReport report;
     bool touched = false;
     bool told = false;
-    std::uint64_t first = 0;
+    std::uint64_t first = 0, hardest = 0;  ///< steps
   };
 
   Vec3 momentumOf(const Model& model, int ragdoll, const State& state) const;
