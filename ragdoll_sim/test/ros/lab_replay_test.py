@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """ragdoll_lab replay: a recorded run again, bit for bit, or the first thing that differs."""
 
+import csv
 import math
 import os
 import shutil
@@ -20,7 +21,7 @@ from bags import Recorder
 from client import LIMIT, Client, Inbox, wait_for
 from dynamic_reconfigure.client import Client as Settings
 from geometry_msgs.msg import Vector3, WrenchStamped
-from ragdoll_msgs.msg import FollowedFrame, Model
+from ragdoll_msgs.msg import ContactStates, FollowedFrame, Model
 from ragdoll_msgs.srv import Attach, Detach, SetState
 from std_msgs.msg import String
 from tf2_ros import TransformBroadcaster, TransformStamped
@@ -36,6 +37,10 @@ ragdolls: [{name: ragdoll, model: human, position: [0.7, 0, 0.3], rpy_deg: [0, -
 obstacles:
   - {type: plane}
   - {type: box, frame: paddle, position: [0, 0, 0], size: [0.1, 2, 0.6]}
+'''
+SOFT = PUSHED.replace('model: human', 'model: human, contact: compliant') + '''
+self_collision: true
+solver: {step: 0.016666666666666666}
 '''
 
 
@@ -162,6 +167,45 @@ class LabReplayTest(unittest.TestCase):
         rows = [row for row in rows[1:] if float(row.split(',')[0]) < 1.9]
         self.assertGreater(len(rows), 50)
         self.assertEqual([row for row in rows if row not in told], [])
+
+    def test_contacts_are_those_that_were_published(self):
+        """To the bit, with what gives way, is poked and is pushed by a frame of another node."""
+        robot = Robot(['paddle'])
+        self.addCleanup(robot.stop)
+        heard = Inbox(NODE + '/contacts', ContactStates)
+        recorder = Recorder(self.path, NODE, TOPICS)
+        self.client.load(yaml=SOFT)
+        self.go(60)
+        self.assertTrue(self.client.poke('torso', (0, 200, 300), duration=0.2).success)
+        self.go(120)
+        recorder.stop()
+        path = os.path.join(self.folder, 'contacts.csv')
+        status, out, errors = replay(self.path, '--contacts', path)
+        self.assertEqual((status, errors), (0, ''), out)
+
+        rows = {}
+        with open(path) as file:
+            for row in csv.reader(list(file)[1:]):
+                step = round(60 * float(row[0]))
+                if rows and step < max(rows):
+                    rows = {}  # another run begins
+                rows.setdefault(step, []).append(row[1:4] + [float(value) for value in row[4:]])
+        told = {}
+        for m in heard.all():
+            if told and m.step < max(told):
+                told = {}
+            if abs(60 * m.interval - 1) > 1e-9:
+                continue  # a late tick, of several steps
+            told[m.step] = [[c.ragdoll, c.body, '/'.join(filter(None, (c.other, c.other_body)))] +
+                            [getattr(v, axis) for v in (c.position, c.normal) for axis in 'xyz'] +
+                            [c.depth, c.force.x, c.force.y, c.force.z, c.peak_force, c.impulse,
+                             c.slip] for c in m.contacts]
+        both = [step for step in told if step <= max(rows)]
+        self.assertGreater(len(both), 60)
+        self.assertGreater(sum(len(told[step]) for step in both), 200)
+        self.assertTrue(any(row[2].startswith('box') for step in both for row in told[step]))
+        for step in both:
+            self.assertEqual(rows.get(step, []), told[step], step)
 
     def test_a_run_with_pokes_is_identical(self):
         self.record_pokes()
