@@ -115,6 +115,10 @@ std::vector<Feature> features() {
             on("type: plane, friction: 0.6, restitution: 0.5")),
       steps("obstacle", "plane, compliant",
             on("type: plane, friction: 0.6, stiffness: 75000, damping: 300")),
+      steps("the same", "regions that give way, as the plane",
+            body("human", ", contact: compliant") +
+                "obstacles:\n  - {type: plane, friction: 0.6, stiffness: 75000, damping: 300}\n",
+            true),
       steps("obstacle", "box", on("type: box, position: [0, 0, -1], size: [4, 4, 2]")),
       steps("obstacle", "sphere", on("type: sphere, position: [0, 0, -3], radius: 3")),
       steps("obstacle", "capsule",

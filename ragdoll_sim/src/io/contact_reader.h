@@ -6,15 +6,15 @@
 
 namespace ragdoll::io {
 
-/// The two keys where they stand beside others.
+/// The two keys where they stand beside others; complianceOf() knows what they may be.
 inline ContactSpec readContactKeys(MapReader& map) {
   ContactSpec contact;
   const auto stiffness = map.find("stiffness");
-  if (stiffness) contact.stiffness = stiffness->positive();
+  if (stiffness) contact.stiffness = stiffness->number();
   if (const auto damping = map.find("damping")) {
     if (!stiffness)
       damping->fail("has a meaning only together with 'stiffness' [N/m]: without, contact is rigid");
-    contact.damping = damping->notNegative();
+    contact.damping = damping->number();
   }
   return contact;
 }

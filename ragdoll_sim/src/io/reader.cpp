@@ -201,7 +201,7 @@ MapReader::MapReader(const Reader& reader, std::size_t most) : reader_(reader) {
 }
 
 std::optional<Reader> MapReader::find(const std::string& key) {
-  asked_.push_back(key);
+  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.push_back(key);
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (entries_[i].first != key) continue;
     used_[i] = true;

@@ -31,7 +31,7 @@ ragdolls:
       sticks: [[a, b], [b, c], [a, c], [a, d, 0.9]]
       segments:
         plate: {particles: [a, b, c], mass: 3.1, com: [0.1, 0.03, 0.7], inertia: [0.11, 0.12, 0.13, 0.001, 0.002, 0.003]}
-        rod: {from: a, to: d, mass: 1.7, com: 0.457, gyration: 0.276}
+        rod: {from: a, to: d, mass: 1.7, com: 0.457, gyration: 0.276, contact: {stiffness: 20000.3, damping: 33.1}}
         upper: {from: a, to: b}
       joints:
         one: {type: hinge, parent: upper, child: rod, axis: [0.3, -1, 0.2], range_deg: [-7, 145], twist_deg: 50, stiffness: 33.3, damping: 0.7}
@@ -42,9 +42,9 @@ ragdolls:
     velocity: [1, 0.1, 0]
     angular_velocity: [0.7, 0, 0.1]
     place: {b: [0.11, 0.22, 1.7]}
-  - {name: crowd, model: *doll, count: 3, spacing: [2, 2.1, 0], position: [5, 5, 5], rpy: [0.1, 0, 0]}
+  - {name: crowd, model: *doll, contact: compliant, count: 3, spacing: [2, 2.1, 0], position: [5, 5, 5], rpy: [0.1, 0, 0]}
 obstacles:
-  - {name: ground, type: plane, point: [0, 0, 0.1], normal: [0.1, 0.2, 1], friction: 0.7, restitution: 0.1}
+  - {name: ground, type: plane, point: [0, 0, 0.1], normal: [0.1, 0.2, 1], friction: 0.7, restitution: 0.1, stiffness: 75000.7}
   - {type: box, position: [1, 0, 0.2], rpy_deg: [0, 33, 0], size: [1, 2, 0.4]}
   - {type: sphere, position: [0, 3, 0.5], radius: 0.3, frame: "robot/gripper \"2\""}
   - {type: capsule, from: [0, -3, 0], to: [0, -3, 1], radius: 0.1, frame: robot/gripper}
@@ -86,6 +86,8 @@ void expectSame(const SkeletonSpec& a, const SkeletonSpec& b) {
     EXPECT_EQ(a.segments[i].gyration, b.segments[i].gyration);
     EXPECT_EQ(a.segments[i].com_point, b.segments[i].com_point);
     EXPECT_EQ(a.segments[i].inertia, b.segments[i].inertia);
+    EXPECT_EQ(a.segments[i].contact.stiffness, b.segments[i].contact.stiffness);
+    EXPECT_EQ(a.segments[i].contact.damping, b.segments[i].contact.damping);
   }
   ASSERT_EQ(a.joints.size(), b.joints.size());
   for (std::size_t i = 0; i < a.joints.size(); ++i) {
@@ -121,6 +123,7 @@ void expectSameRagdolls(const Scene& a, const Scene& b) {
     EXPECT_EQ(p.angular_velocity, q.angular_velocity);
     EXPECT_EQ(p.place, q.place);
     EXPECT_EQ(p.count, q.count);
+    EXPECT_EQ(p.compliant, q.compliant);
     EXPECT_EQ(p.spacing, q.spacing);
   }
 }
@@ -140,6 +143,8 @@ void expectSameSurroundings(const Scene& a, const Scene& b) {
     EXPECT_EQ(p.to, q.to);
     EXPECT_EQ(p.friction, q.friction);
     EXPECT_EQ(p.restitution, q.restitution);
+    EXPECT_EQ(p.contact.stiffness, q.contact.stiffness);
+    EXPECT_EQ(p.contact.damping, q.contact.damping);
     EXPECT_EQ(p.frame, q.frame);
   }
   ASSERT_EQ(a.sensors.size(), b.sensors.size());
@@ -202,6 +207,11 @@ TEST(SceneYaml, EveryKeyIsRead) {
   EXPECT_EQ(model.segments[0].inertia(1, 2), 0.003);
   EXPECT_EQ(model.segments[0].inertia(2, 1), 0.003);
   EXPECT_EQ(model.segments[1].gyration, 0.276);
+  EXPECT_EQ(model.segments[1].contact.stiffness, 20000.3);
+  EXPECT_EQ(model.segments[1].contact.damping, 33.1);
+  EXPECT_FALSE(scene.ragdolls[0].compliant);
+  EXPECT_TRUE(scene.ragdolls[1].compliant);
+  EXPECT_EQ(scene.obstacles[0].contact.stiffness, 75000.7);
   EXPECT_NEAR(model.joints[0].axis.norm(), 1, 1e-15);
   EXPECT_NEAR(model.joints[0].range.end, 145 * M_PI / 180, 1e-15);
   EXPECT_EQ(model.joints[0].stiffness, 33.3);

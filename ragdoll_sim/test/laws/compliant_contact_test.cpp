@@ -391,6 +391,24 @@ TEST(CompliantContactOfABody, WhatIsWrongSaysWhatWouldBeRight) {
   EXPECT_THAT(said(body + "stiffness: 1e-9}\n"), testing::HasSubstr("from 1 to 1e"));
   EXPECT_THAT(said(body + "stiffness: 5, damping: -1}\n"), testing::HasSubstr("obstacles[0].damping"));
   EXPECT_THAT(said(body + "damping: 3}\n"), testing::HasSubstr("together with 'stiffness'"));
+  for (const char* out_of_range : {"-5", "0", "0.5", "1e13"})
+    EXPECT_THAT(said(body + "stiffness: " + out_of_range + "}\n"),
+                testing::HasSubstr("it must be from 1 to 1e+12 [N/m]; leave it out for rigid"));
+  const auto region = [&](const std::string& contact) {
+    return said("ragdolls:\n  - model:\n      particles: {a: {position: [0, 0, 0], mass: 1}, b: {position: "
+                "[0, 0, 1], mass: 1}}\n      sticks: [[a, b]]\n      segments: {rod: {from: a, to: b, contact: " +
+                contact + "}}\n");
+  };
+  const std::string where = "bad.yaml:5: ragdolls[0].model.segments.rod.contact";
+  EXPECT_EQ(region("{stiffness: 100, damping: 1}"), "nothing");
+  EXPECT_THAT(region("{stiffness: -5}"), testing::StartsWith(where + ".stiffness: stiffness is -5; it must"));
+  EXPECT_THAT(region("{stiffness: .nan}"), testing::StartsWith(where + ".stiffness: is '.nan'"));
+  EXPECT_THAT(region("{stiffness: 100, damping: -1}"),
+              testing::StartsWith(where + ".damping: damping is -1; it must be from 0 to"));
+  EXPECT_THAT(region("{damping: 3}"), testing::StartsWith(where + ": the key 'stiffness' is missing"));
+  EXPECT_THAT(region("{stiffness: 100, dampin: 1}"),
+              testing::StartsWith(where + ".dampin: unknown key; the keys here are stiffness, damping"));
+  EXPECT_THAT(region("soft"), testing::StartsWith(where + ": is 'soft'; a mapping"));
   EXPECT_THAT(said("ragdolls: [{model: human, contact: soft}]\n"), testing::HasSubstr("compliant"));
   EXPECT_THAT(said("ragdolls: [{model: human_thesis, contact: compliant}]\n"),
               testing::HasSubstr("has a contact: {stiffness"));
