@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "ragdoll_sim/core/build_model.h"
@@ -109,59 +110,70 @@ TEST(ContactLog, ChangesNothing) {
   }
 }
 
-TEST(Contacts, ImpulseOfAnyIntervalIsTheChangeOfMomentum) {
-  for (const char* method : {"shake", "rk", "jakobsen", "fast"}) {
-    Scene scene = loadScene("stairs");
-    applySetting(scene, "solver.method", method);
-    World world(scene);
-    world.keepContacts(true);
-    const Model& model = *world.model();
-    const double mass = massOf(model, 0), h = world.stepLength();
-    double all_pokes = 0;
-    for (const int steps : {37, 91, 1, 200, 17}) {
-      const Vec3 before = momentumOf(model, 0, world.state());
-      Vec3 poked = Vec3::Zero();
-      for (int i = 0; i < steps; ++i) {
-        for (const Poke& poke : model.pokes)
-          if (isActive(poke, world.state().time, h)) poked += h * poke.force;
-        world.advance();
-      }
-      all_pokes += poked.norm();
-      const ContactReport report = *world.takeContacts();
-      EXPECT_NEAR(report.interval, steps * h, 1e-12);
-      const Vec3 change = momentumOf(model, 0, world.state()) - before -
-                          report.interval * mass * model.gravity - poked;
-      EXPECT_LT((impulseOn(0, report.touches) - change).norm(),
-                (scene.solver.method == Method::kFast ? 1e-3 : 1e-9) * (change.norm() + mass))
-          << method;
-      Vec3 on_obstacles = Vec3::Zero();
-      for (const Vec3& impulse : report.on_obstacles) on_obstacles += impulse;
-      EXPECT_LT((impulseOn(0, report.touches) + on_obstacles).norm(), 1e-9 * mass) << method;
-    }
-    EXPECT_GT(all_pokes, 1) << "nothing pokes";
+/// Every method, with rigid contact and with regions that give way.
+class AnyContact : public testing::TestWithParam<std::tuple<const char*, bool>> {
+ protected:
+  Scene set(Scene scene) const {
+    applySetting(scene, "solver.method", std::get<0>(GetParam()));
+    for (RagdollSpec& ragdoll : scene.ragdolls) ragdoll.compliant = std::get<1>(GetParam());
+    return scene;
   }
+};
+
+INSTANTIATE_TEST_SUITE_P(Contacts, AnyContact,
+                         testing::Combine(testing::Values("shake", "rk", "jakobsen", "fast"),
+                                          testing::Bool()));
+
+TEST_P(AnyContact, ImpulseOfAnyIntervalIsTheChangeOfMomentum) {
+  const Scene scene = set(loadScene("stairs"));
+  const char* method = std::get<0>(GetParam());
+  World world(scene);
+  world.keepContacts(true);
+  const Model& model = *world.model();
+  const double mass = massOf(model, 0), h = world.stepLength();
+  double all_pokes = 0;
+  for (const int steps : {37, 91, 1, 200, 17}) {
+    const Vec3 before = momentumOf(model, 0, world.state());
+    Vec3 poked = Vec3::Zero();
+    for (int i = 0; i < steps; ++i) {
+      for (const Poke& poke : model.pokes)
+        if (isActive(poke, world.state().time, h)) poked += h * poke.force;
+      world.advance();
+    }
+    all_pokes += poked.norm();
+    const ContactReport report = *world.takeContacts();
+    EXPECT_NEAR(report.interval, steps * h, 1e-12);
+    const Vec3 change = momentumOf(model, 0, world.state()) - before -
+                        report.interval * mass * model.gravity - poked;
+    EXPECT_LT((impulseOn(0, report.touches) - change).norm(),
+              (scene.solver.method == Method::kFast && !std::get<1>(GetParam()) ? 1e-3 : 1e-9) *
+                  (change.norm() + mass))
+        << method;
+    Vec3 on_obstacles = Vec3::Zero();
+    for (const Vec3& impulse : report.on_obstacles) on_obstacles += impulse;
+    EXPECT_LT((impulseOn(0, report.touches) + on_obstacles).norm(), 1e-9 * mass) << method;
+  }
+  EXPECT_GT(all_pokes, 1) << "nothing pokes";
 }
 
-TEST(Contacts, OfTwoBodiesPushBothAlikeAndOpposite) {
-  for (const char* method : {"shake", "rk", "jakobsen"}) {
-    Scene scene = parseScene(
-        "gravity: [0, 0, 0]\nself_collision: true\nragdoll_collision: true\nragdolls:\n"
-        "  - {name: a, model: human, velocity: [2, 0, 0]}\n"
-        "  - {name: b, model: human, position: [0.8, 0.05, 0.1], rpy_deg: [0, 20, 70]}\n");
-    applySetting(scene, "solver.method", method);
-    World world(scene);
-    world.keepContacts(true);
-    const Model& model = *world.model();
-    const Vec3 a = momentumOf(model, 0, world.state()), b = momentumOf(model, 1, world.state());
-    for (int i = 0; i < 60; ++i) world.advance();
-    const std::vector<Touch> touches = world.takeContacts()->touches;
-    const Vec3 to_a = momentumOf(model, 0, world.state()) - a;
-    const Vec3 to_b = momentumOf(model, 1, world.state()) - b;
-    EXPECT_GT(to_b.norm(), 10) << method << ": they have not met";
-    EXPECT_LT((to_a + to_b).norm(), 1e-9 * a.norm()) << method;
-    EXPECT_LT((impulseOn(0, touches) - to_a).norm(), 1e-9 * a.norm()) << method;
-    EXPECT_LT((impulseOn(1, touches) - to_b).norm(), 1e-9 * a.norm()) << method;
-  }
+TEST_P(AnyContact, OfTwoBodiesPushBothAlikeAndOpposite) {
+  const char* method = std::get<0>(GetParam());
+  const Scene scene = set(parseScene(
+      "gravity: [0, 0, 0]\nself_collision: true\nragdoll_collision: true\nragdolls:\n"
+      "  - {name: a, model: human, velocity: [2, 0, 0]}\n"
+      "  - {name: b, model: human, position: [0.8, 0.05, 0.1], rpy_deg: [0, 20, 70]}\n"));
+  World world(scene);
+  world.keepContacts(true);
+  const Model& model = *world.model();
+  const Vec3 a = momentumOf(model, 0, world.state()), b = momentumOf(model, 1, world.state());
+  for (int i = 0; i < 60; ++i) world.advance();
+  const std::vector<Touch> touches = world.takeContacts()->touches;
+  const Vec3 to_a = momentumOf(model, 0, world.state()) - a;
+  const Vec3 to_b = momentumOf(model, 1, world.state()) - b;
+  EXPECT_GT(to_b.norm(), 10) << method << ": they have not met";
+  EXPECT_LT((to_a + to_b).norm(), 1e-9 * a.norm()) << method;
+  EXPECT_LT((impulseOn(0, touches) - to_a).norm(), 1e-9 * a.norm()) << method;
+  EXPECT_LT((impulseOn(1, touches) - to_b).norm(), 1e-9 * a.norm()) << method;
 }
 
 TEST(ContactLog, WhoTouchesNobodyKeepsItsMomentumBesideOthersThatCollide) {
@@ -320,6 +332,7 @@ TEST(Contacts, FrictionStaysWithinItsConeAndSlidesOnIt) {
       EXPECT_NEAR(force.x(), -4, 1e-6) << "it sticks";
     } else if (i > 70) {
       EXPECT_NEAR(force.x(), -0.3 * normal, 1e-9 * normal) << "it slides";
+      EXPECT_NEAR(report.touches[0].contact.slip, world.state().v(0, 0), 1e-9);
     }
   }
 }
@@ -436,8 +449,27 @@ TEST(Contacts, ImpactOfABallThatStaysDownIsOverATenthOfASecondLater) {
   EXPECT_NEAR(end.peak_force, 2 * v / h, 2 * kG);
 }
 
+TEST(Contacts, SpringTellsItsDepthAndHowLongABlowLasts) {
+  const double m = 2, k = 20000, h = 0.001;
+  const std::string floor = "obstacles: [{type: plane, stiffness: 20000, damping: ";
+  World resting(parseScene(balls("0.1", m, floor + "200}]\n")));
+  resting.keepContacts(true);
+  for (int i = 0; i < 240; ++i) resting.advance();
+  EXPECT_NEAR(resting.takeContacts()->touches.at(0).contact.depth, m * kG / k, 1e-9);
+
+  World world(parseScene(
+      "gravity: [0, 0, 0]\nsolver: {step: 0.001}\n" +
+      balls("0.15", m, floor + "0}]\npokes: [{body: p, force: [0, 0, -400], duration: 0.005}]\n")));
+  const std::vector<ImpactReport> impacts = impactsOf(world, 200);
+  ASSERT_EQ(impacts.size(), 2u);
+  EXPECT_NEAR(impacts[1].contact.approach, 1, 1e-9);
+  EXPECT_NEAR(impacts[1].duration, M_PI * std::sqrt(m / k), 1.5 * h);
+  EXPECT_NEAR(impacts[1].contact.impulse.z(), 2 * m, 1e-6);
+}
+
 TEST(Contacts, ApproachByFastIsThatBeforeTheStep) {
-  World world(parseScene(balls("1.1", 2, "obstacles: [{type: plane, restitution: 0}]\nsolver: {method: fast}\n")));
+  World world(parseScene(
+      balls("1.1", 2, "obstacles: [{type: plane, restitution: 0}]\nsolver: {method: fast}\n")));
   const std::vector<ImpactReport> impacts = impactsOf(world, 120);
   ASSERT_GE(impacts.size(), 1u);
   EXPECT_NEAR(impacts[0].contact.approach, std::sqrt(2 * kG * 1.0), 1.5 * kG * world.stepLength());
