@@ -55,7 +55,8 @@ Engine engine(const std::string& name, Method method, int sweeps) {
 
 std::vector<Engine> ragdollEngines() {
   return {engine("ours, jakobsen 10", Method::kJakobsen, 10),
-          engine("ours, shake", Method::kShake, 10), engine("ours, rk", Method::kRk, 10)};
+          engine("ours, shake", Method::kShake, 10), engine("ours, rk", Method::kRk, 10),
+          engine("ours, fast", Method::kFast, 10)};
 }
 
 }  // namespace ragdoll::peers
