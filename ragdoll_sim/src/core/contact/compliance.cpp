@@ -17,7 +17,8 @@ Compliance giveOf(const Ragdoll& r, const std::vector<Compliance>& regions, std:
 
 Compliance giveOf(const Model& model, const Obstacle& obstacle, const Ragdoll& r,
                   const std::vector<Compliance>& regions, std::size_t index) {
-  return model.compliant ? inSeries(obstacle.contact, giveOf(r, regions, index)) : Compliance{};
+  const bool gives = model.compliant && model.solver.method != Method::kJakobsen;
+  return gives ? inSeries(obstacle.contact, giveOf(r, regions, index)) : Compliance{};
 }
 
 bool touchesAtStart(const Compliance& give, double start) {

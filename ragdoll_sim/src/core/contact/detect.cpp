@@ -11,6 +11,7 @@
 #include "core/contact/constants.h"
 #include "core/contact/distance.h"
 #include "core/contact/first_touch.h"
+#include "core/contact/stick_springs.h"
 
 namespace ragdoll {
 namespace {
@@ -123,17 +124,16 @@ Contact tangentAt(const SweptObstacle& m, const Axis& axis, double t) {
   return planeAt(m, p, d, axis.radius(t));
 }
 
-/// Where a capsule touches between its ends: where it is nearest, or both ends of where it lies
-/// flat.
+/// Where a rigid capsule touches between its ends: where it is nearest, or both ends of where it
+/// lies flat.
 struct Places {
   std::array<double, 2> at;
   bool flat;
 };
 
-Places placesOf(const SweptObstacle& m, const Axis& axis, const Compliance& give) {
+Places placesOf(const SweptObstacle& m, const Axis& axis) {
   const double t = nearest(axis);
-  // The only one to lie flat on; a spring at its ends is enough, and does not come and go.
-  if (m.obstacle->type != ObstacleSpec::Type::kBox || give.compliance > 0) return {{t, t}, false};
+  if (m.obstacle->type != ObstacleSpec::Type::kBox) return {{t, t}, false};  // nothing to lie flat on
   const double lo = flatEnd(axis, t, 0), hi = flatEnd(axis, t, 1);
   if (hi - lo > kStickEnd) return {{lo, hi}, true};
   return {{t, t}, false};
@@ -147,29 +147,101 @@ void setStart(const SweptObstacle& m, const Axis& axis, double t, Contact& c) {
   c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
 }
 
-/// Contacts of a capsule between its ends, at the instant of `axis`, each with the plane that is
-/// tangent there.
-void stickContacts(const SweptObstacle& m, const Axis& axis, const Axis& at_start, double start,
-                   int a, int b, int ragdoll, const Compliance& give,
-                   std::vector<Contact>& contacts) {
-  const Places places = placesOf(m, axis, give);
-  for (int k = 0; k < (places.flat ? 2 : 1); ++k) {
-    const double share = places.at[k];
-    const double end = give.compliance > 0 ? kEndOfStick : kStickEnd;
-    if (share <= end || share >= 1 - end) continue;
-    Contact c = tangentAt(m, axis, share);
+/// A capsule between whose ends contacts are looked for.
+struct StickSearch {
+  Axis axis, at_start;  ///< at the instant of its touch, and at the step's start
+  double start = 0;     ///< [m] its gap there
+  int a = 0, b = 0;     ///< particles
+  int ragdoll = 0;
+  Compliance give;
+
+  Contact contactWith(Contact c) const {
     c.gap_start = start;
     c.particle = {a, b, 0, 0};
     c.count = 2;
     c.ragdoll = ragdoll;
-    c.weight = {1 - share, share, 0, 0};
     c.give = give;
-    if (touchesAtStart(give, start)) {
-      const Places before = placesOf(m, at_start, give);
-      if (before.flat == places.flat) setStart(m, at_start, before.at[k], c);
+    return c;
+  }
+};
+
+/// Contacts of a rigid capsule between its ends, each with the plane that is tangent there.
+void rigidContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Contact>& contacts) {
+  const Places places = placesOf(m, k.axis);
+  for (int i = 0; i < (places.flat ? 2 : 1); ++i) {
+    const double share = places.at[i];
+    if (share <= kStickEnd || share >= 1 - kStickEnd) continue;
+    Contact c = k.contactWith(tangentAt(m, k.axis, share));
+    c.weight = {1 - share, share, 0, 0};
+    if (touchesAtStart(k.give, k.start)) {
+      const Places before = placesOf(m, k.at_start);
+      if (before.flat == places.flat) setStart(m, k.at_start, before.at[i], c);
     }
     contacts.push_back(c);
   }
+}
+
+/// The contact of a stick that presses so: the tangent plane, by the springs of both ends together.
+Contact springAt(const SweptObstacle& m, const StickSearch& k, const StickEnds& ends,
+                 const StickPress& press) {
+  const double t = press.at, scale = 1 / press.share;
+  const Vec3 p = k.axis.at(t);
+  const double radius = k.axis.radius(t);
+  Contact c = k.contactWith(planeAt(m, p, {radius - scale * press.depth, press.normal}, radius));
+  c.weight = {1 - t, t, 0, 0};
+  c.give = {scale * scale * ends.complianceAt(t), ends.dampingAt(t) / (scale * scale)};
+  return c;
+}
+
+/// What its springs held at the start, where it pressed so.
+void setSpringStart(const SweptObstacle& m, const StickSearch& k, const StickEnds& ends,
+                    const StickPress& before, Contact& c) {
+  if (before.depth > 0) c.gap_start = -c.give.compliance * before.share * before.force(ends);
+  if (!touchesAtStart(k.give, k.start)) return;
+  c.start_normal = m.R0 * before.normal;
+  c.start_weight = {1 - before.at, before.at, 0, 0};
+  c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
+}
+
+/// Where it lies flat both springs have the plane each, so that it does not rock freely.
+void flatSprings(const SweptObstacle& m, const StickSearch& k, const StickEnds& ends,
+                 const StickPress& press, const StickPress& before,
+                 std::vector<Contact>& contacts) {
+  Contact c = springAt(m, k, ends, press);
+  setSpringStart(m, k, ends, before, c);
+  const double offset = c.offset - k.axis.radius(press.at), force = before.force(ends);
+  for (int i = 0; i < 2; ++i) {
+    c.weight = c.start_weight = {1.0 - i, 1.0 * i, 0, 0};
+    c.give = i == 0 ? ends.a : ends.b;
+    c.offset = offset + (i == 0 ? k.axis.ra : k.axis.rb);
+    if (before.depth > 0)
+      c.gap_start = -(i == 0 ? 1 - before.at : before.at) * force * c.give.compliance;
+    contacts.push_back(c);
+  }
+}
+
+/// Contacts of a capsule that gives way, where it presses between its ends.
+void softContacts(const SweptObstacle& m, const StickSearch& k, const StickEnds& ends,
+                  std::vector<Contact>& contacts) {
+  const StickPress before = pressOf(k.at_start, ends);
+  StickPress press = pressOf(k.axis, ends);
+  if (press.depth <= 0 && before.depth > 0) press = pressedAt(k.axis, before);  // it leaves
+  if (!press.between) return;
+  if (press.flat) {
+    flatSprings(m, k, ends, press, before, contacts);
+    return;
+  }
+  Contact c = springAt(m, k, ends, press);
+  setSpringStart(m, k, ends, before, c);
+  contacts.push_back(c);
+}
+
+void stickContacts(const Model& model, const SweptObstacle& m, const StickSearch& k,
+                   std::vector<Contact>& contacts) {
+  if (k.give.compliance > 0)
+    softContacts(m, k, endsOf(model, *m.obstacle, model.ragdolls[k.ragdoll], k.a, k.b, k.give), contacts);
+  else
+    rigidContacts(m, k, contacts);
 }
 
 Bounds sweptBounds(const Points& x0, const Points& x1, int first, int n, double radius) {
@@ -186,22 +258,25 @@ bool passesBy(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double rad
   return !overlap({x0.cwiseMin(x1).array() - pad, x0.cwiseMax(x1).array() + pad}, m.bounds, margin);
 }
 
-/// On what is round a stick has springs at its deepest place and at its shallower end, so that none
-/// comes or goes as the place moves onto the deeper end. Takes that end's out, of the contacts from
-/// `begin` on, all with one obstacle.
-void dropDeeperEnds(std::size_t begin, std::vector<Contact>& contacts) {
+/// Takes out of the springs of particles what the sticks have of them that press between their ends:
+/// of the contacts from `begin` on, all with one obstacle.
+void shareSprings(const Model& model, const Obstacle& o, const Ragdoll& r, std::size_t begin,
+                  std::vector<Contact>& contacts) {
   const auto first = contacts.begin() + static_cast<std::ptrdiff_t>(begin);
-  const auto endOf = [&](int particle) {
-    return std::find_if(first, contacts.end(), [&](const Contact& c) {
-      return c.count == 1 && c.particle[0] == particle;
-    });
-  };
   for (auto c = first; c != contacts.end(); ++c) {
-    if (c->count != 2 || !c->isSoft()) continue;
-    const auto a = endOf(c->particle[0]), b = endOf(c->particle[1]);
-    const bool is_a = b == contacts.end() || (a != contacts.end() && a->gap_start <= b->gap_start);
-    const auto deeper = is_a ? a : b;
-    if (deeper != contacts.end()) deeper->dropped = true;
+    if (c->count != 1 || !c->isSoft()) continue;
+    const int particle = c->particle[0], all = sticksAt(model, o, r, particle - r.first);
+    int left = all;
+    for (auto k = first; k != contacts.end(); ++k) {
+      const bool second = k != first && (k - 1)->count == 2 && (k - 1)->particle == k->particle;
+      if (k->count == 2 && k->isSoft() && !second && (k->particle[0] == particle || k->particle[1] == particle)) --left;
+    }
+    if (left <= 0) {
+      c->dropped = true;
+    } else if (left < all) {
+      c->give.compliance *= static_cast<double>(all) / left;
+      c->give.damping *= static_cast<double>(left) / all;
+    }
   }
   contacts.erase(std::remove_if(first, contacts.end(), [](const Contact& c) { return c.dropped; }),
                  contacts.end());
@@ -245,10 +320,10 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
     if (!axis) continue;
     const Axis at_start{*m.obstacle, m.toStart(capsule.a0), m.toStart(capsule.b0), capsule.ra,
                         capsule.rb};
-    stickContacts(m, *axis, at_start, start, a, b, index, give, contacts);
+    stickContacts(model, m, {*axis, at_start, start, a, b, index, give}, contacts);
     any_soft = any_soft || give.compliance > 0;
   }
-  if (any_soft && m.obstacle->type != ObstacleSpec::Type::kBox) dropDeeperEnds(begin, contacts);
+  if (any_soft) shareSprings(model, *m.obstacle, r, begin, contacts);
 }
 
 }  // namespace
@@ -312,10 +387,11 @@ void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& o
       const Axis axis{*m.obstacle, m.toEnd(p), m.toEnd(q), ra, rb};
       const double t = nearest(axis), gap = axis.gap(t);
       if (gap >= -depth || gap <= -axis.radius(t)) continue;
+      const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
+      if (give.compliance > 0) continue;  // its spring is known
       const Axis at_start{*m.obstacle, m.toStart(x0.col(a)), m.toStart(x0.col(b)), ra, rb};
       const double start = at_start.gap(nearest(at_start));
-      const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
-      stickContacts(m, axis, at_start, start, a, b, ragdoll, give, contacts);
+      stickContacts(model, m, {axis, at_start, start, a, b, ragdoll, give}, contacts);
     }
   }
 }
