@@ -320,7 +320,11 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
     if (!axis) continue;
     const Axis at_start{*m.obstacle, m.toStart(capsule.a0), m.toStart(capsule.b0), capsule.ra,
                         capsule.rb};
-    stickContacts(model, m, {*axis, at_start, start, a, b, index, give}, contacts);
+    const Axis at_end{*m.obstacle, m.toEnd(capsule.a1), m.toEnd(capsule.b1), capsule.ra,
+                      capsule.rb};
+    // What is in touch all along gives way as it ends, however far that is.
+    const bool stays = give.compliance > 0 && start <= kResting && at_end.gap(nearest(at_end)) < 0;
+    stickContacts(model, m, {stays ? at_end : *axis, at_start, start, a, b, index, give}, contacts);
     any_soft = any_soft || give.compliance > 0;
   }
   if (any_soft) shareSprings(model, *m.obstacle, r, begin, contacts);
