@@ -17,8 +17,7 @@ Compliance giveOf(const Ragdoll& r, const std::vector<Compliance>& regions, std:
 
 Compliance giveOf(const Model& model, const Obstacle& obstacle, const Ragdoll& r,
                   const std::vector<Compliance>& regions, std::size_t index) {
-  const bool gives = model.compliant && model.solver.method != Method::kJakobsen;
-  return gives ? inSeries(obstacle.contact, giveOf(r, regions, index)) : Compliance{};
+  return model.compliant ? inSeries(obstacle.contact, giveOf(r, regions, index)) : Compliance{};
 }
 
 bool touchesAtStart(const Compliance& give, double start) {

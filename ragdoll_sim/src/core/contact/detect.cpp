@@ -124,16 +124,17 @@ Contact tangentAt(const SweptObstacle& m, const Axis& axis, double t) {
   return planeAt(m, p, d, axis.radius(t));
 }
 
-/// Where a rigid capsule touches between its ends: where it is nearest, or both ends of where it
-/// lies flat.
+/// Where a capsule touches between its ends: where it is nearest, or both ends of where it lies
+/// flat.
 struct Places {
   std::array<double, 2> at;
   bool flat;
 };
 
-Places placesOf(const SweptObstacle& m, const Axis& axis) {
+Places placesOf(const SweptObstacle& m, const Axis& axis, const Compliance& give) {
   const double t = nearest(axis);
-  if (m.obstacle->type != ObstacleSpec::Type::kBox) return {{t, t}, false};  // nothing to lie flat on
+  // The only one to lie flat on; a spring at its ends is enough, and does not come and go.
+  if (m.obstacle->type != ObstacleSpec::Type::kBox || give.compliance > 0) return {{t, t}, false};
   const double lo = flatEnd(axis, t, 0), hi = flatEnd(axis, t, 1);
   if (hi - lo > kStickEnd) return {{lo, hi}, true};
   return {{t, t}, false};
@@ -165,16 +166,17 @@ struct StickSearch {
   }
 };
 
-/// Contacts of a rigid capsule between its ends, each with the plane that is tangent there.
-void rigidContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Contact>& contacts) {
-  const Places places = placesOf(m, k.axis);
+/// Contacts of a capsule between its ends, each with the plane that is tangent there.
+void placeContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Contact>& contacts) {
+  const Places places = placesOf(m, k.axis, k.give);
   for (int i = 0; i < (places.flat ? 2 : 1); ++i) {
     const double share = places.at[i];
-    if (share <= kStickEnd || share >= 1 - kStickEnd) continue;
+    const double end = k.give.compliance > 0 ? kEndOfStick : kStickEnd;
+    if (share <= end || share >= 1 - end) continue;
     Contact c = k.contactWith(tangentAt(m, k.axis, share));
     c.weight = {1 - share, share, 0, 0};
     if (touchesAtStart(k.give, k.start)) {
-      const Places before = placesOf(m, k.at_start);
+      const Places before = placesOf(m, k.at_start, k.give);
       if (before.flat == places.flat) setStart(m, k.at_start, before.at[i], c);
     }
     contacts.push_back(c);
@@ -220,9 +222,9 @@ void flatSprings(const SweptObstacle& m, const StickSearch& k, const StickEnds& 
   }
 }
 
-/// Contacts of a capsule that gives way, where it presses between its ends.
-void softContacts(const SweptObstacle& m, const StickSearch& k, const StickEnds& ends,
-                  std::vector<Contact>& contacts) {
+/// Contacts of a capsule that gives way on a box, where it presses between its ends.
+void springContacts(const SweptObstacle& m, const StickSearch& k, const StickEnds& ends,
+                    std::vector<Contact>& contacts) {
   const StickPress before = pressOf(k.at_start, ends);
   StickPress press = pressOf(k.axis, ends);
   if (press.depth <= 0 && before.depth > 0) press = pressedAt(k.axis, before);  // it leaves
@@ -238,10 +240,11 @@ void softContacts(const SweptObstacle& m, const StickSearch& k, const StickEnds&
 
 void stickContacts(const Model& model, const SweptObstacle& m, const StickSearch& k,
                    std::vector<Contact>& contacts) {
-  if (k.give.compliance > 0)
-    softContacts(m, k, endsOf(model, *m.obstacle, model.ragdolls[k.ragdoll], k.a, k.b, k.give), contacts);
+  if (restsOnEnds(model, *m.obstacle, k.give))
+    springContacts(m, k, endsOf(model, *m.obstacle, model.ragdolls[k.ragdoll], k.a, k.b, k.give),
+                   contacts);
   else
-    rigidContacts(m, k, contacts);
+    placeContacts(m, k, contacts);
 }
 
 Bounds sweptBounds(const Points& x0, const Points& x1, int first, int n, double radius) {
@@ -277,6 +280,27 @@ void shareSprings(const Model& model, const Obstacle& o, const Ragdoll& r, std::
       c->give.compliance *= static_cast<double>(all) / left;
       c->give.damping *= static_cast<double>(left) / all;
     }
+  }
+  contacts.erase(std::remove_if(first, contacts.end(), [](const Contact& c) { return c.dropped; }),
+                 contacts.end());
+}
+
+/// On what is round a stick has springs at its deepest place and at its shallower end, so that none
+/// comes or goes as the place moves onto the deeper end. Takes that end's out, of the contacts from
+/// `begin` on, all with one obstacle.
+void dropDeeperEnds(std::size_t begin, std::vector<Contact>& contacts) {
+  const auto first = contacts.begin() + static_cast<std::ptrdiff_t>(begin);
+  const auto endOf = [&](int particle) {
+    return std::find_if(first, contacts.end(), [&](const Contact& c) {
+      return c.count == 1 && c.particle[0] == particle;
+    });
+  };
+  for (auto c = first; c != contacts.end(); ++c) {
+    if (c->count != 2 || !c->isSoft()) continue;
+    const auto a = endOf(c->particle[0]), b = endOf(c->particle[1]);
+    const bool is_a = b == contacts.end() || (a != contacts.end() && a->gap_start <= b->gap_start);
+    const auto deeper = is_a ? a : b;
+    if (deeper != contacts.end()) deeper->dropped = true;
   }
   contacts.erase(std::remove_if(first, contacts.end(), [](const Contact& c) { return c.dropped; }),
                  contacts.end());
@@ -323,11 +347,17 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
     const Axis at_end{*m.obstacle, m.toEnd(capsule.a1), m.toEnd(capsule.b1), capsule.ra,
                       capsule.rb};
     // What is in touch all along gives way as it ends, however far that is.
-    const bool stays = give.compliance > 0 && start <= kResting && at_end.gap(nearest(at_end)) < 0;
+    const bool stays = restsOnEnds(model, *m.obstacle, give) && start <= kResting && at_end.gap(nearest(at_end)) < 0;
     stickContacts(model, m, {stays ? at_end : *axis, at_start, start, a, b, index, give}, contacts);
-    any_soft = any_soft || give.compliance > 0;
+    any_soft = any_soft || (m.obstacle->type == ObstacleSpec::Type::kBox
+                                ? restsOnEnds(model, *m.obstacle, give)
+                                : give.compliance > 0);
   }
-  if (any_soft) shareSprings(model, *m.obstacle, r, begin, contacts);
+  if (!any_soft) return;
+  if (m.obstacle->type == ObstacleSpec::Type::kBox)
+    shareSprings(model, *m.obstacle, r, begin, contacts);
+  else
+    dropDeeperEnds(begin, contacts);
 }
 
 }  // namespace
@@ -392,7 +422,7 @@ void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& o
       const double t = nearest(axis), gap = axis.gap(t);
       if (gap >= -depth || gap <= -axis.radius(t)) continue;
       const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
-      if (give.compliance > 0) continue;  // its spring is known
+      if (restsOnEnds(model, *m.obstacle, give)) continue;  // its springs are known
       const Axis at_start{*m.obstacle, m.toStart(x0.col(a)), m.toStart(x0.col(b)), ra, rb};
       const double start = at_start.gap(nearest(at_start));
       stickContacts(model, m, {axis, at_start, start, a, b, ragdoll, give}, contacts);

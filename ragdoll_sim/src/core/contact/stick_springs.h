@@ -1,4 +1,4 @@
-// How a stick gives way on a solid: by a spring at each of its ends, between which its surface stays
+// How a stick gives way on a box: by a spring at each of its ends, between which its surface stays
 // straight and outside. Of all such springs the least energy is
 //
 //   U = max over t of depth(t)^2 / 2 C(t),   C(t) = (1 - t)^2 c_a + t^2 c_b
@@ -45,6 +45,12 @@ StickPress pressOf(const Axis& axis, const StickEnds& ends);
 
 /// The same of a stick that pressed so before: at that place.
 StickPress pressedAt(const Axis& axis, const StickPress& before);
+
+/// Whether a stick that gives way so rests on the springs of its ends.
+inline bool restsOnEnds(const Model& model, const Obstacle& obstacle, const Compliance& give) {
+  return give.compliance > 0 && obstacle.type == ObstacleSpec::Type::kBox &&
+         model.solver.method != Method::kJakobsen;
+}
 
 /// How many sticks have a part of the spring of a particle (of the skeleton) against an obstacle.
 int sticksAt(const Model& model, const Obstacle& obstacle, const Ragdoll& ragdoll, int particle);

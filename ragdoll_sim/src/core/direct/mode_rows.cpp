@@ -50,6 +50,11 @@ const SweptObstacle& obstacleOf(const Body& body, const ModeRow& row) {
   return body.context->ws.obstacles[row.obstacle];
 }
 
+bool restsOnEnds(const Body& body, const ModeRow& row) {
+  return row.kind == Kind::kStick &&
+         restsOnEnds(body.context->model, *obstacleOf(body, row).obstacle, row.give);
+}
+
 StickEnds endsOf(const Body& body, const ModeRow& stick) {
   return endsOf(body.context->model, *obstacleOf(body, stick).obstacle, *body.ragdoll,
                 body.first + stick.a, body.first + stick.b, stick.give);
@@ -64,7 +69,7 @@ StickPress pressOf(const Body& body, const ModeRow& row, const double* x) {
 
 double nearestOf(const Body& body, const ModeRow& row, const double* x) {
   if (row.kind == Kind::kParticle) return 0;
-  if (row.isSoft()) return pressOf(body, row, x).at;
+  if (restsOnEnds(body, row)) return pressOf(body, row, x).at;
   const SweptObstacle& m = obstacleOf(body, row);
   return nearestOnStick(*m.obstacle, m.toStart(at(x, row.a)), m.toStart(at(x, row.b)), row.ra,
                         row.rb);
@@ -73,10 +78,43 @@ double nearestOf(const Body& body, const ModeRow& row, const double* x) {
 /// From the stick's ends, where the particles press.
 double roomOnStick(double t) { return std::min(t, 1 - t) - kEndOfStick; }
 
+/// Of a particle's spring, whether a stick's takes its place (dropDeeperEnds in detect.cpp): by how
+/// much that is deepest between its ends, and this end deeper than the other; negative: it does not.
+double roundCover(Body& body, const ModeRow& row, const double* x) {
+  const SweptObstacle& m = obstacleOf(body, row);
+  double cover = -1;
+  const ObstacleSpec::Type type = m.obstacle->type;
+  if (type == ObstacleSpec::Type::kPlane || type == ObstacleSpec::Type::kBox) return cover;
+  const Skeleton& s = *body.skeleton;
+  for (std::size_t i = 0; i < s.sticks.size(); ++i) {
+    const Stick& k = s.sticks[i];
+    if ((k.a != row.a && k.b != row.a) || k.a >= s.named || k.b >= s.named) continue;
+    if (giveOf(body.context->model, *m.obstacle, *body.ragdoll, s.stick_contact, i).compliance == 0)
+      continue;
+    const auto end = [&](int particle) {
+      ModeRow of = row;
+      of.a = of.b = particle;
+      of.ra = of.rb = body.context->model.radius[body.first + particle];
+      return of;
+    };
+    ModeRow stick = end(k.a);
+    stick.kind = Kind::kStick;
+    stick.b = k.b;
+    stick.rb = body.context->model.radius[body.first + k.b];
+    const double deeper = gapOf(body, end(k.a == row.a ? k.b : k.a), x) - gapOf(body, row, x);
+    cover = std::max(cover, std::min(roomOnStick(nearestOf(body, stick, x)), deeper));
+  }
+  return cover;
+}
+
 /// How far a stick's own contact is from being that of its ends.
 double roomOnStick(const StickPress& press) {
   return press.depth > 0 ? std::min(roomOnStick(press.at), press.excess - kEndOfStick)
                          : roomOnStick(press.at);
+}
+
+double roomOnStick(const Body& body, const ModeRow& row, const double* x, double t) {
+  return restsOnEnds(body, row) ? roomOnStick(pressOf(body, row, x)) : roomOnStick(t);
 }
 
 /// What sticks that press between their ends take of a particle's spring.
@@ -88,7 +126,7 @@ struct Cover {
 Cover coverOf(Body& body, const ModeRow& row, const double* x) {
   Cover cover;
   const SweptObstacle& m = obstacleOf(body, row);
-  if (row.kind != Kind::kParticle || m.obstacle->type == ObstacleSpec::Type::kPlane) return cover;
+  if (row.kind != Kind::kParticle || m.obstacle->type != ObstacleSpec::Type::kBox) return cover;
   const Model& model = body.context->model;
   const Skeleton& s = *body.skeleton;
   for (std::size_t i = 0; i < s.sticks.size(); ++i) {
@@ -97,7 +135,7 @@ Cover coverOf(Body& body, const ModeRow& row, const double* x) {
     ModeRow stick = row;
     stick.kind = Kind::kStick;
     stick.give = giveOf(model, *m.obstacle, *body.ragdoll, s.stick_contact, i);
-    if (!stick.isSoft()) continue;
+    if (!restsOnEnds(body, stick)) continue;
     stick.a = k.a;
     stick.b = k.b;
     stick.ra = model.radius[body.first + k.a];
@@ -111,7 +149,12 @@ Cover coverOf(Body& body, const ModeRow& row, const double* x) {
 }
 
 /// Of a particle's spring, whether sticks take all of it: by how much; negative: they do not.
-double roomUnder(const Cover& cover) { return cover.all > 0 ? cover.room : -1.0; }
+double roomUnder(Body& body, const ModeRow& row, const double* x) {
+  if (obstacleOf(body, row).obstacle->type != ObstacleSpec::Type::kBox)
+    return roundCover(body, row, x);
+  const Cover cover = coverOf(body, row, x);
+  return cover.all > 0 ? cover.room : -1.0;
+}
 
 Vec3 pointOf(const ModeRow& row, const double* x, double t) {
   if (row.kind == Kind::kParticle) return at(x, row.a);
@@ -219,14 +262,14 @@ RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* 
   place.inside = !stick || roomOnStick(t) > 0;
   Compliance give = row.give;
   bool rests = false;
-  if (stick && row.isSoft()) {
+  if (restsOnEnds(body, row)) {
     const StickPress press = pressOf(body, row, x);
     const StickEnds ends = endsOf(body, row);
     place.inside = roomOnStick(press) > 0;
     give = {ends.complianceAt(t), ends.dampingAt(t)};
     // By two springs, which rub and damp apart from each other.
     rests = place.inside && press.flat && (row.friction > 0 || give.damping > 0);
-  } else if (row.isSoft()) {
+  } else if (row.isSoft() && !stick) {
     const Cover cover = coverOf(body, row, x);
     const int left = std::max(1, cover.all - cover.taken);
     if (cover.taken > 0)
@@ -246,7 +289,7 @@ RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* 
   c.obstacle = m.index;
   c.offset = c.found = c.normal.dot(point) - place.gap;
   if (!curvature || m.obstacle->type == ObstacleSpec::Type::kPlane || !place.regular) return place;
-  if (stick && row.isSoft()) {
+  if (restsOnEnds(body, row)) {
     const double shift = shiftOf(body, row, x, v);
     const auto along = [&](const Vec3& u) { return Vec3(near.beside.cwiseProduct(m.R0.transpose() * u)); };
     const Vec3 moves = along(pointOf(row, v, t) + shift * (at(x, row.b) - at(x, row.a)));
@@ -276,7 +319,7 @@ double gapOf(Body& body, const ModeRow& row, const double* x) {
 double dampedRate(const Body& body, const ModeRow& row, const RowPlace& place, const double* x,
                   const double* v) {
   const double rate = rateOf(row, place, body, v);
-  if (row.kind != Kind::kStick || !(place.contact.give.damping > 0)) return rate;
+  if (!restsOnEnds(body, row) || !(place.contact.give.damping > 0)) return rate;
   const StickEnds ends = endsOf(body, row);
   const double t = place.at, c = ends.complianceAt(t);
   const double slope = (t * ends.b.compliance - (1 - t) * ends.a.compliance) / c;
@@ -298,8 +341,8 @@ double openingOf(Body& body, const ModeRow& row, const double* x, const double* 
   const double rate = dampedRate(body, row, place, x, v);
   const Compliance& give = row.kind == Kind::kLimit ? row.give : place.contact.give;
   double opening = place.gap + give.compliance * give.damping * std::max(0.0, rate);
-  if (row.kind == Kind::kStick) opening = std::max(opening, -roomOnStick(pressOf(body, row, x)));
-  if (row.kind == Kind::kParticle) opening = std::max(opening, roomUnder(coverOf(body, row, x)));
+  if (row.kind == Kind::kStick) opening = std::max(opening, -roomOnStick(body, row, x, place.at));
+  if (row.kind == Kind::kParticle) opening = std::max(opening, roomUnder(body, row, x));
   return opening;
 }
 
@@ -309,8 +352,8 @@ double roomOf(Body& body, const ModeRow& row, const double* x, const std::array<
   const SweptObstacle& m = obstacleOf(body, row);
   const double t = nearestOf(body, row, x);
   if (row.kind == Kind::kStick)
-    room = row.isSoft() ? roomOnStick(pressOf(body, row, x)) : roomOnStick(t);
-  if (row.kind == Kind::kParticle && row.isSoft()) room = -roomUnder(coverOf(body, row, x));
+    room = roomOnStick(body, row, x, t);
+  if (row.kind == Kind::kParticle && row.isSoft()) room = -roomUnder(body, row, x);
   if (m.obstacle->type == ObstacleSpec::Type::kPlane) return room;
   const Vec3 p = m.toStart(pointOf(row, x, t));
   for (int k = 0; k < 3; ++k) {
