@@ -141,6 +141,13 @@ double rateBefore(const Island& island, const Contact& c) {
   return c.normal.dot(rate - c.surface_motion / island.context.h);
 }
 
+/// How much larger than its part along the normal a force is: by its friction, which is as much of it
+/// at the peak as in the mean, within the cone.
+double withFriction(const Contact& c, const Vec3& impulse) {
+  const double normal = impulse.dot(c.normal);
+  return normal > 0 ? std::min(impulse.norm() / normal, std::hypot(1.0, c.friction)) : 1;
+}
+
 /// What a spring tells of a motion over h whose second half of the impulse e has.
 void addSpring(const Island& island, const Contact& c, double answer, double h,
                ContactImpulse& e) {
@@ -153,7 +160,7 @@ void addSpring(const Island& island, const Contact& c, double answer, double h,
   m.rate[1] = c.normal.dot(rateOf(step, c));
   m.answer = answer;
   m.force = 2 * e.impulse.dot(c.normal) / h;
-  e.peak = peakForce(c, m);
+  e.peak = withFriction(c, e.impulse) * peakForce(c, m);
   if (c.before > -island.bodies[0]->tolerances.touching) e.approach = std::max(0.0, -m.rate[0]);
 }
 
@@ -198,7 +205,7 @@ void logImpulse(const Body& body, const Contact& c, const LoggedImpact& impact, 
   e.point -= radius * c.normal;
   e.impulse = impact.impulse;
   e.approach = impact.approach;
-  e.peak = impact.peak;
+  e.peak = withFriction(c, impact.impulse) * impact.peak;
   const Vec3 rate = motionOf(body, c, v);
   e.slip = (rate - rate.dot(c.normal) * c.normal).norm();
   e.effective_mass = impact.answer > 0 ? 1 / impact.answer : 0;
