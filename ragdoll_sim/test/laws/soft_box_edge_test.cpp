@@ -1,5 +1,5 @@
-// A stick over the edges of a soft box rests on a spring at each of its ends; where their force acts
-// moves along it and never jumps (core/contact/stick_springs.h).
+// A stick over the edges of a soft box rests on a spring at each of its ends; where their force
+// acts moves along it and never jumps (core/contact/stick_springs.h).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,7 +54,9 @@ Scene thrown(const Throw& t) {
   text += upTo(3) + ", ";
   text += upTo(3) + "]\n    ";
   text += bar(", contact: {stiffness: 1}", t.lumped);
-  text += "\nobstacles: [{type: box, position: [0, 0, -0.2], size: [0.3, 3, 0.4]}]\nsolver: {sleep: false}\n";
+  text +=
+      "\nobstacles: [{type: box, position: [0, 0, -0.2], size: [0.3, 3, 0.4]}]\nsolver: {sleep: "
+      "false}\n";
   Scene scene = parseScene(text);
   scene.ragdolls[0].compliant = false;
   scene.obstacles[0].contact = {0.5 * t.stiffness, 0};
@@ -83,8 +85,8 @@ Account throwIt(const Throw& t) {
   return account;
 }
 
-/// Where its deepest place jumped, a spring appeared at depth, or was lost with all that it held: up
-/// to 60 % of the energy.
+/// Where its deepest place jumped, a spring appeared at depth, or was lost with all that it held:
+/// up to 60 % of the energy.
 TEST(SoftBoxEdge, SticksThrownAtItNeverGainEnergy) {
   for (const double hz : {120.0, 1000.0})
     for (const double friction : {0.0, 0.5})
@@ -103,9 +105,10 @@ TEST(SoftBoxEdge, SticksThrownAtItWithoutFrictionKeepTheirEnergy) {
 }
 
 Scene lying(double x, double width, double damping) {
-  Scene scene = parseScene("ragdolls: [{position: [" + std::to_string(x) + ", 0, 0.05], " + bar("") +
-                           "}]\nobstacles: [{type: box, position: [0, 0, -0.2], size: [" + std::to_string(width) +
-                           ", 3, 0.4], friction: 0.5, stiffness: 20000}]\nsolver: {sleep: false}\n");
+  Scene scene = parseScene(
+      "ragdolls: [{position: [" + std::to_string(x) + ", 0, 0.05], " + bar("") +
+      "}]\nobstacles: [{type: box, position: [0, 0, -0.2], size: [" + std::to_string(width) +
+      ", 3, 0.4], friction: 0.5, stiffness: 20000}]\nsolver: {sleep: false}\n");
   scene.gravity = Vec3(0, 0, -kG);
   scene.obstacles[0].contact.damping = damping;
   scene.solver.method = Method::kShake;

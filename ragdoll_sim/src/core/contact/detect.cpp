@@ -68,8 +68,7 @@ void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, dou
   const double start = signedDistanceValue(*m.obstacle, p0) - radius;
   found = start <= (p1 - p0).norm() + margin;
   Vec3 at;
-  found = found &&
-          particleTouch(*m.obstacle, p0, p1, radius, margin, start, at);
+  found = found && particleTouch(*m.obstacle, p0, p1, radius, margin, start, at);
   if (!found) return;
   c = tangentAt(m, at, radius);
   c.give = give;
@@ -261,8 +260,8 @@ bool passesBy(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double rad
   return !overlap({x0.cwiseMin(x1).array() - pad, x0.cwiseMax(x1).array() + pad}, m.bounds, margin);
 }
 
-/// Takes out of the springs of particles what the sticks have of them that press between their ends:
-/// of the contacts from `begin` on, all with one obstacle.
+/// Takes out of the springs of particles what the sticks have of them that press between their
+/// ends: of the contacts from `begin` on, all with one obstacle.
 void shareSprings(const Model& model, const Obstacle& o, const Ragdoll& r, std::size_t begin,
                   std::vector<Contact>& contacts) {
   const auto first = contacts.begin() + static_cast<std::ptrdiff_t>(begin);
@@ -272,7 +271,9 @@ void shareSprings(const Model& model, const Obstacle& o, const Ragdoll& r, std::
     int left = all;
     for (auto k = first; k != contacts.end(); ++k) {
       const bool second = k != first && (k - 1)->count == 2 && (k - 1)->particle == k->particle;
-      if (k->count == 2 && k->isSoft() && !second && (k->particle[0] == particle || k->particle[1] == particle)) --left;
+      if (k->count == 2 && k->isSoft() && !second &&
+          (k->particle[0] == particle || k->particle[1] == particle))
+        --left;
     }
     if (left <= 0) {
       c->dropped = true;
@@ -347,11 +348,12 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
     const Axis at_end{*m.obstacle, m.toEnd(capsule.a1), m.toEnd(capsule.b1), capsule.ra,
                       capsule.rb};
     // What is in touch all along gives way as it ends, however far that is.
-    const bool stays = restsOnEnds(model, *m.obstacle, give) && start <= kResting && at_end.gap(nearest(at_end)) < 0;
+    const bool stays = restsOnEnds(model, *m.obstacle, give) && start <= kResting &&
+                       at_end.gap(nearest(at_end)) < 0;
     stickContacts(model, m, {stays ? at_end : *axis, at_start, start, a, b, index, give}, contacts);
-    any_soft = any_soft || (m.obstacle->type == ObstacleSpec::Type::kBox
-                                ? restsOnEnds(model, *m.obstacle, give)
-                                : give.compliance > 0);
+    any_soft = any_soft ||
+               (m.obstacle->type == ObstacleSpec::Type::kBox ? restsOnEnds(model, *m.obstacle, give)
+                                                             : give.compliance > 0);
   }
   if (!any_soft) return;
   if (m.obstacle->type == ObstacleSpec::Type::kBox)

@@ -9,12 +9,12 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kNarrowings = 24;         ///< false position (Illinois)
-constexpr int kHalvings = 40;           ///< of what that leaves, at a kink
-constexpr double kSettled = 1e-14;      ///< of the scale of pullAt
-constexpr double kRounding = 1e-12;     ///< of places
-constexpr double kTouches = 1e-11;      ///< [m] no depth
-constexpr double kDeeper = 1e-9;        ///< of the depth; below it is rounding
+constexpr int kNarrowings = 24;      ///< false position (Illinois)
+constexpr int kHalvings = 40;        ///< of what that leaves, at a kink
+constexpr double kSettled = 1e-14;   ///< of the scale of pullAt
+constexpr double kRounding = 1e-12;  ///< of places
+constexpr double kTouches = 1e-11;   ///< [m] no depth
+constexpr double kDeeper = 1e-9;     ///< of the depth; below it is rounding
 
 /// One place of the axis.
 struct Place {
@@ -39,17 +39,18 @@ Place placeAt(const Axis& axis, const StickEnds& ends, double t) {
 /// [m] By how much the depth is concave at a place: minus its second derivative along the axis.
 double curvatureAt(const Axis& axis, const Place& p) {
   const Vec3 at = axis.at(p.t);
-  const Vec3 beside =
-      (at.cwiseAbs().array() >= axis.obstacle.half.array()).cast<double>();
+  const Vec3 beside = (at.cwiseAbs().array() >= axis.obstacle.half.array()).cast<double>();
   if (beside.isZero(0)) return 0;  // within a box: the nearest face
   const Vec3 v = beside.cwiseProduct(axis.b - axis.a);
-  const Vec3 u = beside.cwiseProduct(at - at.cwiseMax(-axis.obstacle.half).cwiseMin(axis.obstacle.half));
+  const Vec3 u =
+      beside.cwiseProduct(at - at.cwiseMax(-axis.obstacle.half).cwiseMin(axis.obstacle.half));
   const double distance = u.norm();
   if (!(distance > 0)) return 0;
   return std::max(0.0, v.squaredNorm() - std::pow(u.dot(v) / distance, 2)) / distance;
 }
 
-/// Rocking on what is curved turns the plane beneath: less than half of what it would meet on a plane.
+/// Rocking on what is curved turns the plane beneath: less than half of what it would meet on a
+/// plane.
 bool isFlat(const Axis& axis, const StickEnds& ends, const Place& p) {
   const double c = ends.complianceAt(p.t);
   return curvatureAt(axis, p) * c * c <= p.depth * ends.a.compliance * ends.b.compliance;

@@ -38,7 +38,9 @@ struct StickPress {
   bool flat = false;
 
   /// [N] of the springs.
-  double force(const StickEnds& ends) const { return depth > 0 ? depth / ends.complianceAt(at) : 0; }
+  double force(const StickEnds& ends) const {
+    return depth > 0 ? depth / ends.complianceAt(at) : 0;
+  }
 };
 
 StickPress pressOf(const Axis& axis, const StickEnds& ends);

@@ -141,16 +141,15 @@ double rateBefore(const Island& island, const Contact& c) {
   return c.normal.dot(rate - c.surface_motion / island.context.h);
 }
 
-/// How much larger than its part along the normal a force is: by its friction, which is as much of it
-/// at the peak as in the mean, within the cone.
+/// How much larger than its part along the normal a force is: by its friction, which is as much of
+/// it at the peak as in the mean, within the cone.
 double withFriction(const Contact& c, const Vec3& impulse) {
   const double normal = impulse.dot(c.normal);
   return normal > 0 ? std::min(impulse.norm() / normal, std::hypot(1.0, c.friction)) : 1;
 }
 
 /// What a spring tells of a motion over h whose second half of the impulse e has.
-void addSpring(const Island& island, const Contact& c, double answer, double h,
-               ContactImpulse& e) {
+void addSpring(const Island& island, const Contact& c, double answer, double h, ContactImpulse& e) {
   const StepContext& step = island.context;
   SpringMotion m;
   m.h = h;
@@ -184,8 +183,8 @@ void joinEnds(const Contact& c, std::vector<ContactImpulse>& entries, std::size_
 void addPeaks(std::vector<ContactImpulse>& entries, std::size_t first) {
   for (std::size_t i = first; i + 1 < entries.size(); ++i) {
     ContactImpulse &a = entries[i], &b = entries[i + 1];
-    if (a.obstacle != b.obstacle || a.other != b.other || a.ragdoll != b.ragdoll || a.particle != b.particle ||
-        a.other_particle != b.other_particle)
+    if (a.obstacle != b.obstacle || a.other != b.other || a.ragdoll != b.ragdoll ||
+        a.particle != b.particle || a.other_particle != b.other_particle)
       continue;
     a.peak += b.peak;
     b.peak = 0;

@@ -209,7 +209,8 @@ bool removeEnergy(Island& island, double gain) {
   double before = 0;
   for (Body* body : island.bodies) before += kineticEnergy(*body);
   const double left = takeEnergyOut(island, island.bodies, gain);
-  if (left <= kRedoGain * before || !island.context.model.compliant) return left <= kRedoGain * before;
+  if (left <= kRedoGain * before || !island.context.model.compliant)
+    return left <= kRedoGain * before;
   // Springs may have held it all.
   for (Body* body : island.bodies)
     before += kineticEnergy(*body->rows, body->saved.v, body->energy) + storedBefore(*body);

@@ -217,7 +217,9 @@ double shiftOf(const Body& body, const ModeRow& row, const double* x, const doub
   const StickEnds ends = endsOf(body, row);
   const auto placeAfter = [&](double t) {
     return pressOf({*m.obstacle, m.toStart(at(x, row.a) + t * at(v, row.a)),
-                    m.toStart(at(x, row.b) + t * at(v, row.b)), row.ra, row.rb}, ends).at;
+                    m.toStart(at(x, row.b) + t * at(v, row.b)), row.ra, row.rb},
+                   ends)
+        .at;
   };
   return (placeAfter(e) - placeAfter(-e)) / (2 * e);
 }
@@ -242,6 +244,37 @@ void curveStick(const ModeRow& row, const SweptObstacle& m, const Near& near, co
   place.turn = shift * (at(v, row.b) - at(v, row.a)) + normalTurn(row, m, near, moves);
 }
 
+/// How the row gives way at place.at; and whether it is between a stick's ends.
+void giveWay(Body& body, const ModeRow& row, const double* x, RowPlace& place) {
+  Compliance& give = place.contact.give = row.give;
+  place.inside = row.kind != Kind::kStick || roomOnStick(place.at) > 0;
+  if (restsOnEnds(body, row)) {
+    const StickPress press = pressOf(body, row, x);
+    const StickEnds ends = endsOf(body, row);
+    place.inside = roomOnStick(press) > 0;
+    give = {ends.complianceAt(place.at), ends.dampingAt(place.at)};
+    // By two springs, which rub and damp apart from each other.
+    const bool rests = place.inside && press.flat && (row.friction > 0 || give.damping > 0);
+    place.regular = place.regular && !rests;
+  } else if (row.isSoft() && row.kind == Kind::kParticle) {
+    const Cover cover = coverOf(body, row, x);
+    const int left = std::max(1, cover.all - cover.taken);
+    if (cover.taken > 0)
+      give = {give.compliance * cover.all / left, give.damping * left / cover.all};
+  }
+}
+
+/// What its turn takes along the surface, of a stick on the springs of its ends.
+Vec3 springTurn(const Body& body, const ModeRow& row, const Near& near, const double* x,
+                const double* v, double t) {
+  const SweptObstacle& m = obstacleOf(body, row);
+  const double shift = shiftOf(body, row, x, v);
+  const Vec3 rate = m.R0.transpose() *
+                    (pointOf(row, v, t) + shift * (at(x, row.b) - at(x, row.a)));
+  return shift * (at(v, row.b) - at(v, row.a)) +
+         normalTurn(row, m, near, near.beside.cwiseProduct(rate));
+}
+
 }  // namespace
 
 RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* v, bool curvature) {
@@ -259,24 +292,7 @@ RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* 
   place.gap = near.distance - m.obstacle->radius - radius;
   place.feature = near.feature;
   place.at = t;
-  place.inside = !stick || roomOnStick(t) > 0;
-  Compliance give = row.give;
-  bool rests = false;
-  if (restsOnEnds(body, row)) {
-    const StickPress press = pressOf(body, row, x);
-    const StickEnds ends = endsOf(body, row);
-    place.inside = roomOnStick(press) > 0;
-    give = {ends.complianceAt(t), ends.dampingAt(t)};
-    // By two springs, which rub and damp apart from each other.
-    rests = place.inside && press.flat && (row.friction > 0 || give.damping > 0);
-  } else if (row.isSoft() && !stick) {
-    const Cover cover = coverOf(body, row, x);
-    const int left = std::max(1, cover.all - cover.taken);
-    if (cover.taken > 0)
-      give = {give.compliance * cover.all / left, give.damping * left / cover.all};
-  }
   place.regular = m.obstacle->type == ObstacleSpec::Type::kPlane || near.distance > kMinLength;
-  place.regular = place.regular && !rests;
   Contact& c = place.contact;
   c.normal = m.R0 * near.normal;
   c.particle = {body.first + row.a, body.first + row.b, 0, 0};
@@ -284,26 +300,20 @@ RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* 
   c.count = stick ? 2 : 1;
   c.friction = row.friction;
   c.restitution = row.restitution;
-  c.give = give;
+  giveWay(body, row, x, place);
   c.ragdoll = body.index;
   c.obstacle = m.index;
   c.offset = c.found = c.normal.dot(point) - place.gap;
   if (!curvature || m.obstacle->type == ObstacleSpec::Type::kPlane || !place.regular) return place;
   if (restsOnEnds(body, row)) {
-    const double shift = shiftOf(body, row, x, v);
-    const auto along = [&](const Vec3& u) { return Vec3(near.beside.cwiseProduct(m.R0.transpose() * u)); };
-    const Vec3 moves = along(pointOf(row, v, t) + shift * (at(x, row.b) - at(x, row.a)));
-    place.turn = shift * (at(v, row.b) - at(v, row.a)) + normalTurn(row, m, near, moves);
-    return place;
-  }
-  if (stick) {
+    place.turn = springTurn(body, row, near, x, v, t);
+  } else if (stick) {
     curveStick(row, m, near, x, v, t, place);
-    return place;
+  } else {
+    const Vec3 rate = near.beside.cwiseProduct(m.R0.transpose() * at(v, row.a));
+    place.curvature = (rate.squaredNorm() - std::pow(near.normal.dot(rate), 2)) / near.distance;
+    place.turn = normalTurn(row, m, near, rate);
   }
-  const Vec3 rate = near.beside.cwiseProduct(m.R0.transpose() * at(v, row.a));
-  place.curvature =
-      (rate.squaredNorm() - std::pow(near.normal.dot(rate), 2)) / near.distance;
-  place.turn = normalTurn(row, m, near, rate);
   return place;
 }
 

@@ -37,8 +37,9 @@ double releaseImpulse(const Contact& c, const SpringRow& row, double gap, double
 
 namespace {
 
-/// [N] the largest inside a motion, where a mass on a spring and a damper under a constant force has
-/// its largest there: all told swing about the force that balances what else acts. 0: it has not.
+/// [N] the largest inside a motion, where a mass on a spring and a damper under a constant force
+/// has its largest there: all told swing about the force that balances what else acts. 0: it has
+/// not.
 double dampedPeak(const Contact& c, const SpringMotion& m) {
   const double k = 1 / c.give.compliance, d = c.give.damping;
   const double decay = 0.5 * d * m.answer, square = k * m.answer - decay * decay;
@@ -64,8 +65,7 @@ double peakForce(const Contact& c, const SpringMotion& m) {
   const double deepest = -std::min(m.gap[0], m.gap[1]);
   // [m] where the spring would balance what else acts: -d rate / h = -answer (force + other).
   const double balance = -((m.rate[1] - m.rate[0]) / (m.h * m.answer) - m.force) / k;
-  const double swing =
-      std::hypot(-m.gap[1] - balance, m.rate[1] / std::sqrt(k * m.answer));
+  const double swing = std::hypot(-m.gap[1] - balance, m.rate[1] / std::sqrt(k * m.answer));
   const double reach = deepest + m.h * std::max(-m.rate[0], m.rate[1]);  // no motion goes beyond
   return std::max(peak, k * std::min(balance + swing, reach));
 }
