@@ -11,6 +11,7 @@
 #include "core/contact/constants.h"
 #include "core/contact/distance.h"
 #include "core/contact/first_touch.h"
+#include "core/contact/stick_springs.h"
 
 namespace ragdoll {
 namespace {
@@ -67,8 +68,7 @@ void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, dou
   const double start = signedDistanceValue(*m.obstacle, p0) - radius;
   found = start <= (p1 - p0).norm() + margin;
   Vec3 at;
-  found = found &&
-          particleTouch(*m.obstacle, p0, p1, radius, margin, start, at);
+  found = found && particleTouch(*m.obstacle, p0, p1, radius, margin, start, at);
   if (!found) return;
   c = tangentAt(m, at, radius);
   c.give = give;
@@ -147,29 +147,103 @@ void setStart(const SweptObstacle& m, const Axis& axis, double t, Contact& c) {
   c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
 }
 
-/// Contacts of a capsule between its ends, at the instant of `axis`, each with the plane that is
-/// tangent there.
-void stickContacts(const SweptObstacle& m, const Axis& axis, const Axis& at_start, double start,
-                   int a, int b, int ragdoll, const Compliance& give,
-                   std::vector<Contact>& contacts) {
-  const Places places = placesOf(m, axis, give);
-  for (int k = 0; k < (places.flat ? 2 : 1); ++k) {
-    const double share = places.at[k];
-    const double end = give.compliance > 0 ? kEndOfStick : kStickEnd;
-    if (share <= end || share >= 1 - end) continue;
-    Contact c = tangentAt(m, axis, share);
+/// A capsule between whose ends contacts are looked for.
+struct StickSearch {
+  Axis axis, at_start;  ///< at the instant of its touch, and at the step's start
+  double start = 0;     ///< [m] its gap there
+  int a = 0, b = 0;     ///< particles
+  int ragdoll = 0;
+  Compliance give;
+
+  Contact contactWith(Contact c) const {
     c.gap_start = start;
     c.particle = {a, b, 0, 0};
     c.count = 2;
     c.ragdoll = ragdoll;
-    c.weight = {1 - share, share, 0, 0};
     c.give = give;
-    if (touchesAtStart(give, start)) {
-      const Places before = placesOf(m, at_start, give);
-      if (before.flat == places.flat) setStart(m, at_start, before.at[k], c);
+    return c;
+  }
+};
+
+/// Contacts of a capsule between its ends, each with the plane that is tangent there.
+void placeContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Contact>& contacts) {
+  const Places places = placesOf(m, k.axis, k.give);
+  for (int i = 0; i < (places.flat ? 2 : 1); ++i) {
+    const double share = places.at[i];
+    const double end = k.give.compliance > 0 ? kEndOfStick : kStickEnd;
+    if (share <= end || share >= 1 - end) continue;
+    Contact c = k.contactWith(tangentAt(m, k.axis, share));
+    c.weight = {1 - share, share, 0, 0};
+    if (touchesAtStart(k.give, k.start)) {
+      const Places before = placesOf(m, k.at_start, k.give);
+      if (before.flat == places.flat) setStart(m, k.at_start, before.at[i], c);
     }
     contacts.push_back(c);
   }
+}
+
+/// The contact of a stick that presses so: the tangent plane, by the springs of both ends together.
+Contact springAt(const SweptObstacle& m, const StickSearch& k, const StickEnds& ends,
+                 const StickPress& press) {
+  const double t = press.at, scale = 1 / press.share;
+  const Vec3 p = k.axis.at(t);
+  const double radius = k.axis.radius(t);
+  Contact c = k.contactWith(planeAt(m, p, {radius - scale * press.depth, press.normal}, radius));
+  c.weight = {1 - t, t, 0, 0};
+  c.give = {scale * scale * ends.complianceAt(t), ends.dampingAt(t) / (scale * scale)};
+  return c;
+}
+
+/// What its springs held at the start, where it pressed so.
+void setSpringStart(const SweptObstacle& m, const StickSearch& k, const StickEnds& ends,
+                    const StickPress& before, Contact& c) {
+  if (before.depth > 0) c.gap_start = -c.give.compliance * before.share * before.force(ends);
+  if (!touchesAtStart(k.give, k.start)) return;
+  c.start_normal = m.R0 * before.normal;
+  c.start_weight = {1 - before.at, before.at, 0, 0};
+  c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
+}
+
+/// Where it lies flat both springs have the plane each, so that it does not rock freely.
+void flatSprings(const SweptObstacle& m, const StickSearch& k, const StickEnds& ends,
+                 const StickPress& press, const StickPress& before,
+                 std::vector<Contact>& contacts) {
+  Contact c = springAt(m, k, ends, press);
+  setSpringStart(m, k, ends, before, c);
+  const double offset = c.offset - k.axis.radius(press.at), force = before.force(ends);
+  for (int i = 0; i < 2; ++i) {
+    c.weight = c.start_weight = {1.0 - i, 1.0 * i, 0, 0};
+    c.give = i == 0 ? ends.a : ends.b;
+    c.offset = offset + (i == 0 ? k.axis.ra : k.axis.rb);
+    if (before.depth > 0)
+      c.gap_start = -(i == 0 ? 1 - before.at : before.at) * force * c.give.compliance;
+    contacts.push_back(c);
+  }
+}
+
+/// Contacts of a capsule that gives way on a box, where it presses between its ends.
+void springContacts(const SweptObstacle& m, const StickSearch& k, const StickEnds& ends,
+                    std::vector<Contact>& contacts) {
+  const StickPress before = pressOf(k.at_start, ends);
+  StickPress press = pressOf(k.axis, ends);
+  if (press.depth <= 0 && before.depth > 0) press = pressedAt(k.axis, before);  // it leaves
+  if (!press.between) return;
+  if (press.flat) {
+    flatSprings(m, k, ends, press, before, contacts);
+    return;
+  }
+  Contact c = springAt(m, k, ends, press);
+  setSpringStart(m, k, ends, before, c);
+  contacts.push_back(c);
+}
+
+void stickContacts(const Model& model, const SweptObstacle& m, const StickSearch& k,
+                   std::vector<Contact>& contacts) {
+  if (restsOnEnds(model, *m.obstacle, k.give))
+    springContacts(m, k, endsOf(model, *m.obstacle, model.ragdolls[k.ragdoll], k.a, k.b, k.give),
+                   contacts);
+  else
+    placeContacts(m, k, contacts);
 }
 
 Bounds sweptBounds(const Points& x0, const Points& x1, int first, int n, double radius) {
@@ -184,6 +258,32 @@ bool passesBy(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double rad
   if (m.obstacle->type == ObstacleSpec::Type::kPlane || m.p0 != m.p1 || m.R0 != m.R1) return false;
   const double pad = radius + kGapResolution;  // more than rounding
   return !overlap({x0.cwiseMin(x1).array() - pad, x0.cwiseMax(x1).array() + pad}, m.bounds, margin);
+}
+
+/// Takes out of the springs of particles what the sticks have of them that press between their
+/// ends: of the contacts from `begin` on, all with one obstacle.
+void shareSprings(const Model& model, const Obstacle& o, const Ragdoll& r, std::size_t begin,
+                  std::vector<Contact>& contacts) {
+  const auto first = contacts.begin() + static_cast<std::ptrdiff_t>(begin);
+  for (auto c = first; c != contacts.end(); ++c) {
+    if (c->count != 1 || !c->isSoft()) continue;
+    const int particle = c->particle[0], all = sticksAt(model, o, r, particle - r.first);
+    int left = all;
+    for (auto k = first; k != contacts.end(); ++k) {
+      const bool second = k != first && (k - 1)->count == 2 && (k - 1)->particle == k->particle;
+      if (k->count == 2 && k->isSoft() && !second &&
+          (k->particle[0] == particle || k->particle[1] == particle))
+        --left;
+    }
+    if (left <= 0) {
+      c->dropped = true;
+    } else if (left < all) {
+      c->give.compliance *= static_cast<double>(all) / left;
+      c->give.damping *= static_cast<double>(left) / all;
+    }
+  }
+  contacts.erase(std::remove_if(first, contacts.end(), [](const Contact& c) { return c.dropped; }),
+                 contacts.end());
 }
 
 /// On what is round a stick has springs at its deepest place and at its shallower end, so that none
@@ -245,10 +345,21 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
     if (!axis) continue;
     const Axis at_start{*m.obstacle, m.toStart(capsule.a0), m.toStart(capsule.b0), capsule.ra,
                         capsule.rb};
-    stickContacts(m, *axis, at_start, start, a, b, index, give, contacts);
-    any_soft = any_soft || give.compliance > 0;
+    const Axis at_end{*m.obstacle, m.toEnd(capsule.a1), m.toEnd(capsule.b1), capsule.ra,
+                      capsule.rb};
+    // What is in touch all along gives way as it ends, however far that is.
+    const bool stays = restsOnEnds(model, *m.obstacle, give) && start <= kResting &&
+                       at_end.gap(nearest(at_end)) < 0;
+    stickContacts(model, m, {stays ? at_end : *axis, at_start, start, a, b, index, give}, contacts);
+    any_soft = any_soft ||
+               (m.obstacle->type == ObstacleSpec::Type::kBox ? restsOnEnds(model, *m.obstacle, give)
+                                                             : give.compliance > 0);
   }
-  if (any_soft && m.obstacle->type != ObstacleSpec::Type::kBox) dropDeeperEnds(begin, contacts);
+  if (!any_soft) return;
+  if (m.obstacle->type == ObstacleSpec::Type::kBox)
+    shareSprings(model, *m.obstacle, r, begin, contacts);
+  else
+    dropDeeperEnds(begin, contacts);
 }
 
 }  // namespace
@@ -312,10 +423,11 @@ void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& o
       const Axis axis{*m.obstacle, m.toEnd(p), m.toEnd(q), ra, rb};
       const double t = nearest(axis), gap = axis.gap(t);
       if (gap >= -depth || gap <= -axis.radius(t)) continue;
+      const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
+      if (restsOnEnds(model, *m.obstacle, give)) continue;  // its springs are known
       const Axis at_start{*m.obstacle, m.toStart(x0.col(a)), m.toStart(x0.col(b)), ra, rb};
       const double start = at_start.gap(nearest(at_start));
-      const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
-      stickContacts(m, axis, at_start, start, a, b, ragdoll, give, contacts);
+      stickContacts(model, m, {axis, at_start, start, a, b, ragdoll, give}, contacts);
     }
   }
 }

@@ -141,9 +141,15 @@ double rateBefore(const Island& island, const Contact& c) {
   return c.normal.dot(rate - c.surface_motion / island.context.h);
 }
 
+/// How much larger than its part along the normal a force is: by its friction, which is as much of
+/// it at the peak as in the mean, within the cone.
+double withFriction(const Contact& c, const Vec3& impulse) {
+  const double normal = impulse.dot(c.normal);
+  return normal > 0 ? std::min(impulse.norm() / normal, std::hypot(1.0, c.friction)) : 1;
+}
+
 /// What a spring tells of a motion over h whose second half of the impulse e has.
-void addSpring(const Island& island, const Contact& c, double answer, double h,
-               ContactImpulse& e) {
+void addSpring(const Island& island, const Contact& c, double answer, double h, ContactImpulse& e) {
   const StepContext& step = island.context;
   SpringMotion m;
   m.h = h;
@@ -153,18 +159,32 @@ void addSpring(const Island& island, const Contact& c, double answer, double h,
   m.rate[1] = c.normal.dot(rateOf(step, c));
   m.answer = answer;
   m.force = 2 * e.impulse.dot(c.normal) / h;
-  e.peak = peakForce(c, m);
+  e.peak = withFriction(c, e.impulse) * peakForce(c, m);
   if (c.before > -island.bodies[0]->tolerances.touching) e.approach = std::max(0.0, -m.rate[0]);
 }
 
 ContactLog& logOf(const Island& island) { return *island.context.log; }
 
-/// Two sticks that lie along each other have two springs: together they press at their peak.
+/// The two springs of a stick that lies on a face, told one after the other, press where both
+/// together do, not each at its end.
+void joinEnds(const Contact& c, std::vector<ContactImpulse>& entries, std::size_t first) {
+  if (!c.isSoft() || c.count != 2 || entries.size() < first + 2) return;
+  ContactImpulse &a = entries[entries.size() - 2], &b = entries.back();
+  if (a.obstacle != b.obstacle || a.particle != b.particle || a.normal != b.normal) return;
+  const double from_a = a.impulse.dot(a.normal), from_b = b.impulse.dot(b.normal);
+  if (!(from_a > 0 && from_b > 0)) return;
+  const double share = from_b / (from_a + from_b);
+  a.point = b.point = Vec3(a.point + share * (b.point - a.point));
+  a.depth = b.depth = a.depth + share * (b.depth - a.depth);
+}
+
+/// Two sticks that lie along each other, or one on a face, have two springs: together they press at
+/// their peak.
 void addPeaks(std::vector<ContactImpulse>& entries, std::size_t first) {
   for (std::size_t i = first; i + 1 < entries.size(); ++i) {
     ContactImpulse &a = entries[i], &b = entries[i + 1];
-    if (a.other != b.other || a.ragdoll != b.ragdoll || a.particle != b.particle ||
-        a.other_particle != b.other_particle)
+    if (a.obstacle != b.obstacle || a.other != b.other || a.ragdoll != b.ragdoll ||
+        a.particle != b.particle || a.other_particle != b.other_particle)
       continue;
     a.peak += b.peak;
     b.peak = 0;
@@ -184,7 +204,7 @@ void logImpulse(const Body& body, const Contact& c, const LoggedImpact& impact, 
   e.point -= radius * c.normal;
   e.impulse = impact.impulse;
   e.approach = impact.approach;
-  e.peak = impact.peak;
+  e.peak = withFriction(c, impact.impulse) * impact.peak;
   const Vec3 rate = motionOf(body, c, v);
   e.slip = (rate - rate.dot(c.normal) * c.normal).norm();
   e.effective_mass = impact.answer > 0 ? 1 / impact.answer : 0;
@@ -203,6 +223,7 @@ void cutLog(Island& island, std::size_t size) {
 
 void logPositions(Island& island, double h) {
   const IslandScratch& s = island.s;
+  const std::size_t before = logSize(island);
   Vec3 impulse;
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     const Body& body = *island.bodies[k];
@@ -215,6 +236,7 @@ void logPositions(Island& island, double h) {
       const Contact c = set.contacts[i].atStart();
       impulse += lockedFriction(island.context, body, c, row, impulse);
       addPosition(island, c, impulse);
+      joinEnds(c, island.context.log->impulses, before);
     }
   }
   const PairSet& pairs = island.pairs;
@@ -228,6 +250,7 @@ void logPositions(Island& island, double h) {
 void logVelocities(Island& island, const RowValues& rates, int first_pair, const LoggedStage& at) {
   const IslandScratch& s = island.s;
   const bool impact = at.impact;
+  const std::size_t begin = logSize(island);
   const auto add = [&](const Contact& c, int first, double answer, const Body* body, int row) {
     Vec3 impulse;
     if (!takeImpulse(island, s.p, first, 1, impulse)) return;
@@ -239,6 +262,7 @@ void logVelocities(Island& island, const RowValues& rates, int first_pair, const
     e.effective_mass = answer > 0 ? 1 / answer : 0;
     if (c.isSoft()) addSpring(island, c, answer, at.h, e);
     logOf(island).impulses.push_back(e);
+    joinEnds(c, logOf(island).impulses, begin);
   };
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     const Body& body = *island.bodies[k];
@@ -248,11 +272,10 @@ void logVelocities(Island& island, const RowValues& rates, int first_pair, const
         add(body.touching.contacts[schur.row(i).source], s.joint.firstOf(static_cast<int>(k)) + i,
             schur.matrix()(i, i), &body, i);
   }
-  const std::size_t first = logSize(island);
   for (std::size_t i = 0; i < island.pairs.touching.size(); ++i)
     add(island.pairs.touching[i], first_pair + 3 * static_cast<int>(i),
         pairAnswer(island, static_cast<int>(i)), nullptr, 0);
-  addPeaks(logOf(island).impulses, first);
+  addPeaks(logOf(island).impulses, begin);
 }
 
 namespace {

@@ -26,15 +26,19 @@ double storedAt(Body& body, const Points& pose, bool after) {
   return stored;
 }
 
+/// [J] in them at the motion's start.
+double storedBefore(Body& body) {
+  Points& before = posesOf(*body.context);
+  before.middleCols(body.first, body.n) = body.saved.x;
+  return storedAt(body, before, false);
+}
+
 /// [J] that springs of contacts gave to the motion.
 double releasedByContacts(Body& body) {
   const StepContext& step = *body.context;
   if (!step.model.compliant || step.relaxed) return 0;
-  double released = -storedAt(body, step.state.x, true);
-  Points& before = posesOf(step);
-  before.middleCols(body.first, body.n) = body.saved.x;
-  released += storedAt(body, before, false);
-  return released;
+  const double stored = storedAt(body, step.state.x, true);
+  return storedBefore(body) - stored;
 }
 
 /// [J] that these and soft limits gave to the motion: less than at its start is stored in them.
@@ -204,7 +208,13 @@ bool removeEnergy(Island& island, double gain) {
   if (!(gain > 0)) return true;
   double before = 0;
   for (Body* body : island.bodies) before += kineticEnergy(*body);
-  return takeEnergyOut(island, island.bodies, gain) <= kRedoGain * before;
+  const double left = takeEnergyOut(island, island.bodies, gain);
+  if (left <= kRedoGain * before || !island.context.model.compliant)
+    return left <= kRedoGain * before;
+  // Springs may have held it all.
+  for (Body* body : island.bodies)
+    before += kineticEnergy(*body->rows, body->saved.v, body->energy) + storedBefore(*body);
+  return left <= kRedoGain * before;
 }
 
 }  // namespace ragdoll

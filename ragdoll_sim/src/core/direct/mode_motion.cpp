@@ -36,9 +36,15 @@ Eigen::Vector2d slipDirection(const Schur& schur, int row, const Vec3& slip, con
   return length > 0 ? Eigen::Vector2d(now / length) : Eigen::Vector2d(1, 0);
 }
 
+const Compliance& giveOf(const ModeRow& row, const RowPlace& place) {
+  return row.kind == Kind::kLimit ? row.give : place.contact.give;
+}
+
 /// [N], [N m] While it presses.
-double springForce(const ModeRow& row, const RowPlace& place, const Body& body, const double* v) {
-  return -place.gap / row.give.compliance - row.give.damping * rateOf(row, place, body, v);
+double springForce(const ModeRow& row, const RowPlace& place, const Body& body, const double* x,
+                   const double* v) {
+  const Compliance& give = giveOf(row, place);
+  return -place.gap / give.compliance - give.damping * dampedRate(body, row, place, x, v);
 }
 
 /// How the body answers to the springs that press, and so the longest piece in which they are
@@ -49,7 +55,8 @@ void keepAnswers(Mode& mode, const ModeSystem& system) {
     ModeRow& row = mode.rows[i];
     if (mode.first[i] < 0 || !row.isSoft()) continue;
     row.answer = system.A(mode.first[i], mode.first[i]);
-    const double rate = std::sqrt(row.answer / row.give.compliance) + row.give.damping * row.answer;
+    const Compliance& give = giveOf(row, mode.place[i]);
+    const double rate = std::sqrt(row.answer / give.compliance) + give.damping * row.answer;
     mode.longest = std::min(mode.longest, kSpringPhase / rate);
   }
 }
@@ -163,7 +170,7 @@ bool buildModeSystem(Body& body, const double* x, const double* v, bool curvatur
     block.sticks = row.sticks;
     block.slips = row.moves;
     block.given = row.isSoft();
-    if (block.given && row.presses) block.force = springForce(row, place, body, v);
+    if (block.given && row.presses) block.force = springForce(row, place, body, x, v);
     if (row.kind == Kind::kLimit) {
       schur.addLimit(place.limit, static_cast<int>(i), 0);
     } else {

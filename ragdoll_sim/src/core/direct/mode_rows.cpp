@@ -7,6 +7,7 @@
 #include "core/contact/constants.h"
 #include "core/contact/compliance.h"
 #include "core/contact/detect.h"
+#include "core/contact/stick_springs.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/mode_constants.h"
@@ -49,8 +50,26 @@ const SweptObstacle& obstacleOf(const Body& body, const ModeRow& row) {
   return body.context->ws.obstacles[row.obstacle];
 }
 
+bool restsOnEnds(const Body& body, const ModeRow& row) {
+  return row.kind == Kind::kStick &&
+         restsOnEnds(body.context->model, *obstacleOf(body, row).obstacle, row.give);
+}
+
+StickEnds endsOf(const Body& body, const ModeRow& stick) {
+  return endsOf(body.context->model, *obstacleOf(body, stick).obstacle, *body.ragdoll,
+                body.first + stick.a, body.first + stick.b, stick.give);
+}
+
+/// A stick that gives way.
+StickPress pressOf(const Body& body, const ModeRow& row, const double* x) {
+  const SweptObstacle& m = obstacleOf(body, row);
+  return pressOf({*m.obstacle, m.toStart(at(x, row.a)), m.toStart(at(x, row.b)), row.ra, row.rb},
+                 endsOf(body, row));
+}
+
 double nearestOf(const Body& body, const ModeRow& row, const double* x) {
   if (row.kind == Kind::kParticle) return 0;
+  if (restsOnEnds(body, row)) return pressOf(body, row, x).at;
   const SweptObstacle& m = obstacleOf(body, row);
   return nearestOnStick(*m.obstacle, m.toStart(at(x, row.a)), m.toStart(at(x, row.b)), row.ra,
                         row.rb);
@@ -61,7 +80,7 @@ double roomOnStick(double t) { return std::min(t, 1 - t) - kEndOfStick; }
 
 /// Of a particle's spring, whether a stick's takes its place (dropDeeperEnds in detect.cpp): by how
 /// much that is deepest between its ends, and this end deeper than the other; negative: it does not.
-double coverOf(Body& body, const ModeRow& row, const double* x) {
+double roundCover(Body& body, const ModeRow& row, const double* x) {
   const SweptObstacle& m = obstacleOf(body, row);
   double cover = -1;
   const ObstacleSpec::Type type = m.obstacle->type;
@@ -86,6 +105,55 @@ double coverOf(Body& body, const ModeRow& row, const double* x) {
     cover = std::max(cover, std::min(roomOnStick(nearestOf(body, stick, x)), deeper));
   }
   return cover;
+}
+
+/// How far a stick's own contact is from being that of its ends.
+double roomOnStick(const StickPress& press) {
+  return press.depth > 0 ? std::min(roomOnStick(press.at), press.excess - kEndOfStick)
+                         : roomOnStick(press.at);
+}
+
+double roomOnStick(const Body& body, const ModeRow& row, const double* x, double t) {
+  return restsOnEnds(body, row) ? roomOnStick(pressOf(body, row, x)) : roomOnStick(t);
+}
+
+/// What sticks that press between their ends take of a particle's spring.
+struct Cover {
+  double room = std::numeric_limits<double>::infinity();  ///< until one of them does not
+  int all = 0, taken = 0;
+};
+
+Cover coverOf(Body& body, const ModeRow& row, const double* x) {
+  Cover cover;
+  const SweptObstacle& m = obstacleOf(body, row);
+  if (row.kind != Kind::kParticle || m.obstacle->type != ObstacleSpec::Type::kBox) return cover;
+  const Model& model = body.context->model;
+  const Skeleton& s = *body.skeleton;
+  for (std::size_t i = 0; i < s.sticks.size(); ++i) {
+    const Stick& k = s.sticks[i];
+    if ((k.a != row.a && k.b != row.a) || k.a >= s.named || k.b >= s.named) continue;
+    ModeRow stick = row;
+    stick.kind = Kind::kStick;
+    stick.give = giveOf(model, *m.obstacle, *body.ragdoll, s.stick_contact, i);
+    if (!restsOnEnds(body, stick)) continue;
+    stick.a = k.a;
+    stick.b = k.b;
+    stick.ra = model.radius[body.first + k.a];
+    stick.rb = model.radius[body.first + k.b];
+    const StickPress press = pressOf(body, stick, x);
+    ++cover.all;
+    if (press.depth > 0 && press.between) ++cover.taken;
+    cover.room = std::min(cover.room, press.depth > 0 ? roomOnStick(press) : -1.0);
+  }
+  return cover;
+}
+
+/// Of a particle's spring, whether sticks take all of it: by how much; negative: they do not.
+double roomUnder(Body& body, const ModeRow& row, const double* x) {
+  if (obstacleOf(body, row).obstacle->type != ObstacleSpec::Type::kBox)
+    return roundCover(body, row, x);
+  const Cover cover = coverOf(body, row, x);
+  return cover.all > 0 ? cover.room : -1.0;
 }
 
 Vec3 pointOf(const ModeRow& row, const double* x, double t) {
@@ -140,6 +208,22 @@ Vec3 normalTurn(const ModeRow& row, const SweptObstacle& m, const Near& near, co
   return m.R0 * (-opens / near.distance * (rate - opens * near.normal));
 }
 
+/// How the place of a stick that gives way moves along it.
+double shiftOf(const Body& body, const ModeRow& row, const double* x, const double* v) {
+  const double speed = std::max(at(v, row.a).norm(), at(v, row.b).norm());
+  if (!(speed > 0)) return 0;
+  const double e = kDifference / speed;
+  const SweptObstacle& m = obstacleOf(body, row);
+  const StickEnds ends = endsOf(body, row);
+  const auto placeAfter = [&](double t) {
+    return pressOf({*m.obstacle, m.toStart(at(x, row.a) + t * at(v, row.a)),
+                    m.toStart(at(x, row.b) + t * at(v, row.b)), row.ra, row.rb},
+                   ends)
+        .at;
+  };
+  return (placeAfter(e) - placeAfter(-e)) / (2 * e);
+}
+
 /// The gap of a capsule is the least of |u(t)| - r(t) along it: its second derivative has a part
 /// from how the nearest place moves.
 void curveStick(const ModeRow& row, const SweptObstacle& m, const Near& near, const double* x,
@@ -160,6 +244,37 @@ void curveStick(const ModeRow& row, const SweptObstacle& m, const Near& near, co
   place.turn = shift * (at(v, row.b) - at(v, row.a)) + normalTurn(row, m, near, moves);
 }
 
+/// How the row gives way at place.at; and whether it is between a stick's ends.
+void giveWay(Body& body, const ModeRow& row, const double* x, RowPlace& place) {
+  Compliance& give = place.contact.give = row.give;
+  place.inside = row.kind != Kind::kStick || roomOnStick(place.at) > 0;
+  if (restsOnEnds(body, row)) {
+    const StickPress press = pressOf(body, row, x);
+    const StickEnds ends = endsOf(body, row);
+    place.inside = roomOnStick(press) > 0;
+    give = {ends.complianceAt(place.at), ends.dampingAt(place.at)};
+    // By two springs, which rub and damp apart from each other.
+    const bool rests = place.inside && press.flat && (row.friction > 0 || give.damping > 0);
+    place.regular = place.regular && !rests;
+  } else if (row.isSoft() && row.kind == Kind::kParticle) {
+    const Cover cover = coverOf(body, row, x);
+    const int left = std::max(1, cover.all - cover.taken);
+    if (cover.taken > 0)
+      give = {give.compliance * cover.all / left, give.damping * left / cover.all};
+  }
+}
+
+/// What its turn takes along the surface, of a stick on the springs of its ends.
+Vec3 springTurn(const Body& body, const ModeRow& row, const Near& near, const double* x,
+                const double* v, double t) {
+  const SweptObstacle& m = obstacleOf(body, row);
+  const double shift = shiftOf(body, row, x, v);
+  const Vec3 rate = m.R0.transpose() *
+                    (pointOf(row, v, t) + shift * (at(x, row.b) - at(x, row.a)));
+  return shift * (at(v, row.b) - at(v, row.a)) +
+         normalTurn(row, m, near, near.beside.cwiseProduct(rate));
+}
+
 }  // namespace
 
 RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* v, bool curvature) {
@@ -177,7 +292,6 @@ RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* 
   place.gap = near.distance - m.obstacle->radius - radius;
   place.feature = near.feature;
   place.at = t;
-  place.inside = !stick || roomOnStick(t) > 0;
   place.regular = m.obstacle->type == ObstacleSpec::Type::kPlane || near.distance > kMinLength;
   Contact& c = place.contact;
   c.normal = m.R0 * near.normal;
@@ -186,19 +300,20 @@ RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* 
   c.count = stick ? 2 : 1;
   c.friction = row.friction;
   c.restitution = row.restitution;
-  c.give = row.give;
+  giveWay(body, row, x, place);
   c.ragdoll = body.index;
   c.obstacle = m.index;
   c.offset = c.found = c.normal.dot(point) - place.gap;
   if (!curvature || m.obstacle->type == ObstacleSpec::Type::kPlane || !place.regular) return place;
-  if (stick) {
+  if (restsOnEnds(body, row)) {
+    place.turn = springTurn(body, row, near, x, v, t);
+  } else if (stick) {
     curveStick(row, m, near, x, v, t, place);
-    return place;
+  } else {
+    const Vec3 rate = near.beside.cwiseProduct(m.R0.transpose() * at(v, row.a));
+    place.curvature = (rate.squaredNorm() - std::pow(near.normal.dot(rate), 2)) / near.distance;
+    place.turn = normalTurn(row, m, near, rate);
   }
-  const Vec3 rate = near.beside.cwiseProduct(m.R0.transpose() * at(v, row.a));
-  place.curvature =
-      (rate.squaredNorm() - std::pow(near.normal.dot(rate), 2)) / near.distance;
-  place.turn = normalTurn(row, m, near, rate);
   return place;
 }
 
@@ -209,6 +324,16 @@ double gapOf(Body& body, const ModeRow& row, const double* x) {
   const double t = nearestOf(body, row, x);
   return nearOf(*m.obstacle, m.toStart(pointOf(row, x, t))).distance - m.obstacle->radius -
          ((1 - t) * row.ra + t * row.rb);
+}
+
+double dampedRate(const Body& body, const ModeRow& row, const RowPlace& place, const double* x,
+                  const double* v) {
+  const double rate = rateOf(row, place, body, v);
+  if (!restsOnEnds(body, row) || !(place.contact.give.damping > 0)) return rate;
+  const StickEnds ends = endsOf(body, row);
+  const double t = place.at, c = ends.complianceAt(t);
+  const double slope = (t * ends.b.compliance - (1 - t) * ends.a.compliance) / c;
+  return rate - place.gap * slope * shiftOf(body, row, x, v);
 }
 
 double rateOf(const ModeRow& row, const RowPlace& place, const Body& body, const double* v) {
@@ -223,10 +348,11 @@ double rateOf(const ModeRow& row, const RowPlace& place, const Body& body, const
 double openingOf(Body& body, const ModeRow& row, const double* x, const double* v) {
   if (!row.isSoft()) return gapOf(body, row, x);
   const RowPlace place = placeOf(body, row, x, v, false);
-  const double rate = rateOf(row, place, body, v);
-  double opening = place.gap + row.give.compliance * row.give.damping * std::max(0.0, rate);
-  if (row.kind == Kind::kStick) opening = std::max(opening, -roomOnStick(place.at));
-  if (row.kind == Kind::kParticle) opening = std::max(opening, coverOf(body, row, x));
+  const double rate = dampedRate(body, row, place, x, v);
+  const Compliance& give = row.kind == Kind::kLimit ? row.give : place.contact.give;
+  double opening = place.gap + give.compliance * give.damping * std::max(0.0, rate);
+  if (row.kind == Kind::kStick) opening = std::max(opening, -roomOnStick(body, row, x, place.at));
+  if (row.kind == Kind::kParticle) opening = std::max(opening, roomUnder(body, row, x));
   return opening;
 }
 
@@ -235,8 +361,9 @@ double roomOf(Body& body, const ModeRow& row, const double* x, const std::array<
   if (row.kind == Kind::kLimit) return room;
   const SweptObstacle& m = obstacleOf(body, row);
   const double t = nearestOf(body, row, x);
-  if (row.kind == Kind::kStick) room = roomOnStick(t);
-  if (row.kind == Kind::kParticle && row.isSoft()) room = -coverOf(body, row, x);
+  if (row.kind == Kind::kStick)
+    room = roomOnStick(body, row, x, t);
+  if (row.kind == Kind::kParticle && row.isSoft()) room = -roomUnder(body, row, x);
   if (m.obstacle->type == ObstacleSpec::Type::kPlane) return room;
   const Vec3 p = m.toStart(pointOf(row, x, t));
   for (int k = 0; k < 3; ++k) {

@@ -23,6 +23,11 @@ double gapOf(Body& body, const ModeRow& row, const double* x);
 /// [m/s], [rad/s] of the gap.
 double rateOf(const ModeRow& row, const RowPlace& place, const Body& body, const double* v);
 
+/// [m/s], [rad/s] at which the damper of what gives way opens: of a stick as its springs do, whose
+/// place moves.
+double dampedRate(const Body& body, const ModeRow& row, const RowPlace& place, const double* x,
+                  const double* v);
+
 /// [m], [rad] How far it is from pressing: a rigid one's gap. What gives way presses where that is
 /// negative, and its damper does not hold it back.
 double openingOf(Body& body, const ModeRow& row, const double* x, const double* v);

@@ -36,8 +36,8 @@ class Group {
       return 0;
     }
     if (!held) return takeOutOfRelative(commonMotion(), gain - inner);
-    takeOutOfRelative(RigidMotion(), gain - inner);
-    return 0;
+    const double left = takeOutOfRelative(RigidMotion(), gain - inner);
+    return model_.compliant ? left : 0;  // springs may hold more than moves
   }
 
  private:
