@@ -254,7 +254,7 @@ bool takeModeImpact(Body& body, ModePoint& point) {
   return point.v.allFinite();
 }
 
-bool projectVelocities(Body& body, ModePoint& point) {
+bool projectVelocities(Body& body, ModePoint& point, bool begins) {
   ModeSystem system;
   BodyResponse& response = body.memory->response;
   response.setEnd(point.x.data());
@@ -263,6 +263,7 @@ bool projectVelocities(Body& body, ModePoint& point) {
   if (system.b.size() == 0) return true;
   evaluateModeRates(body, point.v.data(), system);
   for (ModeBlock& block : body.mode.blocks) {  // sliding contacts by the normal alone
+    if (begins && !block.slips) block.sticks = block.friction > 0;
     if (!block.sticks) block.slip.setZero();
     block.force = 0;
   }
@@ -333,7 +334,7 @@ bool moveInMode(Body& body, double h, ModePoint& end) {
     mode.work += h * kB[i] * point.power;
   }
   sum(kB, kStages, end);
-  return end.x.allFinite() && projectPositions(body, end) && projectVelocities(body, end);
+  return end.x.allFinite() && projectPositions(body, end) && projectVelocities(body, end, false);
 }
 
 void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,

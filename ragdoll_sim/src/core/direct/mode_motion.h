@@ -28,8 +28,9 @@ bool findMode(Body& body, ModePoint& point);
 /// Impact at `point` of what approaches: Newton's law and Coulomb's, all closed rows together.
 bool takeModeImpact(Body& body, ModePoint& point);
 
-/// Puts the velocities on the mode's equalities.
-bool projectVelocities(Body& body, ModePoint& point);
+/// Puts the velocities on the mode's equalities. begins: of the mode; what will slip, but does not
+/// yet, stands still.
+bool projectVelocities(Body& body, ModePoint& point, bool begins);
 /// And positions.
 bool projectPositions(Body& body, ModePoint& point);
 
