@@ -337,6 +337,16 @@ bool moveInMode(Body& body, double h, ModePoint& end) {
   return end.x.allFinite() && projectPositions(body, end) && projectVelocities(body, end, false);
 }
 
+double errorOfPiece(Body& body, double h) {
+  Mode& mode = body.mode;
+  const Eigen::Index size = mode.start.x.size();
+  Eigen::VectorXd& error = mode.p;
+  error = kE[kStages] * mode.end.a;
+  for (int j = 0; j < kStages; ++j) error += kE[j] * mode.slopes.row(j).tail(size).transpose();
+  const Eigen::Map<const Points> of(error.data(), 3, body.n);
+  return h * std::sqrt(of.colwise().squaredNorm().maxCoeff());
+}
+
 void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,
                  ModePoint& out) {
   const double s = share, s2 = s * s, s3 = s2 * s;

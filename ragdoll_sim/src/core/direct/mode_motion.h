@@ -38,6 +38,10 @@ bool projectPositions(Body& body, ModePoint& point);
 /// mode.stages. False: no motion was found.
 bool moveInMode(Body& body, double h, ModePoint& end);
 
+/// [m/s] of the motion over h that was last moved to mode.end, whose accelerations are known: by the
+/// embedded formula of fourth order.
+double errorOfPiece(Body& body, double h);
+
 /// x and v at a share of a motion over h, by the polynomial of degree 5 through both ends.
 void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,
                  ModePoint& out);
