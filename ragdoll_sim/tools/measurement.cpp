@@ -78,8 +78,9 @@ Measurement measureAccuracy(const Model& model, const Configuration& configurati
   m.configuration = configuration;
   const SolverSpec& solver = configuration.solver;
   const int steps = stepsIn(reference.window, solver.step);
-  const double count = static_cast<double>(reference.windows.size());
+  const double count = countOf(reference);
   for (const Window& window : reference.windows) {
+    if (!counts(reference, window)) continue;
     const State end = follow(model, solver, window, steps);
     m.error += rmsDistance(model, end.x, window.end) / count;
     m.energy_drift +=

@@ -21,7 +21,7 @@ struct Measurement {
   Configuration configuration;
   double cost = 0;             ///< [s] of CPU time per simulated second, median
   double ratio = 0;            ///< cost by that of preset thesis measured at the same time, median
-  double error = 0;            ///< [m] RMS over particles at the end of a window, mean over windows
+  double error = 0;            ///< [m] RMS over particles at the end of a window, mean over those that count
   double energy_drift = 0;     ///< [J] over a window, against the reference, mean over windows
   double energy_rise = 0;      ///< [J] largest rise above start plus work in one run
   double stretch = 0;          ///< relative, largest in one run

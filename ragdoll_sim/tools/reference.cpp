@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/inputs.h"
@@ -15,6 +16,9 @@ constexpr Method kMethod = Method::kRk;    ///< the most accurate there is
 constexpr Method kOther = Method::kShake;  ///< an independent one, to compare with
 constexpr double kTrajectoryRate = 3840;   ///< [Hz] of the run that gives the windows' starts
 constexpr double kCoarsest = 1920;         ///< [Hz] the first of the runs that are halved
+constexpr double kShift = 1e-10;           ///< [m] over a window, by other velocities at its start
+constexpr double kFork = 1e-5;             ///< [m] apart, after that: 1e5 times as far
+constexpr double kParted = 0.01 * kFork;   ///< [m] when the fork is seen
 
 /// When two runs, the second at half the step of the first, are near enough.
 struct Goal {
@@ -22,13 +26,50 @@ struct Goal {
   double finest;     ///< [Hz]
 };
 constexpr Goal kSmooth = {1e-8, 245760};
-constexpr Goal kContact = {1e-6, 61440};
+constexpr Goal kContact = {2e-9, 61440};
+
+/// The window's start in steps of the solver.
+State startOf(const Window& window, const SolverSpec& solver) {
+  State state = window.start;
+  state.step = static_cast<std::uint64_t>(std::llround(state.time / solver.step));
+  return state;
+}
 
 SolverSpec referenceSolver(const Model& model, Method method, double rate) {
   SolverSpec solver = model.solver;
   solver.method = method;
   solver.step = 1 / rate;
+  solver.events = method == Method::kRk;
   return solver;
+}
+
+/// The window with velocities at its start that move the particles by kShift until its end: each by
+/// numbers in [-1, 1] of a fixed sequence.
+Window shifted(const Window& window, double length) {
+  Window result = window;
+  std::mt19937 random(1);
+  for (int i = 0; i < result.start.v.size(); ++i)
+    result.start.v.data()[i] += kShift / length * (random() / 2147483648.0 - 1);
+  return result;
+}
+
+/// Whether the window forks, and when.
+void findFork(const Model& model, double length, Window& window) {
+  const SolverSpec solver = referenceSolver(model, kMethod, 1 / window.finest);
+  const Window other = shifted(window, length);
+  const int steps = stepsIn(length, window.finest);
+  const State end = follow(model, solver, other, steps);
+  window.forks = !(rmsDistance(model, end.x, window.end) < kFork);
+  if (!window.forks) return;
+  const Model own = withSolver(model, solver);
+  const Inputs inputs = startInputs(own);
+  Workspace first, second;
+  State a = startOf(window, solver), b = startOf(other, solver);
+  for (int i = 0; i < steps && rmsDistance(model, a.x, b.x) < kParted; ++i) {
+    step(own, inputs, first, a);
+    step(own, inputs, second, b);
+  }
+  window.fork_time = a.time;
 }
 
 void converge(const Model& model, double length, Goal goal, Window& window) {
@@ -74,6 +115,15 @@ bool hasContact(const Model& model) {
   return !model.obstacles.empty() || model.self_collision || model.ragdoll_collision;
 }
 
+int countOf(const Reference& reference) {
+  const int all = static_cast<int>(reference.windows.size());
+  return reference.forks < all ? all - reference.forks : all;
+}
+
+bool counts(const Reference& reference, const Window& window) {
+  return !window.forks || reference.forks == static_cast<int>(reference.windows.size());
+}
+
 int stepsIn(double window, double step) {
   const double steps = std::round(window / step);
   return steps >= 1 && std::abs(steps * step / window - 1) < 1e-9 ? static_cast<int>(steps) : 0;
@@ -94,8 +144,7 @@ State follow(const Model& model, const SolverSpec& solver, const Window& window,
   const Model own = withSolver(model, solver);
   const Inputs inputs = startInputs(own);
   Workspace workspace;
-  State state = window.start;
-  state.step = static_cast<std::uint64_t>(std::llround(state.time / solver.step));
+  State state = startOf(window, solver);
   for (int i = 0; i < steps; ++i) step(own, inputs, workspace, state);
   return state;
 }
@@ -119,11 +168,17 @@ Reference makeReference(const Model& model, double horizon, double window,
     std::fill(w.start.asleep.begin(), w.start.asleep.end(), 0);
     converge(model, window, count > 1 || hasContact(model) ? kContact : kSmooth, w);
     if (k + 1 < count) state = follow(model, fine, w, stepsIn(window, fine.step));
-    reference.uncertainty += w.uncertainty / count;
-    reference.disagreement += w.disagreement / count;
-    reference.worst = std::max(reference.worst, w.uncertainty);
+    if (hasContact(model)) findFork(model, window, w);
+    reference.forks += w.forks;
     reference.finest = reference.finest > 0 ? std::min(reference.finest, w.finest) : w.finest;
     reference.windows.push_back(std::move(w));
+  }
+  const int counted = countOf(reference);
+  for (const Window& w : reference.windows) {
+    if (!counts(reference, w)) continue;
+    reference.uncertainty += w.uncertainty / counted;
+    reference.disagreement += w.disagreement / counted;
+    reference.worst = std::max(reference.worst, w.uncertainty);
   }
   return reference;
 }

@@ -19,15 +19,20 @@ struct Window {
   double uncertainty = 0;   ///< [m] RMS between the two finest runs, or `disagreement`
   double disagreement = 0;  ///< [m] RMS between the end and that of another method
   double finest = 0;        ///< [s] the smallest step taken
+  /// Starts that differ by 1e-10 m over the window end 1e-5 m or more apart: what then happens (a
+  /// fall over an edge, or back from it) is not told by the start. It counts in no mean.
+  bool forks = false;
+  double fork_time = 0;  ///< [s] when the two have parted by a hundredth of that
 };
 
 struct Reference {
   std::vector<Window> windows;
   double window = 0;        ///< [s] length of each
-  double uncertainty = 0;   ///< [m] mean of the windows'
-  double worst = 0;         ///< [m] largest of the windows'
+  double uncertainty = 0;   ///< [m] mean of the windows that count
+  double worst = 0;         ///< [m] largest of these
   double finest = 0;        ///< [s]
-  double disagreement = 0;  ///< [m] mean of the windows'
+  double disagreement = 0;  ///< [m] mean of these
+  int forks = 0;            ///< windows
   Method method = Method::kRk, other = Method::kShake;
 };
 
@@ -41,6 +46,11 @@ bool hasContact(const Model& model);
 /// share that is done. Throws Error where even the reference leaves the finite numbers.
 Reference makeReference(const Model& model, double horizon, double window,
                         const std::function<void(double)>& report);
+
+/// Whether its error counts in means: all windows do if all fork.
+bool counts(const Reference& reference, const Window& window);
+/// How many do.
+int countOf(const Reference& reference);
 
 /// `steps` steps of `solver` from the window's start. Throws nothing; the result may not be finite.
 State follow(const Model& model, const SolverSpec& solver, const Window& window, int steps);

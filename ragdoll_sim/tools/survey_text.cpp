@@ -17,12 +17,21 @@ std::string knobs(const SolverSpec& solver) {
   return text;
 }
 
+/// Where the windows start that fork, and when they do.
+std::string whatForks(const Survey& survey) {
+  std::string text;
+  for (const Window& w : survey.reference.windows)
+    if (w.forks)
+      text += format("%s%.4g s (at %.4f s)", text.empty() ? "" : ", ", w.start.time, w.fork_time);
+  return text;
+}
+
 }  // namespace
 
 std::string whatError(const Survey& survey) {
-  const std::size_t windows = survey.reference.windows.size();
-  if (windows == 1) return format("error after %g s", survey.horizon);
-  return format("error after %g s, mean over %zu windows", survey.reference.window, windows);
+  const int windows = countOf(survey.reference);
+  if (survey.reference.windows.size() == 1) return format("error after %g s", survey.horizon);
+  return format("error after %g s, mean over %d windows", survey.reference.window, windows);
 }
 
 std::string whatReference(const Survey& survey) {
@@ -36,8 +45,15 @@ std::string whatReference(const Survey& survey) {
 }
 
 std::string toTable(const Survey& survey, const std::string& scene) {
-  std::string text = "scene " + scene + ", " + whatError(survey) +
-                     "\nreference: " + whatReference(survey) + "\n\n";
+  std::string text =
+      "scene " + scene + ", " + whatError(survey) + "\nreference: " + whatReference(survey) + "\n";
+  const std::string forks = whatForks(survey);
+  if (!forks.empty())
+    text +=
+        "windows that fork, left out of all means (starts 1e-10 m apart end 1e-5 m or more "
+        "apart), from " +
+        forks + "\n";
+  text += "\n";
   text +=
       "* configuration                     step       cost   /thesis      error    stretch"
       "  penetration  limits     drift      rise\n";
@@ -68,7 +84,10 @@ std::string toCsv(const Survey& survey) {
   std::string text =
       "family,preset,method,step,sweeps,integrator,cost_s_per_s,cost_ratio_to_thesis,error_m,"
       "error_uncertainty_m,stretch,penetration_m,limit_violation_rad,energy_drift_J,energy_rise_J,"
-      "finite,pareto,tolerance_m\n";
+      "finite,pareto,tolerance_m,windows,forks_at_s\n";
+  std::string forks;
+  for (const Window& w : survey.reference.windows)
+    if (w.forks) forks += format("%s%.6f", forks.empty() ? "" : " ", w.fork_time);
   for (const Measurement& m : survey.rows) {
     const Configuration& c = m.configuration;
     const SolverSpec& s = c.solver;
@@ -79,7 +98,8 @@ std::string toCsv(const Survey& survey) {
     text += format("%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%d,", m.cost, m.ratio, m.error,
                    survey.reference.uncertainty, m.stretch, m.penetration, m.limit_violation,
                    m.energy_drift, m.energy_rise, m.finite ? 1 : 0, m.best ? 1 : 0);
-    text += s.tolerance > 0 ? format("%.9g\n", s.tolerance) : "\n";
+    if (s.tolerance > 0) text += format("%.9g", s.tolerance);
+    text += format(",%d,%s\n", countOf(survey.reference), forks.c_str());
   }
   return text;
 }

@@ -61,7 +61,7 @@ TEST_F(LabTrade, CsvShowsTheOrderOfEachMethod) {
   ASSERT_EQ(lab("trade " + pendulum() + " --dearest 0.02 --out " + folder.string()).status, 0);
   const auto rows = csv();
   ASSERT_GT(rows.size(), 10u);
-  EXPECT_EQ(rows[0].size(), 18u);
+  EXPECT_EQ(rows[0].size(), 20u);
   double jakobsen[2] = {}, shake[2] = {};
   for (const auto& row : rows) {
     ASSERT_EQ(row.size(), rows[0].size());

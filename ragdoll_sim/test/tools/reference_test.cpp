@@ -98,6 +98,43 @@ TEST(Sliding, ReferenceStopsWhereCoulombSays) {
   EXPECT_TRUE(hasContact(model));
 }
 
+/// A grain falls onto the edge of a smooth box: exactly onto it, and it lies there; beside it by
+/// any way, and it slides off.
+TEST(Edge, AWindowThatForksIsNamedWithItsTimeAndCountsInNoMean) {
+  for (const double x : {0.0, 0.1}) {
+    Scene scene = test::sceneOf(test::oneParticle(1, 2e-8), Vec3(x, 0, 0.05));
+    scene.ragdolls[0].velocity = Vec3(0, 0, -1);
+    ObstacleSpec box;
+    box.type = ObstacleSpec::Type::kBox;
+    box.pose.position = Vec3(0.5, 0, -0.5);
+    box.friction = 0;
+    scene.obstacles.push_back(box);
+    const Reference reference = makeReference(buildModel(scene), 0.1, 0.05, kQuiet);
+    const Window& window = reference.windows.at(0);
+    EXPECT_EQ(window.forks, x == 0);
+    EXPECT_EQ(reference.forks, x == 0 ? 2 : 0);
+    if (x == 0) {
+      const double falls = (std::sqrt(1 + 2 * kG * 0.05) - 1) / kG;
+      EXPECT_NEAR(window.fork_time, falls, 1e-3);
+    }
+  }
+}
+
+TEST(Edge, MeansAreOfTheWindowsThatDoNotForkUnlessAllDo) {
+  Reference reference;
+  reference.windows.resize(3);
+  EXPECT_EQ(countOf(reference), 3);
+  reference.windows[1].forks = true;
+  reference.forks = 1;
+  EXPECT_EQ(countOf(reference), 2);
+  EXPECT_FALSE(counts(reference, reference.windows[1]));
+  EXPECT_TRUE(counts(reference, reference.windows[2]));
+  for (Window& window : reference.windows) window.forks = true;
+  reference.forks = 3;
+  EXPECT_EQ(countOf(reference), 3);
+  EXPECT_TRUE(counts(reference, reference.windows[1]));
+}
+
 TEST(Survey, HorizonAndWindowFitTheStepsOrAreRefused) {
   const Model smooth = buildModel(test::sceneOf(test::oneParticle()));
   EXPECT_EQ(completed(smooth, {}).horizon, 1);

@@ -7,8 +7,13 @@ namespace ragdoll {
 // --- Pieces and events.
 constexpr double kGrowth = 3;           ///< of a piece over the one before, until the next event
 constexpr int kTryEvery = 16;           ///< [steps] where the last one was shake's
-constexpr int kMostPieces = 250;        ///< of one step, those that were too long among them
-constexpr double kMostSlipTurn = 0.999;  ///< cosine of what a slip may turn in a piece: 0.045 rad
+constexpr int kMostPieces = 1000;       ///< of one step, those that were too long among them
+/// [m/s] By the embedded formula. A slip that begins or ends asks for pieces as short as the time in
+/// which it changes: friction follows its direction.
+constexpr double kPieceError = 1e-11;
+constexpr int kOrderOfPiece = 5;    ///< of that error
+constexpr double kPieceAim = 0.8;   ///< of the longest piece that keeps it
+constexpr double kHalfPiece = 0.5;  ///< of one that did not, at most
 constexpr int kMostSolutions = 100;  ///< of equalities, until the directions of slips are found
 constexpr double kSpringPhase = 0.125;  ///< [rad] of what swings on a spring, in a piece
 constexpr double kMoment = 1e-7;        ///< [s] after which it is looked at whether a spring presses

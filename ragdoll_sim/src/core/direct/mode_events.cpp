@@ -136,41 +136,33 @@ bool isSound(Body& body) {
   return set.missed.empty();
 }
 
-/// Whether a slip turned by more than a piece can follow, as it does where it all but ends.
-bool slipTurned(Body& body) {
-  const Mode& mode = body.mode;
-  const auto slipAt = [&](const ModeRow& row, const ModePoint& point) {
-    const Contact c = placeOf(body, row, point.x.data(), point.v.data(), false).contact;
-    return slipOf(body, c, point.v.data());
-  };
-  for (const ModeRow& row : mode.rows) {
-    if (!row.presses || row.sticks || !(row.friction > 0)) continue;
-    Vec3 before = slipAt(row, mode.start);
-    if (before.norm() < kStill) before = row.slip;  // it begins
-    const Vec3 after = slipAt(row, mode.end);
-    if (after.norm() < kStill) continue;
-    if (before.dot(after) < kMostSlipTurn * before.norm() * after.norm()) return true;
-  }
-  return false;
+/// How much longer or shorter a piece with the formula's error is to be.
+double shareOf(double error) {
+  return error > 0 ? kPieceAim * std::pow(kPieceError / error, 1.0 / kOrderOfPiece) : kGrowth;
 }
 
 /// Moves mode.end over a piece of at most `most` in the present mode, to its first event if there is
 /// one. Where an event comes early the motion beyond it, in a mode that has ended, says little about
-/// when: it is looked for again in a shorter piece. pieces: how many may be tried.
-bool takePiece(Body& body, double most, int& pieces, double& took, bool& event) {
+/// when: it is looked for again in a shorter piece. pieces: how many may be tried. next: [s] what the
+/// one after it may be.
+bool takePiece(Body& body, double most, int& pieces, double& took, double& next, bool& event) {
   double piece = most;
   for (int k = 0; k < kShorterPieces && pieces > 0; ++k, --pieces) {
     ModeEvent found;
     const bool known = moveInMode(body, piece, body.mode.end) && findModeEvent(body, piece, found);
     took = piece;
     event = found.any;
-    if (known && !event && (piece < kEventNear || !slipTurned(body))) return true;
-    if (known && event && (found.share > kEarly || piece < kEventNear) &&
-        moveToModeEvent(body, piece, found, took) && (piece < kEventNear || !slipTurned(body)))
-      return true;
-    const bool early = known && event && found.share <= kEarly;
-    piece *= early ? std::clamp(3 * found.share, kShorterPiece * kShorterPiece, kShorterPiece)
-                   : kShorterPiece;
+    const bool early = known && event && found.share <= kEarly && !(piece < kEventNear);
+    double shorter = kShorterPiece;
+    if (early) {
+      shorter = std::clamp(3 * found.share, kShorterPiece * kShorterPiece, kShorterPiece);
+    } else if (known && (!event || moveToModeEvent(body, piece, found, took))) {
+      const double share = shareOf(errorOfPiece(body, took));
+      next = std::min(share, kGrowth) * took;
+      if (share >= kPieceAim || piece < kEventNear) return true;
+      shorter = std::clamp(share * took / piece, kShorterPiece, kHalfPiece);
+    }
+    piece *= shorter;
   }
   return false;
 }
@@ -184,12 +176,13 @@ bool takePieces(Body& body, double h) {
     if (event && (++events > kMaxEvents || !settleMode(body, pressed))) return false;
     pressed = false;
     if (!(left > 0)) return true;
-    double took = 0;
-    if (!takePiece(body, std::min({left, most, mode.longest}), pieces, took, event)) return false;
+    double took = 0, next = 0;
+    if (!takePiece(body, std::min({left, most, mode.longest}), pieces, took, next, event))
+      return false;
     logPiece(body, took);
     body.given += mode.work;
     std::swap(mode.start, mode.end);
-    most = event ? h : kGrowth * took;  // where slips turned they go on turning
+    most = event ? h : next;
     left -= took;
     if (left < kNothingLeft * h) left = 0;
     if (!event && left == 0) return true;

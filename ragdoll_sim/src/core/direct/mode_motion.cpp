@@ -261,7 +261,7 @@ bool takeModeImpact(Body& body, ModePoint& point) {
   return point.v.allFinite();
 }
 
-bool projectVelocities(Body& body, ModePoint& point) {
+bool projectVelocities(Body& body, ModePoint& point, bool begins) {
   ModeSystem system;
   BodyResponse& response = body.memory->response;
   response.setEnd(point.x.data());
@@ -270,6 +270,7 @@ bool projectVelocities(Body& body, ModePoint& point) {
   if (system.b.size() == 0) return true;
   evaluateModeRates(body, point.v.data(), system);
   for (ModeBlock& block : body.mode.blocks) {  // sliding contacts by the normal alone
+    if (begins && !block.slips) block.sticks = block.friction > 0;
     if (!block.sticks) block.slip.setZero();
     block.force = 0;
   }
@@ -340,7 +341,17 @@ bool moveInMode(Body& body, double h, ModePoint& end) {
     mode.work += h * kB[i] * point.power;
   }
   sum(kB, kStages, end);
-  return end.x.allFinite() && projectPositions(body, end) && projectVelocities(body, end);
+  return end.x.allFinite() && projectPositions(body, end) && projectVelocities(body, end, false);
+}
+
+double errorOfPiece(Body& body, double h) {
+  Mode& mode = body.mode;
+  const Eigen::Index size = mode.start.x.size();
+  Eigen::VectorXd& error = mode.p;
+  error = kE[kStages] * mode.end.a;
+  for (int j = 0; j < kStages; ++j) error += kE[j] * mode.slopes.row(j).tail(size).transpose();
+  const Eigen::Map<const Points> of(error.data(), 3, body.n);
+  return h * std::sqrt(of.colwise().squaredNorm().maxCoeff());
 }
 
 void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,

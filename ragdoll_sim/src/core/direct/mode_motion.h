@@ -28,14 +28,19 @@ bool findMode(Body& body, ModePoint& point);
 /// Impact at `point` of what approaches: Newton's law and Coulomb's, all closed rows together.
 bool takeModeImpact(Body& body, ModePoint& point);
 
-/// Puts the velocities on the mode's equalities.
-bool projectVelocities(Body& body, ModePoint& point);
+/// Puts the velocities on the mode's equalities. begins: of the mode; what will slip, but does not
+/// yet, stands still.
+bool projectVelocities(Body& body, ModePoint& point, bool begins);
 /// And positions.
 bool projectPositions(Body& body, ModePoint& point);
 
 /// Moves mode.start, whose accelerations are known, by h to `end`. forces: of its stages stay in
 /// mode.stages. False: no motion was found.
 bool moveInMode(Body& body, double h, ModePoint& end);
+
+/// [m/s] of the motion over h that was last moved to mode.end, whose accelerations are known: by the
+/// embedded formula of fourth order.
+double errorOfPiece(Body& body, double h);
 
 /// x and v at a share of a motion over h, by the polynomial of degree 5 through both ends.
 void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,

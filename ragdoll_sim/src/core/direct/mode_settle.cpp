@@ -90,7 +90,7 @@ bool settleMode(Body& body, bool pressed) {
   for (int k = 0; k < kModeProjections && closeChatter(body); ++k)
     if (!findMode(body, mode.start)) return false;
   return projectPositions(body, mode.start) &&
-         projectVelocities(body, mode.start) && accelerateInMode(body, mode.start);
+         projectVelocities(body, mode.start, true) && accelerateInMode(body, mode.start);
 }
 
 }  // namespace ragdoll
