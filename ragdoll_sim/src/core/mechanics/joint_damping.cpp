@@ -61,9 +61,22 @@ Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
   return rotation;
 }
 
-Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular) {
+Vec3 angularOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+               const Eigen::Ref<const Points>& v, const RigidMotion& motion) {
+  mass.scratch.change = x.colwise() - motion.centre;
+  const auto weighted = momentum(mass.rows, mass.scratch);
+  Vec3 angular = Vec3::Zero();
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    angular += Vec3(weighted.col(i)).cross(Vec3(v.col(i) - motion.drift));
+  return angular;
+}
+
+Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular, bool refined) {
   const double small = kSingular * inertia.trace() + 1e-300;
-  return (inertia + small * Eigen::Matrix3d::Identity()).ldlt().solve(angular);
+  const Eigen::LDLT<Eigen::Matrix3d> guarded(inertia + small * Eigen::Matrix3d::Identity());
+  const Vec3 spin = guarded.solve(angular);
+  if (!refined) return spin;
+  return spin + guarded.solve(angular - inertia * spin);
 }
 
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
