@@ -183,7 +183,8 @@ bool activateViolated(Body& body) {
   LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     if (set.limit_row[i] >= 0 || set.limit_role[i] == Role::kComing) continue;
-    if (angles[set.limits[i].limit] * kLever >= -body.tolerances.contact) continue;
+    const int k = set.limits[i].limit;
+    if (angles.isBeyond(k, 0) || angles[k] * kLever >= -body.tolerances.contact) continue;
     set.limit_role[i] = Role::kActive;
     any = true;
   }

@@ -131,7 +131,8 @@ double worstViolation(Body& body) {
   LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];
-    if (set.limit_row[i] >= 0 && limit.compliance == 0)
+    if (set.limit_row[i] < 0 || limit.compliance > 0) continue;
+    if (!angles.isBeyond(limit.limit, -limit.opening))
       worst = std::max(worst, -(angles[limit.limit] + limit.opening) * kLever);
   }
   return worst;

@@ -143,7 +143,7 @@ void keepTouchingLimits(Body& body, double h) {
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];
     if (limit.compliance > 0) continue;
-    if (angles[limit.limit] + limit.opening >= body.tolerances.touching_angle &&
+    if (angles.isBeyond(limit.limit, body.tolerances.touching_angle - limit.opening) &&
         set.limit_role[i] != Role::kHit)
       continue;
     body.touching.limits.push_back(limit);

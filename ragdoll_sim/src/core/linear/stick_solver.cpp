@@ -107,11 +107,9 @@ const double* StickSolver::mobility(const StickRows& rows, const int* particle, 
     for (int k = 0; k < rows.s; ++k)
       for (int c = 0; c < 3; ++c) pulls_(c, k) = -(D_(c, k) * rows.WBT(i, k));
     kernels::multiplyPoints(pulls_.data(), inverse_.data(), rows.s, rows.width, rates_.data());
-    for (int c = 0; c < 3; ++c) {
-      const Vec3 along = Vec3::Unit(c);
-      kernels::spreadPushes(rows.spread_W.data(), rows.coordinates, &i, along.data(), 1,
-                            mobility_.row(3 * i + c).data());
-    }
+    mobility_.middleRows<3>(3 * i).setZero();
+    for (int j = 0; j < 3 * rows.n; j += 3)
+      for (int c = 0; c < 3; ++c) mobility_(3 * i + c, j + c) = rows.spread_W(i, j);
     kernels::addRows(rates_.data(), rows.s, rows.width, across_.data(), rows.coordinates,
                      mobility_.data() + 3 * i * rows.coordinates);
     has_mobility_[i] = 1;

@@ -111,9 +111,9 @@ TEST(StickKernels, spreadPushesIsASumOfRowsTimesForces) {
     for (int c = 0; c < 3 * n; ++c)
       for (int k = 0; k < p.count(); ++k) expected[c] += p.rows(p.at[k], c) * p.f(c % 3, k);
     EXPECT_EQ(p.by(kernels::spreadPushes), expected) << n;
-    EXPECT_EQ(p.by(kernels::body::spreadPushes<2>), expected) << n;
-    EXPECT_EQ(p.by(kernels::body::spreadPushes<4>), expected) << n;
-    EXPECT_EQ(p.by(kernels::body::spreadPushes<8>), expected) << n;
+    EXPECT_EQ(p.by([](auto... a) { kernels::body::spreadPushes<2>(a...); }), expected) << n;
+    EXPECT_EQ(p.by([](auto... a) { kernels::body::spreadPushes<4>(a...); }), expected) << n;
+    EXPECT_EQ(p.by([](auto... a) { kernels::body::spreadPushes<8>(a...); }), expected) << n;
   }
 }
 
@@ -126,9 +126,9 @@ TEST(StickKernels, dotThreesIsASumOfDotProducts) {
         expected[c] += p.f.col(k).dot(Vec3(p.rows.block<3, 1>(3 * p.at[k], c)));
     const Eigen::VectorXd sums = p.by(kernels::dotThrees);
     EXPECT_LT((sums - expected).norm(), 1e-14) << n;
-    EXPECT_EQ(p.by(kernels::body::dotThrees<2>), sums) << n;
-    EXPECT_EQ(p.by(kernels::body::dotThrees<4>), sums) << n;
-    EXPECT_EQ(p.by(kernels::body::dotThrees<8>), sums) << n;
+    EXPECT_EQ(p.by([](auto... a) { kernels::body::dotThrees<2>(a...); }), sums) << n;
+    EXPECT_EQ(p.by([](auto... a) { kernels::body::dotThrees<4>(a...); }), sums) << n;
+    EXPECT_EQ(p.by([](auto... a) { kernels::body::dotThrees<8>(a...); }), sums) << n;
   }
 }
 
