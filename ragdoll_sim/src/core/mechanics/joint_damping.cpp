@@ -1,7 +1,5 @@
 #include "core/mechanics/joint_damping.h"
 
-#include <Eigen/Cholesky>
-
 namespace ragdoll {
 namespace {
 
@@ -43,6 +41,30 @@ bool spinByPins(const std::vector<int>& pins, const Eigen::Ref<const Points>& x,
   return true;
 }
 
+/// L D L^T of an inertia: symmetric and not negative, so that no pivot need be chosen.
+struct GuardedInertia {
+  double d[3], xy, xz, yz;
+
+  explicit GuardedInertia(const Eigen::Matrix3d& inertia) {
+    const double small = kSingular * inertia.trace() + 1e-300;
+    d[0] = 1 / (inertia(0, 0) + small);
+    xy = inertia(1, 0) * d[0];
+    xz = inertia(2, 0) * d[0];
+    d[1] = 1 / (inertia(1, 1) + small - xy * inertia(1, 0));
+    const double rest = inertia(2, 1) - xz * inertia(1, 0);
+    yz = rest * d[1];
+    d[2] = 1 / (inertia(2, 2) + small - xz * inertia(2, 0) - yz * rest);
+  }
+  Vec3 solve(const Vec3& b) const {
+    const double y = b[1] - xy * b[0], z = b[2] - xz * b[0] - yz * y;
+    Vec3 x;
+    x[2] = d[2] * z;
+    x[1] = d[1] * y - yz * x[2];
+    x[0] = d[0] * b[0] - xy * x[1] - xz * x[2];
+    return x;
+  }
+};
+
 }  // namespace
 
 Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
@@ -72,8 +94,7 @@ Vec3 angularOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
 }
 
 Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular, bool refined) {
-  const double small = kSingular * inertia.trace() + 1e-300;
-  const Eigen::LDLT<Eigen::Matrix3d> guarded(inertia + small * Eigen::Matrix3d::Identity());
+  const GuardedInertia guarded(inertia);
   const Vec3 spin = guarded.solve(angular);
   if (!refined) return spin;
   return spin + guarded.solve(angular - inertia * spin);
