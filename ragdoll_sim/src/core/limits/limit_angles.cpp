@@ -1,6 +1,7 @@
 #include "core/limits/limit_angles.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
