@@ -104,8 +104,8 @@ const double* StickSolver::mobility(const StickRows& rows, const int* particle, 
     const int i = particle[k];
     if (has_mobility_[i]) continue;
     findAcross(rows);
-    for (int k = 0; k < rows.s; ++k)
-      for (int c = 0; c < 3; ++c) pulls_(c, k) = -(D_(c, k) * rows.WBT(i, k));
+    for (int stick = 0; stick < rows.s; ++stick)
+      for (int c = 0; c < 3; ++c) pulls_(c, stick) = -(D_(c, stick) * rows.WBT(i, stick));
     kernels::multiplyPoints(pulls_.data(), inverse_.data(), rows.s, rows.width, rates_.data());
     mobility_.middleRows<3>(3 * i).setZero();
     for (int j = 0; j < 3 * rows.n; j += 3)
