@@ -41,6 +41,14 @@ Rotation rotationOf(const std::vector<Body*>& bodies, const RigidMotion& drift, 
   return all;
 }
 
+template <class OfX, class OfV>
+Vec3 angularOf(const std::vector<Body*>& bodies, const RigidMotion& drift, const OfX& x,
+               const OfV& v) {
+  Vec3 all = Vec3::Zero();
+  for (Body* body : bodies) all += angularOf(massOf(*body), x(*body), v(*body), drift);
+  return all;
+}
+
 /// [kg m^2/s] By pokes over `took`, about the centre of mass: at the poses half way.
 Vec3 givenByPokes(const std::vector<Body*>& bodies, const Vec3& middle, double took) {
   Vec3 given = Vec3::Zero();
@@ -63,9 +71,7 @@ void addSpin(const std::vector<Body*>& bodies, const Vec3& centre, const Vec3& s
 
 /// [rad/s] that makes a rotation's angular momentum that which is wanted.
 Vec3 spinFor(const Rotation& now, const Vec3& wanted) {
-  const Vec3 lost = wanted - now.angular;
-  const Vec3 spin = spinOf(now.inertia, lost);
-  return spin + spinOf(now.inertia, lost - now.inertia * spin);  // it is exact but for its guard
+  return spinOf(now.inertia, wanted - now.angular, true);
 }
 
 /// Turns the bodies together by an angle [rad].
@@ -132,7 +138,7 @@ void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took)
   const auto x1 = [](const Body& body) { return body.x(); };
   const auto v1 = [](const Body& body) { return body.v(); };
   const RigidMotion before = driftOf(bodies, x0, v0), after = driftOf(bodies, x1, v1);
-  Vec3 wanted = rotationOf(bodies, before, x0, v0).angular;
+  Vec3 wanted = angularOf(bodies, before, x0, v0);
   if (bodies[0]->damps_within) wanted *= std::exp(-island.context.model.solver.damping * took);
   wanted += givenByPokes(bodies, 0.5 * (before.centre + after.centre), took);
   Rotation now = rotationOf(bodies, after, x1, v1);

@@ -34,8 +34,8 @@ void startContact(Body& body, Contact& c, double h) {
   setOffset(body, c, {h, h, body.context->h});
 }
 
-void startLimit(Body& body, LimitRow& limit, double h) {
-  limit.before = anglesBefore(body)[limit.limit];
+void startLimit(Body& body, LimitAngles::Pose& before, LimitRow& limit, double h) {
+  limit.before = before[limit.limit];
   if (limit.compliance > 0)
     limit.start = std::min(0.0, limit.before);
   else
@@ -122,15 +122,16 @@ bool addLimits(Body& body, double margin, double h, Role role) {
   ConstraintSet& set = body.constraints;
   if (limits.empty()) return false;
   const std::size_t known = set.limits.size();
-  const LimitAngles::Pose& angles = anglesAfter(body);
+  LimitAngles::Pose &angles = anglesAfter(body), *before = nullptr;
   for (int k = 0; k < static_cast<int>(limits.size()); ++k) {
-    if (angles[k] >= margin) continue;
+    if (angles.isBeyond(k, margin)) continue;
     const auto same = [k](const LimitRow& l) { return l.limit == k; };
     const auto end = set.limits.begin() + static_cast<std::ptrdiff_t>(known);
     if (std::any_of(set.limits.begin(), end, same)) continue;
     LimitRow& row = set.limits.emplace_back(limitRow(body.context->model, body.index, k));
     row.value = angles[k];
-    startLimit(body, row, h);
+    if (!before) before = &anglesBefore(body);
+    startLimit(body, *before, row, h);
     set.limit_role.push_back(role);
   }
   return set.limits.size() > known;
@@ -178,10 +179,12 @@ bool activateViolated(Body& body) {
     set.contact_role[i] = Role::kActive;
     any = true;
   }
-  const LimitAngles::Pose& angles = anglesAfter(body);
+  if (set.limits.empty()) return any;
+  LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     if (set.limit_row[i] >= 0 || set.limit_role[i] == Role::kComing) continue;
-    if (angles[set.limits[i].limit] * kLever >= -body.tolerances.contact) continue;
+    const int k = set.limits[i].limit;
+    if (angles.isBeyond(k, 0) || angles[k] * kLever >= -body.tolerances.contact) continue;
     set.limit_role[i] = Role::kActive;
     any = true;
   }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/direct/energy.h"
+#include "core/mechanics/energy_gain.h"
 #include "core/mechanics/joint_damping.h"
 
 namespace ragdoll {
@@ -21,6 +21,16 @@ bool isPushed(const Body& body) {
 void accelerate(Body& body) {
   body.acceleration.noalias() = body.context->model.gravity * body.system->gravity;
   if (body.context->force) body.acceleration.noalias() += body.force * body.system->W;
+}
+
+/// [J] of kinetic energy since velocities were `before`, as (v - before) M (v + before) / 2.
+double energySince(Body& body, const Points& before) {
+  body.energy.change = body.v() - before;
+  const auto pushed = momentum(*body.rows, body.energy);
+  Vec3 sum = Vec3::Zero();
+  for (int i = 0; i < body.n; ++i)
+    sum += Vec3(pushed.col(i)).cwiseProduct(Vec3(body.v().col(i) + before.col(i)));
+  return 0.5 * sum.sum();
 }
 
 }  // namespace
@@ -85,13 +95,12 @@ void damp(Body& body, double time) {
   const SolverSpec& solver = body.context->model.solver;
   if (!(solver.damping > 0 || solver.joint_damping > 0)) return;
   const std::vector<int>& pins = body.pinned->pins;
-  const double before = body.damps_within ? kineticEnergy(body) : 0;
   body.kept = body.v();
   if (solver.damping > 0) body.v() *= std::exp(-solver.damping * time);
   if (solver.joint_damping > 0)
     dampInnerMotion(massOf(body), pins, std::exp(-solver.joint_damping * time), body.x(), body.v());
   restorePins(body, body.kept);
-  if (body.damps_within) body.given += kineticEnergy(body) - before;
+  if (body.damps_within) body.given += energySince(body, body.kept);
 }
 
 void dampWithin(Island& island, double time) {

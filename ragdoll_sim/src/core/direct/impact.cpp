@@ -16,11 +16,10 @@ double rateOf(const Body& body, const Contact& c) {
 
 /// [rad/s] the same of a limit.
 double rateOf(const Body& body, const LimitRow& limit) {
-  const State& state = body.context->state;
-  LimitRow row = limit;
-  anglesBefore(body).evaluate(body.context->model, state.x, row);
+  const LimitRow& row = anglesBefore(body).row(limit.limit);
+  const Points& v = body.context->state.v;
   double rate = 0;
-  for (int k = 0; k < row.count; ++k) rate += row.gradient[k].dot(state.v.col(row.particle[k]));
+  for (int k = 0; k < row.count; ++k) rate += row.gradient[k].dot(v.col(row.particle[k]));
   return rate;
 }
 
@@ -56,7 +55,8 @@ bool reachesComing(const Body& body) {
     if (set.contact_role[i] == Role::kComing &&
         gapAfter(body, set.contacts[i]) < -body.tolerances.contact)
       return true;
-  const LimitAngles::Pose& angles = anglesAfter(body);
+  if (set.limits.empty()) return false;
+  LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i)
     if (set.limit_role[i] == Role::kComing && angles[set.limits[i].limit] < 0) return true;
   return false;
@@ -77,11 +77,10 @@ Impact firstImpact(Body& body, double h) {
     if (end < -body.tolerances.contact)
       consider(timeOfZero(c.before, rateOf(body, c), end, h), set.contact_role[i], h, first);
   }
-  const LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     if (set.limit_role[i] != Role::kComing) continue;
     const LimitRow& limit = set.limits[i];
-    const double end = angles[limit.limit];
+    const double end = anglesAfter(body)[limit.limit];
     if (end < 0)
       consider(timeOfZero(limit.before, rateOf(body, limit), end, h), set.limit_role[i], h, first);
   }

@@ -12,16 +12,13 @@ namespace ragdoll {
 namespace {
 
 constexpr double kPositionRounding = 4e-15;  ///< relative, with some room
-constexpr double kWhole = 1e-6;      ///< relative error of a squared length: none to restore
+constexpr double kWhole = 1e-6;  ///< relative error of a squared length: none to restore
 
 /// Relative error of the worst squared length.
 double lengthError(Body& body) {
   BodyResponse& response = body.memory->response;
   response.setStart(body.xData());
-  double worst = 0;
-  for (int s = 0; s < body.rows->s; ++s)
-    worst = std::max(worst, std::abs(response.startLength2(s) / body.rows->length2[s] - 1));
-  return worst;
+  return response.startError({body.rows->length2.data(), body.rows->inverse_length2.data(), 0});
 }
 
 /// Gives collapsed sticks a direction, that of the rest pose.
@@ -60,9 +57,11 @@ bool restoreLengths(Body& body, double h) {
   const StickRows& rows = *body.rows;
   if (rows.s == 0) return false;
   BodyResponse& response = body.memory->response;
-  body.lengths.tolerance =
-      std::max(kLengthTolerance, kPositionRounding * body.x().cwiseAbs().maxCoeff() /
-                                     std::sqrt(rows.length2.head(rows.s).minCoeff()));
+  body.lengths.tolerance = std::max(
+      kLengthTolerance,
+      kPositionRounding *
+          Eigen::Map<const Eigen::VectorXd>(body.xData(), 3 * body.n).cwiseAbs().maxCoeff() /
+          rows.shortest);
   if (lengthError(body) < std::max(kWhole, 10 * body.lengths.tolerance)) return false;
   spreadCollapsed(body);
   response.setStart(body.xData());

@@ -29,11 +29,10 @@ void buildContactRows(Body& body, bool leapfrog) {
 void buildLimitRows(Body& body, double h, bool leapfrog) {
   ConstraintSet& set = body.constraints;
   Schur& schur = body.memory->schur;
-  const Model& model = body.context->model;
   set.softness.resize(set.limits.size());
   set.limit_row.assign(set.limits.size(), -1);
-  const Points& after = poseAfter(body);
-  LimitAngles::Pose& angles = anglesAt(body, after);
+  if (set.limits.empty()) return;
+  LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     LimitRow& limit = set.limits[i];
     if (set.limit_role[i] == Role::kComing) continue;
@@ -43,9 +42,9 @@ void buildLimitRows(Body& body, double h, bool leapfrog) {
     // One that touches at the start pushes along its direction there, as the sticks do.
     if (leapfrog && limit.compliance == 0 &&
         std::abs(limit.before) < body.tolerances.touching_angle)
-      anglesBefore(body).evaluate(model, body.context->state.x, limit);
+      anglesBefore(body).evaluate(limit);
     else
-      angles.evaluate(model, after, limit);
+      angles.evaluate(limit);
     set.softness[i] = leapfrog ? limit.middleSoftness(h) : limit.eulerSoftness(h);
     set.limit_row[i] = schur.size();
     schur.addLimit(limit, static_cast<int>(i), set.softness[i].compliance);
@@ -86,12 +85,12 @@ void evaluateGaps(Body& body, double h) {
   const ConstraintSet& set = body.constraints;
   const Schur& schur = body.memory->schur;
   body.b.resize(set.own_rows);
-  const LimitAngles::Pose& angles = anglesAfter(body);
+  LimitAngles::Pose* angles = set.limits.empty() ? nullptr : &anglesAfter(body);
   for (int i = 0; i < set.own_rows; ++i) {
     const Schur::Row& row = schur.row(i);
     if (row.kind == Kind::kLimit) {
       const LimitRow& limit = set.limits[row.source];
-      body.b[i] = angles[limit.limit] + limit.opening + set.softness[row.source].offset +
+      body.b[i] = (*angles)[limit.limit] + limit.opening + set.softness[row.source].offset +
                   row.compliance * body.total[i];
     } else if (row.kind == Kind::kNormal) {
       body.b[i] = gapAfter(body, set.contacts[row.source]);
@@ -128,10 +127,12 @@ double worstViolation(Body& body) {
     const double p = set.contacts[i].isSoft() ? body.total[row] : 0;
     worst = std::max(worst, -set.springs[i].slack(gapAfter(body, set.contacts[i]), p));
   }
-  const LimitAngles::Pose& angles = anglesAfter(body);
+  if (set.limits.empty()) return worst;
+  LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];
-    if (set.limit_row[i] >= 0 && limit.compliance == 0)
+    if (set.limit_row[i] < 0 || limit.compliance > 0) continue;
+    if (!angles.isBeyond(limit.limit, -limit.opening))
       worst = std::max(worst, -(angles[limit.limit] + limit.opening) * kLever);
   }
   return worst;

@@ -139,17 +139,16 @@ void keepTouchingContacts(Body& body, double h, bool leapfrog) {
 void keepTouchingLimits(Body& body, double h) {
   const ConstraintSet& set = body.constraints;
   if (set.limits.empty()) return;
-  const Points& after = poseAfter(body);
-  LimitAngles::Pose& angles = anglesAt(body, after);
+  LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];
     if (limit.compliance > 0) continue;
-    if (angles[limit.limit] + limit.opening >= body.tolerances.touching_angle &&
+    if (angles.isBeyond(limit.limit, body.tolerances.touching_angle - limit.opening) &&
         set.limit_role[i] != Role::kHit)
       continue;
     body.touching.limits.push_back(limit);
     body.touching.limit_hit.push_back(set.limit_role[i] == Role::kHit);
-    angles.evaluate(body.context->model, after, body.touching.limits.back());
+    angles.evaluate(body.touching.limits.back());
     const int row = h > 0 && i < set.limit_row.size() ? set.limit_row[i] : -1;
     body.touching.warm.push_back(row >= 0 && row < body.total.size() ? body.total[row] / h : 0.0);
   }
@@ -263,10 +262,10 @@ void findTouching(Body& body, double h, bool leapfrog) {
 }
 
 void releaseSprings(Body& body, double h) {
-  for (LimitRow limit : body.constraints.limits) {
-    if (limit.compliance == 0) continue;
-    const Points& after = poseAfter(body);
-    anglesAt(body, after).evaluate(body.context->model, after, limit);
+  for (const LimitRow& row : body.constraints.limits) {
+    if (row.compliance == 0) continue;
+    LimitRow limit = row;
+    anglesAfter(body).evaluate(limit);
     const double torque = limit.springTorque();
     if (torque == 0) continue;
     for (int k = 0; k < limit.count; ++k)

@@ -16,17 +16,36 @@ class LimitAngles {
   class Pose {
    public:
     /// [rad] C of a limit of the skeleton.
-    double operator[](int limit) const { return value_[limit]; }
-    /// Value and gradient; x: of this pose (3 x N).
-    void evaluate(const Model& model, const Points& x, LimitRow& row);
+    double operator[](int limit) {
+      if (!known_[limit]) findValue(limit);
+      return value_[limit];
+    }
+    /// Whether C is at least `margin`; most limits' cosines show it.
+    bool isBeyond(int limit, double margin) {
+      return isFar(limit, margin) || (*this)[limit] >= margin;
+    }
+    /// With value and gradient.
+    const LimitRow& row(int limit);
+    /// These alone, into a row.
+    void evaluate(LimitRow& row);
 
     /// Whether this is the pose of `count` coordinates, to the bit; becomes it.
-    bool is(const double* coordinates, std::size_t count) const;
-    void set(const std::vector<Limit>& limits, const double* coordinates, std::size_t count);
+    bool is(const std::vector<Limit>& limits, const double* coordinates, std::size_t count) const;
+    /// limits: of the body's skeleton; first: the body's first column of the state.
+    void set(const std::vector<Limit>& limits, int first, const double* coordinates,
+             std::size_t count);
 
    private:
+    bool isFar(int limit, double margin) const;
+    void findValue(int limit);
+
+    const std::vector<Limit>* limits_ = nullptr;
+    int first_ = 0;
     std::vector<double> coordinates_, value_;
-    std::vector<LimitRow> row_;  ///< with their gradients, or count 0
+    std::vector<std::uint8_t> known_;  ///< the values
+    std::vector<Vec3> reference_, child_;
+    std::vector<double> cosine_;  ///< between the two; NaN where it says nothing
+    std::vector<LimitRow> row_;   ///< with their gradients, or count 0
   };
 
   /// Valid until three other poses have been asked for. x: 3 x N.
@@ -36,6 +55,7 @@ class LimitAngles {
   std::array<Pose, 4> poses_;
   std::array<std::uint64_t, 4> last_call_{};
   std::uint64_t calls_ = 0;
+  std::size_t last_ = 0;  ///< the pose of the last call
 };
 
 }  // namespace ragdoll

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/limits/limit_value.h"
 #include "ragdoll_sim/core/direction.h"
 #include "ragdoll_sim/core/plane_limits.h"
 
@@ -83,14 +84,6 @@ void fillWedge(const Limit& limit, const Vec3& z, const Vec3& w, const double* x
   addGradient(limit.normal, on_s * w, x, first, row);
 }
 
-void fill(const Limit& limit, const Vec3& r, const Vec3& w, const double* x, int first,
-          LimitRow& row) {
-  row.count = 0;
-  if (limit.kind == Limit::Kind::kTurn) return fillTurn(limit, r, w, x, first, row);
-  if (limit.kind == Limit::Kind::kWedge) return fillWedge(limit, r, w, x, first, row);
-  fillWithin(limit.angle, limit.reference, limit.child, r, w, x, first, row);
-}
-
 /// C = -angle(last allowed, child) outside the regions, else 0. Whoever was outside once goes all
 /// the way back, but for a spring.
 void fillReturn(const PlaneLimit& limit, const double* x, int first, LimitRow& row) {
@@ -119,8 +112,19 @@ double withinValue(const Limit& limit, const Vec3& r, const Vec3& w) {
 
 }  // namespace
 
+void evaluateLimit(const Limit& limit, const Vec3& r, const Vec3& w, const double* x, int first,
+                   LimitRow& row) {
+  row.count = 0;
+  if (limit.kind == Limit::Kind::kTurn) return fillTurn(limit, r, w, x, first, row);
+  if (limit.kind == Limit::Kind::kWedge) return fillWedge(limit, r, w, x, first, row);
+  fillWithin(limit.angle, limit.reference, limit.child, r, w, x, first, row);
+}
+
 double limitValue(const Limit& limit, const double* x) {
-  const Vec3 r = valueOf(limit.reference, x), w = valueOf(limit.child, x);
+  return limitValue(limit, valueOf(limit.reference, x), valueOf(limit.child, x), x);
+}
+
+double limitValue(const Limit& limit, const Vec3& r, const Vec3& w, const double* x) {
   if (limit.kind == Limit::Kind::kWithin) return withinValue(limit, r, w);
   return limit.kind == Limit::Kind::kTurn ? turnValue(limit, r, w, x) : wedgeValue(limit, r, w, x);
 }
@@ -203,7 +207,8 @@ void evaluateLimit(const Model& model, const Points& x, LimitRow& row) {
   if (row.limit < 0)
     return fillReturn(skeleton.plane_limits[-1 - row.limit], body, ragdoll.first, row);
   const Limit& limit = skeleton.limits[row.limit];
-  fill(limit, valueOf(limit.reference, body), valueOf(limit.child, body), body, ragdoll.first, row);
+  evaluateLimit(limit, valueOf(limit.reference, body), valueOf(limit.child, body), body,
+                ragdoll.first, row);
 }
 
 double valueAt(const Model& model, const Points& x, const LimitRow& row) {

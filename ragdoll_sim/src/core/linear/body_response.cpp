@@ -24,6 +24,12 @@ double BodyResponse::startLength2(int stick) const {
   return Eigen::Map<const PaddedRows>(start_.D(), 3, rows_->width).col(stick).squaredNorm();
 }
 
+double BodyResponse::startError(const StickLengths& lengths) {
+  residual_.resize(rows_->width);
+  return 2 * kernels::lengthResiduals(start_.D(), lengths.length2, lengths.inverse_length2,
+                                      rows_->width, residual_.data());
+}
+
 bool BodyResponse::alongStart(const StickLengths& lengths, Points& dx, Eigen::VectorXd& lambda) {
   const StickRows& rows = *rows_;
   D1_.resize(3, rows.width);

@@ -38,6 +38,8 @@ class BodyResponse {
   const StickRows& rows() const { return *rows_; }
   /// [m^2] of a stick at the start.
   double startLength2(int stick) const;
+  /// Relative error of the worst squared length at the start.
+  double startError(const StickLengths& lengths);
 
   /// dx (3 x n) += the impulses lambda along the start's directions, scaled by kg/s^2 h^2.
   void impulse(const double* lambda, Points& dx) { start_.move(*rows_, lambda, 1, dx.data()); }

@@ -20,7 +20,8 @@ struct JointSchur::View {
     return sum(i, [&](const Schur& s, int side) { return s.free(joint.rows_[i].row[side]); });
   }
   double rate(int i) const {
-    return b[i] + sum(i, [&](const Schur& s, int side) { return s.rate(joint.rows_[i].row[side]); });
+    return b[i] +
+           sum(i, [&](const Schur& s, int side) { return s.rate(joint.rows_[i].row[side]); });
   }
   void push(int i, int count, const double* step) {
     for (int side = 0; side < 2; ++side) {
@@ -50,7 +51,9 @@ int JointSchur::addBody(Schur& schur) {
   const int body = static_cast<int>(bodies_.size());
   bodies_.push_back(&schur);
   first_.push_back(size());
-  for (int i = 0; i < schur.size(); ++i) rows_.push_back({{body, -1}, {i, -1}});
+  const int first = size();
+  rows_.resize(first + schur.size());
+  for (int i = 0; i < schur.size(); ++i) rows_[first + i] = {{body, -1}, {i, -1}};
   return body;
 }
 
@@ -96,14 +99,17 @@ bool JointSchur::solveOn(const RowValues& b, RowValues& p) {
 
 void JointSchur::split(const RowValues& p, std::vector<RowValues>& parts) const {
   if (parts.size() < bodies_.size()) parts.resize(bodies_.size());
+  if (isOneBody()) {
+    parts[0] = p;
+    return;
+  }
   for (std::size_t k = 0; k < bodies_.size(); ++k) parts[k].setZero(bodies_[k]->size());
   for (int i = 0; i < size(); ++i)
     for (int side = 0; side < 2; ++side)
       if (rows_[i].body[side] >= 0) parts[rows_[i].body[side]][rows_[i].row[side]] = p[i];
 }
 
-void JointSchur::addAnswer(double share, const std::vector<RowValues>& parts,
-                           RowValues& sum) {
+void JointSchur::addAnswer(double share, const std::vector<RowValues>& parts, RowValues& sum) {
   if (answers_.size() < bodies_.size()) answers_.resize(bodies_.size());
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     if (bodies_[k]->empty()) continue;

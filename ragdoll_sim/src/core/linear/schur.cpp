@@ -83,22 +83,47 @@ void Schur::assemble(const StickRows& c, StickSolver& sticks) {
     for (int i = 0; i < m; ++i) now_.A(i, i) = ownAnswer(i);
     return;
   }
-  now_.A.setZero(m, columns_);
   now_.free.resize(m);
   now_.answers.resize(m, c.coordinates);
   for (int i = 0; i < m; ++i) {
     const int known = known_[i];
-    double* answer = now_.answers.data() + i * c.coordinates;
     if (known >= 0) {
       now_.answers.row(i) = before_.answers.row(known);
       now_.free[i] = before_.free[known];
     } else {
       findAnswer(c, sticks, i);
     }
-    now_.A(i, i) = ownAnswer(i);
-    for (int j = i + 1; j < m; ++j)
-      now_.A(i, j) = now_.A(j, i) =
-          known >= 0 && known_[j] >= 0 ? before_.A(known, known_[j]) : now_.rows[j].along(answer);
+  }
+  findMatrix(c);
+}
+
+// Row j is along_j of all answers, by lanes; of two rows the later one's stands on both sides.
+void Schur::findMatrix(const StickRows& c) {
+  const int m = size();
+  place_.assign(c.n, -1);
+  int places = 0;
+  for (const Row& row : now_.rows)
+    for (int k = 0; k < row.count; ++k)
+      if (place_[row.particle[k]] < 0) place_[row.particle[k]] = places++;
+  turned_.resize(3 * places, columns_);
+  for (int p = 0; p < c.n; ++p) {
+    if (place_[p] < 0) continue;
+    for (int d = 0; d < 3; ++d) {
+      double* out = turned_.data() + (3 * place_[p] + d) * columns_;
+      const double* answer = now_.answers.data() + 3 * p + d;
+      for (int i = 0; i < m; ++i) out[i] = answer[i * c.coordinates];
+      std::fill(out + m, out + columns_, 0.0);
+    }
+  }
+  now_.A.resize(m, columns_);
+  for (int j = 0; j < m; ++j) {
+    const Row& row = now_.rows[j];
+    std::array<int, kMaxParticles> at;
+    for (int k = 0; k < row.count; ++k) at[k] = place_[row.particle[k]];
+    double* own = now_.A.data() + j * columns_;
+    kernels::dotThrees(turned_.data(), columns_, at.data(), row.gradient[0].data(), row.count, own);
+    for (int i = 0; i < j; ++i) now_.A(i, j) = own[i];
+    own[j] += row.compliance;
   }
 }
 
@@ -106,16 +131,17 @@ void Schur::findAnswer(const StickRows& c, StickSolver& sticks, int i) {
   const Row& row = now_.rows[i];
   double* answer = now_.answers.data() + i * c.coordinates;
   if (row.kind == Row::Kind::kLimit) {
-    sticks.answer(c, row.particle.data(), row.gradient[0].data(), row.count, answer);
-  } else {  // a particle has three rows, at two stages of a pose
-    kernels::gatherRows(sticks.mobility(c, row.particle.data(), row.count), c.coordinates,
-                        row.particle.data(), row.gradient[0].data(), row.count, answer);
+    now_.free[i] = sticks.answer(c, row.particle.data(), row.gradient[0].data(), row.count, answer);
+    return;
   }
+  // A particle has three rows, at two stages of a pose.
+  kernels::gatherRows(sticks.mobility(c, row.particle.data(), row.count), c.coordinates,
+                      row.particle.data(), row.gradient[0].data(), row.count, answer);
   now_.free[i] = 0;
   for (int k = 0; k < row.count; ++k)
     for (int l = 0; l < row.count; ++l)
-      now_.free[i] += c.spread_W(3 * row.particle[k], 3 * row.particle[l]) *
-                      row.gradient[k].dot(row.gradient[l]);
+      now_.free[i] +=
+          c.spread_W(row.particle[k], 3 * row.particle[l]) * row.gradient[k].dot(row.gradient[l]);
 }
 
 namespace {

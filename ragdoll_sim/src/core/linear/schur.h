@@ -130,6 +130,8 @@ class Schur {
   /// known_ <- the row of the assembly before that each one is, -1: none. In the same order, as the
   /// bits of A depend on it. Whether all are the same.
   bool findKnown();
+  /// A from the answers.
+  void findMatrix(const StickRows& constants);
   /// Of row i: its answer, and its part of the diagonal without the sticks.
   void findAnswer(const StickRows& constants, StickSolver& sticks, int i);
   /// Sweeps from p on. Whether they settled.
@@ -143,6 +145,8 @@ class Schur {
   Assembly now_, before_;
   bool assembled_ = false;  ///< now_
   std::vector<int> known_;
+  std::vector<int> place_;      ///< of each particle in turned_; -1: no row acts on it
+  Growing<PaddedRows> turned_;  ///< the answers' coordinates of these particles x padded rows
   std::vector<SchurBlock> blocks_;
   RowValues w_, start_, scale_, scaled_, swept_, better_;  ///< all but w_: of solveOn
   Anderson anderson_;

@@ -26,6 +26,15 @@ RAGDOLL_KERNEL(void, addImpulses,
                 int columns, double* out),
                (D, lambda, s, width, rows, columns, out))
 
+RAGDOLL_KERNEL(void, addRows,
+               (const double* D, int s, int width, const double* rows, int columns, double* out),
+               (D, s, width, rows, columns, out))
+
+RAGDOLL_KERNEL(void, dotThrees,
+               (const double* rows, int columns, const int* place, const double* g, int count,
+                double* out),
+               (rows, columns, place, g, count, out))
+
 RAGDOLL_KERNEL(void, spreadSticks,
                (const double* D, const double* rows, int s, int width, int columns, double* K),
                (D, rows, s, width, columns, K))
@@ -34,6 +43,11 @@ RAGDOLL_KERNEL(void, pullSticks,
                (const double* D, const double* WBT, int width, const int* particle, const double* f,
                 int count, double* out),
                (D, WBT, width, particle, f, count, out))
+
+RAGDOLL_KERNEL(void, spreadPushes,
+               (const double* rows, int columns, const int* particle, const double* f, int count,
+                double* out),
+               (rows, columns, particle, f, count, out))
 
 RAGDOLL_KERNEL(void, gatherRows,
                (const double* A, int columns, const int* particle, const double* f, int count,

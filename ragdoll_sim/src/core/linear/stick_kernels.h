@@ -20,6 +20,8 @@ inline int paddedWidth(int n) { return (n + kLane - 1) / kLane * kLane; }
 
 namespace kernels {
 
+constexpr int kMaxPushes = 8;  ///< particles that a limit moves, at most
+
 /// out (3 rows of width) = X (3 x n, columns) times rows (n rows of width).
 void multiplyPoints(const double* X, const double* rows, int n, int width, double* out);
 
@@ -42,6 +44,14 @@ void multiplyRows(const double* A, const double* B, int s, int width, int column
 void addImpulses(const double* D, const double* lambda, int s, int width, const double* rows,
                  int columns, double* out);
 
+/// out (3 rows of columns) += D rows, D: 3 rows of width, rows: s rows of columns.
+void addRows(const double* D, int s, int width, const double* rows, int columns, double* out);
+
+/// out (columns) = the sum over `count` places of g . the three rows that begin at 3 place; g:
+/// three values each.
+void dotThrees(const double* rows, int columns, const int* place, const double* g, int count,
+               double* out);
+
 /// K (s rows of columns) = rows (s rows of columns, a value for each coordinate xyzxyz...) times
 /// the stick vectors: K_s,3p+c = rows_s,3p+c D_c,s.
 void spreadSticks(const double* D, const double* rows, int s, int width, int columns, double* K);
@@ -50,6 +60,11 @@ void spreadSticks(const double* D, const double* rows, int s, int width, int col
 /// (three values each) bring: - sum d_s . f_k WBT_k,s; WBT: rows of width.
 void pullSticks(const double* D, const double* WBT, int width, const int* particle, const double* f,
                 int count, double* out);
+
+/// out (columns, xyzxyz...) = the sum of `count` rows (at most kMaxPushes), a value for each
+/// coordinate as above, times the forces f on `particle` (three values each).
+void spreadPushes(const double* rows, int columns, const int* particle, const double* f, int count,
+                  double* out);
 
 /// out (columns) = the sum of three rows of A for each of `count` particles, times f.
 void gatherRows(const double* A, int columns, const int* particle, const double* f, int count,

@@ -206,16 +206,115 @@ RAGDOLL_INLINE void addImpulses(const double* D, const double* lambda, int s, in
 }
 
 template <int W>
+RAGDOLL_INLINE void addRows(const double* D, int s, int width, const double* rows, int columns,
+                            double* out) {
+  onChunks<W>(
+      columns, [&](auto count, int b) __attribute__((always_inline)) {
+        constexpr int blocks = decltype(count)::value;
+        typename Vector<W>::Lanes x[blocks], y[blocks], z[blocks];
+        for (int c = 0; c < blocks; ++c) {
+          x[c] = lanes<W>(out + b + c * W).v;
+          y[c] = lanes<W>(out + columns + b + c * W).v;
+          z[c] = lanes<W>(out + 2 * columns + b + c * W).v;
+        }
+        for (int i = 0; i < s; ++i)
+          for (int c = 0; c < blocks; ++c) {
+            const typename Vector<W>::Lanes row = lanes<W>(rows + i * columns + b + c * W).v;
+            x[c] += D[i] * row;
+            y[c] += D[width + i] * row;
+            z[c] += D[2 * width + i] * row;
+          }
+        for (int c = 0; c < blocks; ++c) {
+          lanes<W>(out + b + c * W).v = x[c];
+          lanes<W>(out + columns + b + c * W).v = y[c];
+          lanes<W>(out + 2 * columns + b + c * W).v = z[c];
+        }
+      });
+}
+
+template <int W>
+RAGDOLL_INLINE void dotThrees(const double* rows, int columns, const int* place, const double* g,
+                              int count, double* out) {
+  onChunks<W>(
+      columns, [&](auto vectors, int b) __attribute__((always_inline)) {
+        constexpr int blocks = decltype(vectors)::value;
+        typename Vector<W>::Lanes sum[blocks] = {};
+        for (int k = 0; k < count; ++k) {
+          const double* x = rows + 3 * place[k] * columns + b;
+          for (int c = 0; c < blocks; ++c)
+            sum[c] += g[3 * k] * lanes<W>(x + c * W).v +
+                      g[3 * k + 1] * lanes<W>(x + columns + c * W).v +
+                      g[3 * k + 2] * lanes<W>(x + 2 * columns + c * W).v;
+        }
+        for (int c = 0; c < blocks; ++c) lanes<W>(out + b + c * W).v = sum[c];
+      });
+}
+
+// Loaded from c on, a vector is all ones where a coordinate xyzxyz... is the one c before x.
+constexpr long long kEveryThird[3 * kLane + 2] = {-1, 0, 0,  -1, 0, 0,  -1, 0, 0,  -1, 0, 0,  -1,
+                                                  0,  0, -1, 0,  0, -1, 0,  0, -1, 0,  0, -1, 0};
+
+/// x, y, z, x, y, z, ... in three vectors, after which it begins anew.
+template <int W>
+struct Coordinates {
+  using Lanes = typename Vector<W>::Lanes;
+  Lanes of[3];
+
+  RAGDOLL_INLINE Coordinates() {}
+  RAGDOLL_INLINE Coordinates(double x, double y, double z) {
+    const Lanes all_x = x - Lanes{}, all_y = y - Lanes{}, all_z = z - Lanes{};
+    for (int k = 0; k < 3; ++k) of[k] = where(k * W).v ? all_x : where(k * W + 2).v ? all_y : all_z;
+  }
+
+ private:
+  typedef long long Mask __attribute__((vector_size(W * sizeof(double))));
+  struct __attribute__((packed, may_alias)) StoredMask {
+    Mask v;
+  };
+  static RAGDOLL_INLINE const StoredMask& where(int c) {
+    return *reinterpret_cast<const StoredMask*>(kEveryThird + c);
+  }
+};
+
+/// act(count, b) for three vectors of `columns` lanes after the other: count of them, a constant.
+template <int W, class Act>
+RAGDOLL_INLINE void onThrees(int columns, const Act& act) {
+  int b = 0;
+  for (; b + 3 * W <= columns; b += 3 * W) act(std::integral_constant<int, 3>(), b);
+  const int left = (columns - b) / W;
+  if (left == 1) act(std::integral_constant<int, 1>(), b);
+  if (left == 2) act(std::integral_constant<int, 2>(), b);
+}
+
+template <int W>
 RAGDOLL_INLINE void spreadSticks(const double* D, const double* rows, int s, int width, int columns,
                                  double* K) {
-  constexpr int kPeriod = 3 * W;
-  double pattern[kPeriod];  // x y z x y z ...
   for (int i = 0; i < s; ++i) {
-    for (int l = 0; l < kPeriod; ++l) pattern[l] = D[l % 3 * width + i];
-    for (int c = 0, at = 0; c < columns; c += W, at = (at + W) % kPeriod)
-      lanes<W>(K + i * columns + c).v =
-          lanes<W>(rows + i * columns + c).v * lanes<W>(pattern + at).v;
+    const Coordinates<W> d(D[i], D[width + i], D[2 * width + i]);
+    onThrees<W>(
+        columns, [&](auto count, int b) __attribute__((always_inline)) {
+          for (int k = 0; k < decltype(count)::value; ++k) {
+            const int at = i * columns + b + k * W;
+            lanes<W>(K + at).v = lanes<W>(rows + at).v * d.of[k];
+          }
+        });
   }
+}
+
+template <int W>
+RAGDOLL_INLINE void spreadPushes(const double* rows, int columns, const int* particle,
+                                 const double* f, int count, double* out) {
+  Coordinates<W> push[kMaxPushes];
+  for (int i = 0; i < count; ++i) push[i] = Coordinates<W>(f[3 * i], f[3 * i + 1], f[3 * i + 2]);
+  onThrees<W>(
+      columns, [&](auto vectors, int b) __attribute__((always_inline)) {
+        constexpr int blocks = decltype(vectors)::value;
+        typename Vector<W>::Lanes sum[blocks] = {};
+        for (int i = 0; i < count; ++i)
+          for (int k = 0; k < blocks; ++k)
+            sum[k] += lanes<W>(rows + particle[i] * columns + b + k * W).v * push[i].of[k];
+        for (int k = 0; k < blocks; ++k) lanes<W>(out + b + k * W).v = sum[k];
+      });
 }
 
 template <int W>

@@ -31,7 +31,7 @@ StickRows::StickRows(const DirectSystem& d, const Eigen::MatrixXd& masses)
       M(padded(masses)),
       mass(masses.rowwise().sum()),
       coordinates(paddedWidth(3 * n)),
-      spread_W(PaddedRows::Zero(3 * n, coordinates)),
+      spread_W(PaddedRows::Zero(n, coordinates)),
       WBT(padded(d.BW.transpose())),
       spread_BW(PaddedRows::Zero(s, coordinates)),
       length2(Eigen::VectorXd::Zero(width)),
@@ -39,10 +39,11 @@ StickRows::StickRows(const DirectSystem& d, const Eigen::MatrixXd& masses)
   for (int j = 0; j < n; ++j)
     for (int c = 0; c < 3; ++c) {
       spread_BW.col(3 * j + c) = d.BW.col(j);
-      for (int i = 0; i < n; ++i) spread_W(3 * i + c, 3 * j + c) = d.W(i, j);
+      spread_W.col(3 * j + c) = d.W.col(j);
     }
   length2.head(s) = d.length.cwiseAbs2();
   inverse_length2.head(s) = length2.head(s).cwiseInverse();
+  if (s > 0) shortest = d.length.minCoeff();
   if (s > 0) largest_row = absolute_G.rowwise().sum().maxCoeff();
   if (s > 0) scale = std::min(1.0, d.length.mean() / kHumanStick);
 }
@@ -57,7 +58,7 @@ void StickSolver::resize(const StickRows& rows) {
   solved_.setZero(rows.width);
   work_.setZero(rows.width);
   lambda_.setZero(rows.width);
-  ones_.setOnes(rows.width);
+  pulls_.setZero(3, rows.s);
   pose_.setZero(3 * rows.n);
   across_.setZero(rows.s, rows.coordinates);
   mobility_.setZero(3 * rows.n, rows.coordinates);
@@ -84,14 +85,18 @@ void StickSolver::findAcross(const StickRows& rows) {
   has_across_ = true;
 }
 
-void StickSolver::answer(const StickRows& rows, const int* particle, const double* force, int count,
-                         double* out) {
+double StickSolver::answer(const StickRows& rows, const int* particle, const double* force,
+                           int count, double* out) {
   findAcross(rows);
   kernels::pullSticks(D_.data(), rows.WBT.data(), rows.width, particle, force, count,
                       lambda_.data());
   kernels::multiply(inverse_.data(), lambda_.data(), rows.s, rows.width, solved_.data());
-  kernels::gatherRows(rows.spread_W.data(), rows.coordinates, particle, force, count, out);
+  kernels::spreadPushes(rows.spread_W.data(), rows.coordinates, particle, force, count, out);
+  double free = 0;
+  for (int k = 0; k < count; ++k)
+    for (int c = 0; c < 3; ++c) free += force[3 * k + c] * out[3 * particle[k] + c];
   kernels::addWeighted(out, across_.data(), solved_.data(), rows.s, rows.coordinates, out);
+  return free;
 }
 
 const double* StickSolver::mobility(const StickRows& rows, const int* particle, int count) {
@@ -99,11 +104,14 @@ const double* StickSolver::mobility(const StickRows& rows, const int* particle, 
     const int i = particle[k];
     if (has_mobility_[i]) continue;
     findAcross(rows);
-    pulls_ = -(D_.leftCols(rows.s).array().rowwise() * rows.WBT.row(i).head(rows.s).array());
+    for (int stick = 0; stick < rows.s; ++stick)
+      for (int c = 0; c < 3; ++c) pulls_(c, stick) = -(D_(c, stick) * rows.WBT(i, stick));
     kernels::multiplyPoints(pulls_.data(), inverse_.data(), rows.s, rows.width, rates_.data());
-    mobility_.middleRows<3>(3 * i) = rows.spread_W.middleRows<3>(3 * i);
-    kernels::addImpulses(rates_.data(), ones_.data(), rows.s, rows.width, across_.data(),
-                         rows.coordinates, mobility_.data() + 3 * i * rows.coordinates);
+    mobility_.middleRows<3>(3 * i).setZero();
+    for (int j = 0; j < 3 * rows.n; j += 3)
+      for (int c = 0; c < 3; ++c) mobility_(3 * i + c, j + c) = rows.spread_W(i, j);
+    kernels::addRows(rates_.data(), rows.s, rows.width, across_.data(), rows.coordinates,
+                     mobility_.data() + 3 * i * rows.coordinates);
     has_mobility_[i] = 1;
   }
   return mobility_.data();

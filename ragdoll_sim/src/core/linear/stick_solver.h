@@ -29,9 +29,10 @@ struct StickRows {
   PaddedRows M;                     ///< [kg] n x columns, the mass matrix
   Eigen::VectorXd mass;             ///< [kg] n, its row sums: what gravity pulls at
   int coordinates;                  ///< padded 3 n
-  PaddedRows spread_W;              ///< 3n x coordinates: W times the identity of x, y and z
+  PaddedRows spread_W;              ///< n x coordinates: each value of W three times
   PaddedRows WBT;                   ///< n x width
   PaddedRows spread_BW;             ///< s x coordinates: each value of BW three times
+  double shortest = 0;              ///< [m] of the sticks
   double largest_row = 0;           ///< [1/kg] largest row sum of absolute_G
   Eigen::VectorXd length2;          ///< [m^2] width, zero beyond the last stick
   Eigen::VectorXd inverse_length2;  ///< [1/m^2] likewise
@@ -54,9 +55,10 @@ class StickSolver {
   const double* inverse() const { return inverse_.data(); }
 
   /// [1/kg] out (coordinates) = (W - W J^T (J W J^T)^-1 J W) force: how a force on `count`
-  /// particles (three values each) moves all of them with the sticks answering.
-  void answer(const StickRows& rows, const int* particle, const double* force, int count,
-              double* out);
+  /// particles (three values each) moves all of them with the sticks answering. Returns how far it
+  /// would move what it acts on without them.
+  double answer(const StickRows& rows, const int* particle, const double* force, int count,
+                double* out);
 
   /// Answers to unit forces along x, y and z, three rows of coordinates for each particle; only
   /// those asked for are there. Worked out once per pose.
@@ -87,7 +89,7 @@ class StickSolver {
   Points pulls_;                  ///< 3 x s: on the sticks, by unit forces along x, y and z
   PaddedRows mobility_, across_;  ///< across: J W
   std::vector<std::uint8_t> has_mobility_;  ///< of the particles
-  Eigen::VectorXd solved_, work_, lambda_, ones_, pose_;
+  Eigen::VectorXd solved_, work_, lambda_, pose_;
   bool valid_ = false, has_across_ = false;
 };
 

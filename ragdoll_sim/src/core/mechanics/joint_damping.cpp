@@ -1,7 +1,5 @@
 #include "core/mechanics/joint_damping.h"
 
-#include <Eigen/Cholesky>
-
 namespace ragdoll {
 namespace {
 
@@ -43,6 +41,30 @@ bool spinByPins(const std::vector<int>& pins, const Eigen::Ref<const Points>& x,
   return true;
 }
 
+/// L D L^T of an inertia: symmetric and not negative, so that no pivot need be chosen.
+struct GuardedInertia {
+  double d[3], xy, xz, yz;
+
+  explicit GuardedInertia(const Eigen::Matrix3d& inertia) {
+    const double small = kSingular * inertia.trace() + 1e-300;
+    d[0] = 1 / (inertia(0, 0) + small);
+    xy = inertia(1, 0) * d[0];
+    xz = inertia(2, 0) * d[0];
+    d[1] = 1 / (inertia(1, 1) + small - xy * inertia(1, 0));
+    const double rest = inertia(2, 1) - xz * inertia(1, 0);
+    yz = rest * d[1];
+    d[2] = 1 / (inertia(2, 2) + small - xz * inertia(2, 0) - yz * rest);
+  }
+  Vec3 solve(const Vec3& b) const {
+    const double y = b[1] - xy * b[0], z = b[2] - xz * b[0] - yz * y;
+    Vec3 x;
+    x[2] = d[2] * z;
+    x[1] = d[1] * y - yz * x[2];
+    x[0] = d[0] * b[0] - xy * x[1] - xz * x[2];
+    return x;
+  }
+};
+
 }  // namespace
 
 Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
@@ -61,9 +83,21 @@ Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
   return rotation;
 }
 
-Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular) {
-  const double small = kSingular * inertia.trace() + 1e-300;
-  return (inertia + small * Eigen::Matrix3d::Identity()).ldlt().solve(angular);
+Vec3 angularOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+               const Eigen::Ref<const Points>& v, const RigidMotion& motion) {
+  mass.scratch.change = x.colwise() - motion.centre;
+  const auto weighted = momentum(mass.rows, mass.scratch);
+  Vec3 angular = Vec3::Zero();
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    angular += Vec3(weighted.col(i)).cross(Vec3(v.col(i) - motion.drift));
+  return angular;
+}
+
+Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular, bool refined) {
+  const GuardedInertia guarded(inertia);
+  const Vec3 spin = guarded.solve(angular);
+  if (!refined) return spin;
+  return spin + guarded.solve(angular - inertia * spin);
 }
 
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,

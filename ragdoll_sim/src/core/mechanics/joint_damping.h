@@ -42,10 +42,13 @@ struct Rotation {
 };
 Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
                     const Eigen::Ref<const Points>& v, const RigidMotion& motion);
+/// Its angular momentum alone.
+Vec3 angularOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+               const Eigen::Ref<const Points>& v, const RigidMotion& motion);
 
 /// [rad/s] The spin that has an angular momentum. Regular but for bodies on a line, whose own axis
-/// takes no spin.
-Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular);
+/// takes no spin. Refined: exact but for rounding where the inertia is regular.
+Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular, bool refined = false);
 
 /// x, v: 3 x n of one body; pins: its pinned particles; keep: exp(-c h) in (0, 1].
 void dampInnerMotion(const MassMatrix& mass, const std::vector<int>& pins, double keep,

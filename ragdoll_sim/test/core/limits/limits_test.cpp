@@ -104,12 +104,31 @@ TEST(LimitAngles, AreThoseOfThePoseThatIsAskedFor) {
     LimitAngles::Pose& pose = angles.at(model, poses[i], 0);
     LimitRow row = limitRow(model, 0, 1), expected = row;
     evaluateLimit(model, poses[i], expected);
-    pose.evaluate(model, poses[i], row);
+    pose.evaluate(row);
     EXPECT_EQ(pose[1], expected.value);
     ASSERT_EQ(row.count, expected.count);
     for (int k = 0; k < row.count; ++k) EXPECT_EQ(row.gradient[k], expected.gradient[k]);
     for (const int j : {0, 1, 2}) angles.at(model, poses[j], 0);
     EXPECT_EQ(angles.at(model, poses[i], 0)[1], expected.value);
+  }
+}
+
+/// Values are to the bit those of one limit by itself, and what is beyond a margin is by its value.
+TEST(LimitAngles, KnowWhatIsBeyondAMargin) {
+  for (const SkeletonSpec& spec : {narrowPlanes(), jointedLimbs()}) {
+    const Model model = buildModel(sceneOf(spec));
+    const std::vector<Limit>& limits = model.skeletons[0].limits;
+    for (unsigned seed = 0; seed < 200; ++seed) {
+      const Points x = shaken(model, 0.002 * seed, seed);
+      LimitAngles angles;
+      LimitAngles::Pose& pose = angles.at(model, x, 0);
+      for (int k = 0; k < static_cast<int>(limits.size()); ++k) {
+        const double value = limitValue(limits[k], x.data());
+        for (const double margin : {-0.1, 0.0, 0.3, 1.2, value})
+          EXPECT_EQ(pose.isBeyond(k, margin), value >= margin) << k;
+        EXPECT_EQ(pose[k], value) << k;
+      }
+    }
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/linear/stick_kernels_body.h"
+#include "ragdoll_sim/core/types.h"
 
 namespace ragdoll {
 namespace {
@@ -77,6 +78,77 @@ TEST(StickKernels, widthOfVectorsDoesNotChangeABit) {
     kernels::multiply(chosen.data(), b.data(), s, width, product.data());
     kernels::body::multiply<2>(chosen.data(), b.data(), s, width, other.data());
     EXPECT_EQ(product, other) << s;
+  }
+}
+
+/// Rows of `columns`, and three values for each of some of them.
+struct Pushes {
+  int columns;
+  PaddedRows rows;
+  std::vector<int> at;
+  Points f;
+
+  explicit Pushes(int n) : columns(paddedWidth(3 * n)), rows(PaddedRows::Zero(3 * n, columns)) {
+    std::srand(static_cast<unsigned>(n));
+    rows.leftCols(3 * n).setRandom();
+    for (int i = 0; i < n && i < kernels::kMaxPushes; ++i) at.push_back((5 * i + 2) % n);
+    f = Points::Random(3, static_cast<Eigen::Index>(at.size()));
+  }
+  int count() const { return static_cast<int>(at.size()); }
+
+  template <class How>
+  Eigen::VectorXd by(How how) const {
+    Eigen::VectorXd out(columns);
+    how(rows.data(), columns, at.data(), f.data(), count(), out.data());
+    return out;
+  }
+};
+
+TEST(StickKernels, spreadPushesIsASumOfRowsTimesForces) {
+  for (int n = 1; n <= 30; ++n) {
+    const Pushes p(n);
+    Eigen::VectorXd expected = Eigen::VectorXd::Zero(p.columns);
+    for (int c = 0; c < 3 * n; ++c)
+      for (int k = 0; k < p.count(); ++k) expected[c] += p.rows(p.at[k], c) * p.f(c % 3, k);
+    EXPECT_EQ(p.by(kernels::spreadPushes), expected) << n;
+    EXPECT_EQ(p.by([](auto... a) { kernels::body::spreadPushes<2>(a...); }), expected) << n;
+    EXPECT_EQ(p.by([](auto... a) { kernels::body::spreadPushes<4>(a...); }), expected) << n;
+    EXPECT_EQ(p.by([](auto... a) { kernels::body::spreadPushes<8>(a...); }), expected) << n;
+  }
+}
+
+TEST(StickKernels, dotThreesIsASumOfDotProducts) {
+  for (int n = 1; n <= 30; ++n) {
+    const Pushes p(n);
+    Eigen::VectorXd expected = Eigen::VectorXd::Zero(p.columns);
+    for (int c = 0; c < 3 * n; ++c)
+      for (int k = 0; k < p.count(); ++k)
+        expected[c] += p.f.col(k).dot(Vec3(p.rows.block<3, 1>(3 * p.at[k], c)));
+    const Eigen::VectorXd sums = p.by(kernels::dotThrees);
+    EXPECT_LT((sums - expected).norm(), 1e-14) << n;
+    EXPECT_EQ(p.by([](auto... a) { kernels::body::dotThrees<2>(a...); }), sums) << n;
+    EXPECT_EQ(p.by([](auto... a) { kernels::body::dotThrees<4>(a...); }), sums) << n;
+    EXPECT_EQ(p.by([](auto... a) { kernels::body::dotThrees<8>(a...); }), sums) << n;
+  }
+}
+
+TEST(StickKernels, sticksAreSpreadAndTheirRowsAddedUp) {
+  for (int s = 1; s <= 30; ++s) {
+    const int width = paddedWidth(s), columns = paddedWidth(s + 5);
+    std::srand(static_cast<unsigned>(s));
+    const PaddedRows D = PaddedRows::Random(3, width), rows = PaddedRows::Random(s, columns);
+    PaddedRows spread(s, columns), narrow(s, columns), expected(s, columns);
+    kernels::spreadSticks(D.data(), rows.data(), s, width, columns, spread.data());
+    kernels::body::spreadSticks<2>(D.data(), rows.data(), s, width, columns, narrow.data());
+    for (int c = 0; c < columns; ++c)
+      expected.col(c) = rows.col(c).cwiseProduct(D.row(c % 3).head(s).transpose());
+    EXPECT_EQ(spread, expected) << s;
+    EXPECT_EQ(narrow, expected) << s;
+    PaddedRows sum = PaddedRows::Ones(3, columns), other = sum;
+    kernels::addRows(D.data(), s, width, rows.data(), columns, sum.data());
+    kernels::body::addRows<2>(D.data(), s, width, rows.data(), columns, other.data());
+    EXPECT_LT((sum - PaddedRows::Ones(3, columns) - D.leftCols(s) * rows).norm(), 1e-13) << s;
+    EXPECT_EQ(sum, other) << s;
   }
 }
 
