@@ -16,7 +16,10 @@ Methods methods(bool single_precision) {
 #if defined(__x86_64__) && defined(__GNUC__)
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
     all[0] = single_precision ? &kWide32 : &kWide64;
-  if (__builtin_cpu_supports("avx2")) all[1] = single_precision ? &kMiddle32 : &kMiddle64;
+  if (__builtin_cpu_supports("avx2")) {
+    all[1] = single_precision ? &kMiddle32 : &kMiddle64;
+    all[3] = single_precision ? &kMiddleSingle32 : &kMiddleSingle64;
+  }
 #endif
   return all;
 }

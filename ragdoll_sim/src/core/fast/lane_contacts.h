@@ -35,10 +35,9 @@ RAGDOLL_INLINE V3<typename L::R> leverOf(const FastBody& b, const L& w, const Fe
   return sum;
 }
 
-/// The three z of a row, and what they answer with. other: a row of the same particle, or null.
+/// The three z of a row, and what they answer with.
 template <class L>
-RAGDOLL_SECTION void setAnswer(const FastBody& b, L& w, ContactRow<typename L::R>& row,
-                               const ContactRow<typename L::R>* other) {
+RAGDOLL_SECTION void setAnswer(const FastBody& b, L& w, ContactRow<typename L::R>& row) {
   using R = typename L::R;
   using N = typename L::N;
   const Feature& f = *row.feature;
@@ -46,20 +45,13 @@ RAGDOLL_SECTION void setAnswer(const FastBody& b, L& w, ContactRow<typename L::R
   R* z = w.z_next;
   row.z = z;
   w.z_next += 3 * size;
-  if (other) {  // the same motions along other axes
-    R turn[9];
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) turn[3 * i + j] = dot(row.axes[i], other->axes[j]);
-    for (int k = 0; k < size; ++k) store3(tree::multiply(turn, load3(other->z + 3 * k)), z + 3 * k);
-  } else {
-    const V3<R> r = leverOf(b, w, f, row.weight);
-    const bool pointer = f.link >= 0 && b.tree.links[f.link].kind == TreeLink::Kind::kPointer;
-    V3<R> l[3];
-    for (int c = 0; c < 3; ++c) l[c] = pointer ? r.x * row.axes[c] : cross(r, row.axes[c]);
-    R* const out[3] = {z, z + 1, z + 2};
-    tree::spread<3, 3>(b.tree, w.tree, f.link, l, row.axes, 0, b.depth.data(), out);
-    eliminate<3>(w, f.row, z);
-  }
+  const V3<R> r = leverOf(b, w, f, row.weight);
+  const bool pointer = f.link >= 0 && b.tree.links[f.link].kind == TreeLink::Kind::kPointer;
+  V3<R> l[3];
+  for (int c = 0; c < 3; ++c) l[c] = pointer ? r.x * row.axes[c] : cross(r, row.axes[c]);
+  R* const out[3] = {z, z + 1, z + 2};
+  tree::spread<3, 3>(b.tree, w.tree, f.link, l, row.axes, 0, b.depth.data(), out);
+  eliminate<3>(w, f.row, z);
   R own{}, first{}, second{}, mixed{};
   for (int k = 0; k < size; ++k) {
     own += z[3 * k] * z[3 * k];
@@ -206,10 +198,8 @@ RAGDOLL_SECTION void setContacts(const FastBody& b, const PackStep& step, const 
   for (int i = 0; i < w.contact_count; ++i) {
     ContactRow<R>& row = w.contacts[i];
     setStart(step, w, row);
-    const ContactRow<R>* other = i > 0 ? &w.contacts[i - 1] : nullptr;
     w.met = either(w.met, less(R{}, row.inverse_normal));
-    const bool shared = other && other->feature == row.feature && row.feature->b < 0;
-    setAnswer(b, w, row, shared ? other : nullptr);
+    setAnswer(b, w, row);
   }
 }
 

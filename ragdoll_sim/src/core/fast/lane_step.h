@@ -520,14 +520,19 @@ RAGDOLL_SECTION void endRound(const FastBody& b, L& w) {
   const auto largest = [](R& most, const R& value) { most = larger(most, signOf(value) * value); };
   for (int k = 0; k < b.tree.size; ++k) {
     w.goal[k] = w.done[k] + w.y[k];
-    w.y[k] = select(w.unsolved, w.y[k], R{});
-    largest(before, w.q[k]);
+    w.total[k] = select(w.unsolved, w.total[k] + w.y[k], w.total[k]);
   }
-  moveOn(b, w);
+  tree::solveDown(b.tree, w.tree, w.y);
+  const int first_turn = b.tree.roots[0].pinned ? 0 : 3;
   for (int k = 0; k < b.tree.size; ++k) {
+    const R last = w.q[k];
+    w.q[k] = select(w.unsolved, last + w.y[k], last);
+    if (k < first_turn) continue;  // a shift has no second order
+    largest(before, last);
     largest(change, w.y[k]);
     largest(after, w.q[k]);
   }
+  setPose(b, w);
   w.unsolved = both(w.unsolved, less(R{} + N(kSettled), (before + after) * change));
 }
 

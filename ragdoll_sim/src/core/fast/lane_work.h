@@ -50,7 +50,8 @@ struct LimitRow {
   R press, last;  ///< [kg m^2], and in the last step
 };
 
-template <class N_, int W_>
+/// set: tells units of different instruction sets apart, which must not share functions.
+template <class N_, int W_, int set = 0>
 struct LaneWork {
   using N = N_;
   static constexpr int W = W_;
@@ -132,7 +133,7 @@ struct LaneWork {
 };
 
 /// [m] of a plane's offset from an origin.
-inline double offsetFrom(const double* origin, const double* normal, double offset) {
+RAGDOLL_INLINE double offsetFrom(const double* origin, const double* normal, double offset) {
   return offset - (normal[0] * origin[0] + normal[1] * origin[1] + normal[2] * origin[2]);
 }
 
