@@ -29,7 +29,8 @@ constexpr double kBounce = 4;  ///< [g h] slower approaches do not bounce: they 
 constexpr double kMostSine2 = 0.9;     ///< a link that turns by more in a step is not for a pack
 constexpr double kMostStretch = 1e-3;  ///< of a length at the start: the body is being joined
 
-/// Share of a pack that bodies have to fill: a pack takes some three times as long as one body.
+/// Share of a pack that bodies have to fill: a pack takes some three times as long as one body,
+/// which goes alone.
 constexpr double kPackFull = 0.3;
 
 constexpr double kSelfNear = 1e-3;  ///< [m] limbs this near touch

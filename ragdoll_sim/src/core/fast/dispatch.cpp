@@ -30,7 +30,8 @@ const PackMethod& packFor(bool single_precision, int bodies, int most) {
   static const Methods kAll[2] = {methods(false), methods(true)};
   const Methods& all = kAll[single_precision];
   for (const PackMethod* method : all)
-    if (method && (most == 0 || method->lanes <= most) && kPackFull * method->lanes <= bodies)
+    if (method && (most == 0 || method->lanes <= most) && bodies > 1 &&
+        kPackFull * method->lanes <= bodies)
       return *method;
   return *all.back();
 }

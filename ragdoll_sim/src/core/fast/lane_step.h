@@ -533,7 +533,8 @@ RAGDOLL_SECTION void endRound(const FastBody& b, L& w) {
     largest(after, w.q[k]);
   }
   setPose(b, w);
-  w.unsolved = both(w.unsolved, less(R{} + N(kSettled), (before + after) * change));
+  const auto turns = less(R{} + N(kSettled), (before + after) * change);
+  w.unsolved = both(w.unsolved, either(turns, w.unsettled));
 }
 
 template <class L>
