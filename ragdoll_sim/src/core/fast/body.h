@@ -25,6 +25,20 @@ struct CarriedDirection {
   Swing swing[2];
 };
 
+/// Where a row of the Jacobian is not zero, and how it is eliminated: z[i] is what stands there
+/// less L's entries times the z of coordinates below, over the pivot.
+struct RowShape {
+  struct Term {
+    int at = 0;     ///< entry of Work::H
+    int below = 0;  ///< of `index`
+  };
+  std::vector<int> index;  ///< coordinates, ascending, with all their ancestors
+  std::vector<Term> terms;
+  std::vector<int> terms_begin;  ///< per entry of `index` and one more
+
+  int size() const { return static_cast<int>(index.size()); }
+};
+
 struct FastLimit {
   bool turn = false;  ///< Limit::Kind::kTurn
   CarriedDirection reference, child, normal;
@@ -32,7 +46,8 @@ struct FastLimit {
   double scale = 1;                    ///< [rad] per unit of its cosine, at the border
   double compliance = 0, damping = 0;  ///< [rad/(N m)], [N m s/rad]
   int joint = 0;
-  std::vector<int> index;  ///< coordinates of its row, ascending, with all their ancestors
+  int group = 0;  ///< limits that follow each other with the same child, base and swings
+  RowShape row;
 };
 
 /// A particle, or a stick between two particles of one link (attach among them).
@@ -41,16 +56,16 @@ struct Feature {
   int link = -1;              ///< -1: the root particle itself
   int at[2] = {-1, -1};       ///< points of the link that a and b are; -1: its attach
   double radius[2] = {0, 0};  ///< [m]
-  std::vector<int> index;     ///< as FastLimit::index
+  RowShape row;
 };
 
 struct FastBody {
   std::string why_not;  ///< why it is not for the fast method; empty: it is
   Tree tree;
-  std::vector<int> depth, identity;  ///< per coordinate: number of ancestors; itself
-  std::vector<FastLimit> limits;     ///< of the skeleton, in its order
-  std::vector<Feature> features;     ///< named particles, then sticks
-  int particles = 0;                 ///< of the features
+  std::vector<int> depth;         ///< per coordinate: number of ancestors
+  std::vector<FastLimit> limits;  ///< of the skeleton, in its order
+  std::vector<Feature> features;  ///< named particles, then sticks
+  int particles = 0;              ///< of the features
   int longest_row = 0;
 };
 

@@ -12,6 +12,24 @@
 namespace ragdoll::fast {
 namespace {
 
+bool areSame(const LinkVector& a, const LinkVector& b) {
+  return a.link == b.link && std::equal(a.c, a.c + 3, b.c);
+}
+
+bool swingAlike(const CarriedDirection& a, const CarriedDirection& b) {
+  bool alike = a.base.link == b.base.link && a.swings == b.swings;
+  for (int k = 0; alike && k < a.swings; ++k)
+    alike = areSame(a.swing[k].bone, b.swing[k].bone) &&
+            std::equal(a.swing[k].axis, a.swing[k].axis + 3, b.swing[k].axis);
+  return alike;
+}
+
+/// Whether their references' bases see their children alike (SeenChild).
+bool seeAlike(const FastLimit& a, const FastLimit& b) {
+  return swingAlike(a.reference, b.reference) && swingAlike(a.child, b.child) &&
+         areSame(a.child.base, b.child.base);
+}
+
 class BodyBuilder {
  public:
   BodyBuilder(const Skeleton& s, const std::vector<int>& pins) : s_(s) {
@@ -23,10 +41,7 @@ class BodyBuilder {
     if (!body_.why_not.empty()) return body_;
     const Tree& t = body_.tree;
     if (t.roots.size() > 1) return notFor("its particles do not hang together");
-    for (int k = 0; k < t.size; ++k) {
-      body_.depth.push_back(t.chain_begin[k + 1] - t.chain_begin[k]);
-      body_.identity.push_back(k);
-    }
+    for (int k = 0; k < t.size; ++k) body_.depth.push_back(t.chain_begin[k + 1] - t.chain_begin[k]);
     std::vector<double> memory(tree::Work<double>::count(t));
     work_.take(t, memory.data());
     tree::setFrames(t, s_.rest.data(), work_);
@@ -118,9 +133,22 @@ class BodyBuilder {
     addCoordinates(d.base.link, all);
     for (int k = 0; k < d.swings; ++k) addCoordinates(d.swing[k].bone.link, all);
   }
-  std::vector<int> listed(const std::set<int>& all) {
-    body_.longest_row = std::max(body_.longest_row, static_cast<int>(all.size()));
-    return {all.begin(), all.end()};
+  RowShape shapeOf(const std::set<int>& all) {
+    const Tree& t = body_.tree;
+    RowShape row;
+    row.index.assign(all.begin(), all.end());
+    for (const int above : row.index) {
+      row.terms_begin.push_back(static_cast<int>(row.terms.size()));
+      for (int i = 0; i < row.size(); ++i) {
+        const int below = row.index[i], begin = t.chain_begin[below];
+        const auto end = t.chain.begin() + t.chain_begin[below + 1];
+        const auto found = std::find(t.chain.begin() + begin, end, above);
+        if (found != end) row.terms.push_back({static_cast<int>(found - t.chain.begin()), i});
+      }
+    }
+    row.terms_begin.push_back(static_cast<int>(row.terms.size()));
+    body_.longest_row = std::max(body_.longest_row, row.size());
+    return row;
   }
 
   void addLimit(const Limit& limit) {
@@ -140,7 +168,9 @@ class BodyBuilder {
     addCoordinates(f.reference, all);
     addCoordinates(f.child, all);
     if (f.turn) addCoordinates(f.normal, all);
-    f.index = listed(all);
+    f.row = shapeOf(all);
+    if (!body_.limits.empty())
+      f.group = body_.limits.back().group + (seeAlike(f, body_.limits.back()) ? 0 : 1);
     body_.limits.push_back(f);
   }
 
@@ -153,7 +183,7 @@ class BodyBuilder {
     f.radius[0] = s_.radius[i];
     std::set<int> all;
     addCoordinates(f.link, all);
-    f.index = listed(all);
+    f.row = shapeOf(all);
     body_.features.push_back(f);
   }
 
@@ -172,7 +202,7 @@ class BodyBuilder {
     f.radius[1] = s_.radius[k.b];
     std::set<int> all;
     addCoordinates(f.link, all);
-    f.index = listed(all);
+    f.row = shapeOf(all);
     body_.features.push_back(f);
   }
 

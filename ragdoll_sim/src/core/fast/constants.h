@@ -3,14 +3,16 @@
 
 namespace ragdoll::fast {
 
-constexpr int kMaxLanes = 16;   ///< bodies of a pack: floats in the widest vector
-constexpr int kNewton = 3;      ///< linearised solves a step
-constexpr int kSweeps = 4;      ///< Gauss-Seidel sweeps of each
-constexpr int kRateSweeps = 2;  ///< of the velocities at the end
+constexpr int kMaxLanes = 16;         ///< bodies of a pack: floats in the widest vector
+constexpr int kNewton = 3;            ///< linearised solves a step
+constexpr int kSweeps = 4;            ///< Gauss-Seidel sweeps of each
+constexpr int kRateSweeps = 2;        ///< of the velocities at the end
+constexpr double kSettledRow = 2e-6;  ///< [m], [rad] sweeps that change less are the last
+constexpr double kSettled = 1e-6;     ///< [rad] linearised solves that leave less, by second order
 
 constexpr double kRecovery = 0.2;  ///< of a violation, undone a step; 1 throws bodies up
-// As near boxes, spheres and capsules are looked for, beyond where the free motion leads: what
-// contacts and joints may turn it aside by in a step.
+// As near boxes, spheres and capsules are looked for at most, beyond where the free motion leads:
+// what contacts and joints may turn it aside by in a step.
 constexpr double kMargin = 0.1;  ///< [m] at most
 constexpr double kAside = 6;     ///< [m/s]
 // What takes part: what is nearer than this, and than what the body's fastest particle covers in
@@ -19,6 +21,7 @@ constexpr double kNear = 0.01;       ///< [m]
 constexpr double kReach = 2;         ///< steps
 constexpr double kNearAngle = 0.05;  ///< [rad]
 constexpr double kTurnReach = 4;     ///< [rad/m] times what the fastest particle covers in a step
+constexpr double kOwnTurn = 2;       ///< times what a link turns by, where no obstacle is near
 constexpr double kLeastSine = 0.2;   ///< of a limit's angle: nearer to a pole its cosine is flat
 
 constexpr double kBounce = 4;  ///< [g h] slower approaches do not bounce: they are rest
@@ -26,7 +29,8 @@ constexpr double kBounce = 4;  ///< [g h] slower approaches do not bounce: they 
 constexpr double kMostSine2 = 0.9;     ///< a link that turns by more in a step is not for a pack
 constexpr double kMostStretch = 1e-3;  ///< of a length at the start: the body is being joined
 
-/// Share of a pack that bodies have to fill: a pack takes some three times as long as one body.
+/// Share of a pack that bodies have to fill: a pack takes some three times as long as one body,
+/// which goes alone.
 constexpr double kPackFull = 0.3;
 
 constexpr double kSelfNear = 1e-3;  ///< [m] limbs this near touch

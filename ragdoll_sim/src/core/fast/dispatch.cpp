@@ -16,7 +16,10 @@ Methods methods(bool single_precision) {
 #if defined(__x86_64__) && defined(__GNUC__)
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq"))
     all[0] = single_precision ? &kWide32 : &kWide64;
-  if (__builtin_cpu_supports("avx2")) all[1] = single_precision ? &kMiddle32 : &kMiddle64;
+  if (__builtin_cpu_supports("avx2")) {
+    all[1] = single_precision ? &kMiddle32 : &kMiddle64;
+    all[3] = single_precision ? &kMiddleSingle32 : &kMiddleSingle64;
+  }
 #endif
   return all;
 }
@@ -27,7 +30,8 @@ const PackMethod& packFor(bool single_precision, int bodies, int most) {
   static const Methods kAll[2] = {methods(false), methods(true)};
   const Methods& all = kAll[single_precision];
   for (const PackMethod* method : all)
-    if (method && (most == 0 || method->lanes <= most) && kPackFull * method->lanes <= bodies)
+    if (method && (most == 0 || method->lanes <= most) && bodies > 1 &&
+        kPackFull * method->lanes <= bodies)
       return *method;
   return *all.back();
 }

@@ -42,7 +42,8 @@ void sortObstacles(const std::vector<SweptObstacle>& all, FastScratch& s) {
 void sortPresses(const Model& model, const State& state, FastScratch& s) {
   s.first_impulse.assign(model.ragdolls.size() + 2, 0);
   for (const CachedImpulse& p : state.impulses) ++s.first_impulse[p.ragdoll + 2];
-  for (std::size_t i = 2; i < s.first_impulse.size(); ++i) s.first_impulse[i] += s.first_impulse[i - 1];
+  for (std::size_t i = 2; i < s.first_impulse.size(); ++i)
+    s.first_impulse[i] += s.first_impulse[i - 1];
   s.cached.resize(state.impulses.size());
   for (std::size_t k = 0; k < state.impulses.size(); ++k)
     s.cached[s.first_impulse[state.impulses[k].ragdoll + 1]++] = static_cast<int>(k);
@@ -162,8 +163,10 @@ class PackRun {
     Lane& lane = lanes_[l];
     std::vector<LaneContact>& contacts = pack_.contacts[l];
     pack_.found.clear();
-    appendContacts(model_, scratch_.obstacles, state_.x, predicted_, index,
-                   std::min(kMargin, kAside * h_), pack_.found);
+    const double speed = std::sqrt(
+        state_.v.middleCols(r.first, body_.tree.particles).colwise().squaredNorm().maxCoeff());
+    const double margin = std::min({kMargin, kAside * h_, kNear + kReach * h_ * speed});
+    appendContacts(model_, scratch_.obstacles, state_.x, predicted_, index, margin, pack_.found);
     for (const Contact& c : pack_.found) {
       LaneContact to;
       to.feature = featureOf(c.particle[0] - r.first, c.count > 1 ? c.particle[1] - r.first : -1);
@@ -194,9 +197,26 @@ class PackRun {
     lane.contact_count = static_cast<int>(contacts.size());
   }
 
+  /// Whether a stick may be deep in an obstacle, by their bounds: by how much these overlap along
+  /// an axis bounds the depth.
+  bool mayBeDeep(int index) const {
+    const Ragdoll& r = model_.ragdolls[index];
+    const Skeleton& s = model_.skeletonOf(r);
+    for (const SweptObstacle& m : scratch_.obstacles)
+      for (const Stick& k : s.sticks) {
+        if (k.a >= s.named || k.b >= s.named) continue;
+        const auto a = predicted_.col(r.first + k.a), b = predicted_.col(r.first + k.b);
+        const double pad = std::max(s.radius[k.a], s.radius[k.b]);
+        if (overlap({a.cwiseMin(b).array() - pad, a.cwiseMax(b).array() + pad}, m.bounds,
+                    -kMostStickDeep))
+          return true;
+      }
+    return false;
+  }
+
   /// Whether a stick has turned over an edge into an obstacle; predicted_: where the body is now.
   bool sticksSink(int index) {
-    if (scratch_.obstacles.empty()) return false;
+    if (scratch_.obstacles.empty() || !mayBeDeep(index)) return false;
     pack_.found.clear();
     appendStickOverlaps(model_, scratch_.obstacles, state_.x, predicted_, index, kMostStickDeep,
                         pack_.found);

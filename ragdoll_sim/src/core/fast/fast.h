@@ -51,13 +51,13 @@ struct FastScratch {
   std::vector<fast::Batch> batches;
   std::vector<SweptObstacle> obstacles;  ///< but still planes
   std::vector<fast::StillPlane> planes;
-  std::vector<int> first_impulse;  ///< per ragdoll and one more: into `cached`
-  std::vector<int> cached;         ///< of State::impulses, ragdoll by ragdoll
-  bool driven = false;             ///< an obstacle moves
+  std::vector<int> first_impulse;        ///< per ragdoll and one more: into `cached`
+  std::vector<int> cached;               ///< of State::impulses, ragdoll by ragdoll
+  bool driven = false;                   ///< an obstacle moves
   std::vector<fast::PackScratch> packs;  ///< per thread
   std::vector<int> left;                 ///< ragdolls for the direct method
   bool packed = false;                   ///< the others were in packs; else none was
-  int most_lanes = 0;  ///< of a pack; 0: as many as the processor has. For tests.
+  int most_lanes = 0;                    ///< of a pack; 0: as many as the processor has. For tests.
 };
 
 /// Moves x and v of all awake ragdolls by the step, as stepDirect.

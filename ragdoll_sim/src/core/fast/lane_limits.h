@@ -54,16 +54,64 @@ RAGDOLL_INLINE V3<typename L::R> directionOf(const FastBody& b, const L& w,
   return directionOf<moved>(b, w, d, d.swings, d.base.c);
 }
 
-/// [rad] C of the limit near its border; away from it, of the same sign.
+/// A limit's child as its reference's base sees it, before that is swung: limits of one joint share
+/// it.
+template <class R>
+struct SeenChild {
+  int group = -1;  ///< FastLimit::group
+  V3<R> d{};       ///< along the base's axes; pointer: along it alone
+};
+
 template <bool moved, class L>
-RAGDOLL_INLINE typename L::R limitValue(const FastBody& b, const L& w, const FastLimit& limit) {
+RAGDOLL_INLINE void seeChild(const FastBody& b, const L& w, const FastLimit& limit,
+                             SeenChild<typename L::R>& seen) {
+  using R = typename L::R;
+  const CarriedDirection& r = limit.reference;
+  const int link = r.base.link;
+  seen.group = limit.group;
+  V3<R> d = directionOf<moved>(b, w, limit.child);
+  if (r.swings > 0)  // back from where the bone has swung its axis
+    d = swungBy(carried<moved>(b, w, r.swing[0].bone.link, r.swing[0].bone.c),
+                carried<moved>(b, w, link, r.swing[0].axis), d);
+  const R* axes = w.tree.axes + 9 * link;
+  const R* turn = w.tree.turn + 9 * link;
+  if (b.tree.links[link].kind == TreeLink::Kind::kPointer) {
+    seen.d.x = dot(moved ? load3(axes) + load3(turn) : load3(axes), d);
+    return;
+  }
+  if (moved)
+    d = d + V3<R>{turn[0] * d.x + turn[3] * d.y + turn[6] * d.z,
+                  turn[1] * d.x + turn[4] * d.y + turn[7] * d.z,
+                  turn[2] * d.x + turn[5] * d.y + turn[8] * d.z};
+  seen.d = {dot(load3(axes), d), dot(load3(axes + 3), d), dot(load3(axes + 6), d)};
+}
+
+/// [rad] C of the limit near its border; away from it, of the same sign. seen: of the limit before.
+template <bool moved, class L>
+RAGDOLL_INLINE typename L::R limitValue(const FastBody& b, const L& w, const FastLimit& limit,
+                                        SeenChild<typename L::R>& seen) {
+  using R = typename L::R;
   using N = typename L::N;
-  const auto r = directionOf<moved>(b, w, limit.reference);
-  const auto d = directionOf<moved>(b, w, limit.child);
-  const auto c = dot(r, d);
-  if (!limit.turn) return N(limit.scale) * (c - N(limit.cos_angle));
-  const auto s = dot(directionOf<moved>(b, w, limit.normal), d);
-  return N(limit.sin_angle) * c - N(limit.cos_angle) * (signOf(s) * s);
+  const CarriedDirection& r = limit.reference;
+  if (r.swings > 1 || limit.turn) {
+    const auto d = directionOf<moved>(b, w, limit.child);
+    const R c = dot(directionOf<moved>(b, w, r), d);
+    if (!limit.turn) return N(limit.scale) * (c - N(limit.cos_angle));
+    const R s = dot(directionOf<moved>(b, w, limit.normal), d);
+    return N(limit.sin_angle) * c - N(limit.cos_angle) * (signOf(s) * s);
+  }
+  if (seen.group != limit.group) seeChild<moved>(b, w, limit, seen);
+  R c = N(r.base.c[0]) * seen.d.x;
+  if (b.tree.links[r.base.link].kind != TreeLink::Kind::kPointer)
+    c += N(r.base.c[1]) * seen.d.y + N(r.base.c[2]) * seen.d.z;
+  return N(limit.scale) * (c - N(limit.cos_angle));
+}
+
+/// Of all limits, or of rows, one after the other.
+template <bool moved, class L>
+RAGDOLL_SECTION typename L::R valueOf(const FastBody& b, const L& w, const FastLimit& limit,
+                                      SeenChild<typename L::R>& seen) {
+  return limitValue<moved>(b, w, limit, seen);
 }
 
 /// Adds to w.row what a function has of the coordinates that turn a link, by torque on it.
@@ -149,7 +197,7 @@ RAGDOLL_INLINE void addSwung(const FastBody& b, L& w, const CarriedDirection& d,
 template <class L>
 RAGDOLL_INLINE void setGradient(const FastBody& b, L& w, const FastLimit& limit) {
   using N = typename L::N;
-  for (const int k : limit.index) w.row[k] = typename L::R{};
+  for (const int k : limit.row.index) w.row[k] = typename L::R{};
   const auto r = directionOf<false>(b, w, limit.reference);
   const auto d = directionOf<false>(b, w, limit.child);
   const auto add = [&](const CarriedDirection& to, const V3<typename L::R>& g) {
@@ -167,29 +215,29 @@ RAGDOLL_INLINE void setGradient(const FastBody& b, L& w, const FastLimit& limit)
   add(limit.normal, side * d);
 }
 
-/// Rows of the limits that the start or the free motion (where w is) comes near, or that pressed.
+/// Rows of the limits that the free motion (where w is) comes near, or that pressed.
 template <class L>
-RAGDOLL_SECTION void setLimits(const FastBody& b, const PackStep& step, const Lane* lanes, L& w) {
+RAGDOLL_SECTION void setLimits(const FastBody& b, const PackStep& step, L& w) {
   using N = typename L::N;
   using R = typename L::R;
   w.limit_count = 0;
-  const R margin = N(kNearAngle) + N(kTurnReach) * w.travel;
+  const R turn = N(kOwnTurn) * squareRoot(w.off);
+  const R margin = N(kNearAngle) + select(w.met, N(kTurnReach) * w.travel, turn);
+  SeenChild<R> now, then;
   for (std::size_t i = 0; i < b.limits.size(); ++i) {
     const FastLimit& limit = b.limits[i];
-    R press{};
-    for (int l = 0; l < L::W; ++l)
-      if (lanes[l].limit_impulse)
-        setLane(press, l, N(lanes[l].limit_impulse[i] * lanes[l].pull * step.h * step.h));
-    const R start = limitValue<false>(b, w, limit), there = limitValue<true>(b, w, limit);
-    const auto near = either(either(less(start, margin), less(there, margin)), less(R{}, press));
+    const R press = w.last_press[i], there = valueOf<true>(b, w, limit, then);
+    const auto near = either(less(there, margin), less(R{}, press));
     if (!any(near)) continue;
+    const R start = valueOf<false>(b, w, limit, now);
     LimitRow<R>& row = w.limits[w.limit_count++];
     row.limit = &limit;
     row.z = w.z_next;
-    const int size = static_cast<int>(limit.index.size());
+    const int size = limit.row.size();
     w.z_next += size;
     setGradient(b, w, limit);
-    eliminate<1>(b, w, limit.index.data(), size, row.z);
+    for (int k = 0; k < size; ++k) row.z[k] = w.row[limit.row.index[k]];
+    eliminate<1>(w, limit.row, row.z);
     R answer{};
     for (int k = 0; k < size; ++k) answer += row.z[k] * row.z[k];
     const R violated = select(less(start, R{}), start, R{});
@@ -200,18 +248,21 @@ RAGDOLL_SECTION void setLimits(const FastBody& b, const PackStep& step, const La
       row.compliance = N(1 / (step.h * step.h * (spring + damper))) / w.pull;
       row.allowed = N(damper / (spring + damper)) * violated;
     }
+    row.answer = answer;
     const R whole = answer + row.compliance;
     row.inverse = select(near, N(1) / atLeast(whole, N(1e-12)), R{});
-    row.press = select(near, press, R{});
+    row.press = row.last = select(near, press, R{});
+    row.value = there - row.allowed;
   }
 }
 
 /// The rows' values at the present coordinates.
 template <class L>
 RAGDOLL_SECTION void measureLimits(const FastBody& b, L& w) {
+  SeenChild<typename L::R> seen;
   for (int i = 0; i < w.limit_count; ++i) {
     LimitRow<typename L::R>& row = w.limits[i];
-    row.value = limitValue<true>(b, w, *row.limit) - row.allowed;
+    row.value = valueOf<true>(b, w, *row.limit, seen) - row.allowed;
   }
 }
 
@@ -220,15 +271,14 @@ RAGDOLL_SECTION void sweepLimits(L& w) {
   using R = typename L::R;
   for (int i = 0; i < w.limit_count; ++i) {
     LimitRow<R>& row = w.limits[i];
-    const int* index = row.limit->index.data();
-    const int size = static_cast<int>(row.limit->index.size());
     R gap = row.value + row.compliance * row.press;
-    for (int k = 0; k < size; ++k) gap += row.z[k] * w.y[index[k]];
-    const R press = larger(row.press - gap * row.inverse, R{});
-    const R change = press - row.press;
+    addAlong<1>(w, row.limit->row, row.z, &gap);
+    const R press = select(w.unsettled, larger(row.press - gap * row.inverse, R{}), row.press);
     if (!any(either(less(R{}, press), less(R{}, row.press)))) continue;
+    const R change = press - row.press;
+    w.change = larger(w.change, row.answer * (signOf(change) * change));
     row.press = press;
-    for (int k = 0; k < size; ++k) w.y[index[k]] += row.z[k] * change;
+    pushAlong<1>(row.limit->row, row.z, &change, w);
   }
 }
 

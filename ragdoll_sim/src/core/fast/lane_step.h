@@ -6,27 +6,51 @@
 
 namespace ragdoll::fast {
 
+/// out[i], lane l = numbers of lane l less what is at less(l): x, y, z, x, y ..., or null.
+template <class L, class From, class Less>
+RAGDOLL_INLINE void gatherLanes(int n, const From& from, const Less& less, typename L::R* out) {
+  using N = typename L::N;
+  constexpr int W = L::W;
+  int i = 0;
+  if constexpr (W > 1)
+    for (; i + W <= n; i += W) {
+      for (int l = 0; l < W; ++l) {
+        Doubles<W> a = Doubles<W>::at(from(l) + i);
+        if (less(l)) a.v -= Doubles<W>::at(less(l) + i % 3).v;
+        out[i + l] = numbersOf<N>(a);
+      }
+      transpose(out + i);
+    }
+  for (; i < n; ++i)
+    for (int l = 0; l < W; ++l) setLane(out[i], l, N(from(l)[i] - (less(l) ? less(l)[i % 3] : 0)));
+}
+
 /// Positions from the bodies' roots, so that single precision serves far from the world's origin.
 template <class L>
 RAGDOLL_SECTION void load(const FastBody& b, const PackStep& step, const Lane* lanes, L& w) {
   using R = typename L::R;
   using N = typename L::N;
   const int n = 3 * b.tree.particles, root = 3 * b.tree.roots[0].particle;
+  const int limits = static_cast<int>(b.limits.size());
   w.forced = false;
   for (int l = 0; l < L::W; ++l) {
     const Lane& lane = lanes[l];
-    for (int c = 0; c < 3; ++c) w.origin[l][c] = lane.x[root + c];
-    for (int i = 0; i < n; i += 3)
-      for (int c = 0; c < 3; ++c) {
-        setLane(w.x[i + c], l, N(lane.x[i + c] - w.origin[l][c]));
-        setLane(w.v[i + c], l, N(lane.v[i + c]));
-      }
+    for (int c = 0; c < L::W + 3; ++c) w.origin[l][c] = lane.x[root + c % 3];
+    const double share = lane.pull * step.h * step.h;
+    for (int i = 0; i < limits; ++i) setLane(w.last_press[i], l, N(share * lane.limit_impulse[i]));
+    for (int p = 0; p < step.plane_count; ++p)
+      setLane(w.offset[p], l,
+              N(offsetFrom(w.origin[l], step.planes[p].normal, step.planes[p].offset)));
     setLane(w.pull, l, N(lane.pull));
     setLane(w.shift.x, l, N(lane.pin[0]));
     setLane(w.shift.y, l, N(lane.pin[1]));
     setLane(w.shift.z, l, N(lane.pin[2]));
     w.forced = w.forced || lane.force;
   }
+  gatherLanes<L>(
+      n, [&](int l) { return lanes[l].x; }, [&](int l) { return w.origin[l]; }, w.x);
+  gatherLanes<L>(
+      n, [&](int l) { return lanes[l].v; }, [](int) -> const double* { return nullptr; }, w.v);
   if (!w.forced) return;
   const double h2 = step.h * step.h;
   for (int i = 0; i < n; ++i) {
@@ -38,15 +62,25 @@ RAGDOLL_SECTION void load(const FastBody& b, const PackStep& step, const Lane* l
 
 /// [J] of the particles' motion by dx in a time whose square is 1 / rate2.
 template <class L>
-RAGDOLL_SECTION typename L::R energyOf(const FastBody& b, L& w, const typename L::R* dx,
-                                       double rate2) {
-  tree::momentum(b.tree, dx, w.tree);
-  typename L::R sum{};
-  for (int i = 0; i < 3 * b.tree.particles; ++i) sum += w.tree.force[i] * dx[i];
-  return typename L::N(0.5 * rate2) * sum;
+RAGDOLL_SECTION typename L::R energyOf(const FastBody& b, const typename L::R* dx, double rate2) {
+  using R = typename L::R;
+  using N = typename L::N;
+  R sum{};
+  for (int i = 0; i < b.tree.particles; ++i) {  // the matrix is symmetric: its upper half
+    const V3<R> d = load3(dx + 3 * i);
+    V3<R> p{};
+    for (int k = b.tree.mass_begin[i]; k < b.tree.mass_begin[i + 1]; ++k) {
+      const Tree::Mass& m = b.tree.masses[k];
+      if (m.column < i) continue;
+      p = p + N(m.column == i ? 0.5 * m.value : m.value) * load3(dx + 3 * m.column);
+    }
+    sum += dot(p, d);
+  }
+  return N(rate2) * sum;
 }
 
-/// As joint_damping.h: velocities against those of the rigid motion with the same momenta. w.dx: used.
+/// As joint_damping.h: velocities against those of the rigid motion with the same momenta. w.dx:
+/// used.
 template <class L>
 RAGDOLL_SECTION void dampInside(const FastBody& b, typename L::N keep, L& w) {
   using R = typename L::R;
@@ -68,11 +102,10 @@ RAGDOLL_SECTION void dampInside(const FastBody& b, typename L::N keep, L& w) {
     drift = N(1 / whole) * drift;
   }
   for (int i = 0; i < t.particles; ++i) store3(load3(w.x + 3 * i) - centre, w.dx + 3 * i);  // arms
-  tree::momentum(t, w.dx, w.tree);
   V3<R> angular{};
   R xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
   for (int i = 0; i < t.particles; ++i) {
-    const V3<R> r = load3(w.dx + 3 * i), m = load3(w.tree.force + 3 * i);
+    const V3<R> r = load3(w.dx + 3 * i), m = tree::momentumOf(t, i, w.dx);
     angular = angular + cross(m, load3(w.v + 3 * i) - drift);
     xx += m.x * r.x;
     yy += m.y * r.y;
@@ -96,16 +129,22 @@ RAGDOLL_SECTION void dampInside(const FastBody& b, typename L::N keep, L& w) {
   }
 }
 
-/// w.y = L^-T T^T (M (free - dx) + h^2 forces): what the coordinates still have to change by.
+/// w.goal of the free motion, which stands in w.spare.
 template <class L>
-RAGDOLL_SECTION void setRest(const FastBody& b, L& w) {
-  const int n = 3 * b.tree.particles;
-  for (int i = 0; i < n; ++i) w.spare[i] = w.free[i] - w.dx[i];
+RAGDOLL_SECTION void setGoal(const FastBody& b, L& w) {
   tree::momentum(b.tree, w.spare, w.tree);
   if (w.forced)
-    for (int i = 0; i < n; ++i) w.tree.force[i] += w.force[i];
-  tree::gather(b.tree, w.tree, w.y);
-  tree::solveUp(b.tree, w.tree, w.y);
+    for (int i = 0; i < 3 * b.tree.particles; ++i) w.tree.force[i] += w.force[i];
+  tree::gather(b.tree, w.tree, w.goal);
+  tree::solveUp(b.tree, w.tree, w.goal);
+}
+
+/// w.y: what the coordinates still have to change by.
+template <class L>
+RAGDOLL_SECTION void setRest(const FastBody& b, L& w) {
+  tree::project(b.tree, w.tree, w.dx, w.done);
+  tree::solveUp(b.tree, w.tree, w.done);
+  for (int k = 0; k < b.tree.size; ++k) w.y[k] = w.goal[k] - w.done[k];
 }
 
 template <class L>
@@ -119,6 +158,7 @@ RAGDOLL_SECTION void moveOn(const FastBody& b, L& w) {
   for (int k = 0; k < b.tree.size; ++k) w.total[k] += w.y[k];
   tree::solveDown(b.tree, w.tree, w.y);
   for (int k = 0; k < b.tree.size; ++k) w.q[k] += w.y[k];
+  setPose(b, w);
 }
 
 /// How far lengths are from the model's at the start, in units of what is allowed, squared sines'
@@ -135,6 +175,14 @@ RAGDOLL_SECTION void checkLengths(const FastBody& b, L& w) {
   }
 }
 
+/// Directions, H and its factors at the start.
+template <class L>
+RAGDOLL_SECTION void setTree(const FastBody& b, L& w) {
+  tree::setFrames(b.tree, w.x, w.tree);
+  tree::setMatrix(b.tree, b.depth.data(), w.tree);
+  tree::factorise(b.tree, 0, w.tree);
+}
+
 template <class L>
 void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) {
   using R = typename L::R;
@@ -148,22 +196,23 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
   if (step.keep_inner != 1) dampInside(b, N(step.keep_inner), w);
   w.off = R{};
   checkLengths(b, w);
-  tree::setFrames(t, w.x, w.tree);
-  tree::setMatrix(t, b.depth.data(), w.tree);
-  tree::factorise(t, 0, w.tree);
+  setTree(b, w);
   R fastest{};
   for (int i = 0; i < n; i += 3) fastest = larger(fastest, dot(load3(w.v + i), load3(w.v + i)));
   w.travel = N(step.h) * squareRoot(fastest);
   w.margin = N(kNear) + N(kReach) * w.travel;
   const V3<R> fall = w.pull * spread3<L>(step.gravity);
   const N h = N(step.h), h2 = N(step.h * step.h);
-  for (int i = 0; i < n; i += 3) store3(h * load3(w.v + i) + h2 * fall, w.free + i);
-  for (int k = 0; k < t.size; ++k) w.q[k] = R{};
-  setPose(b, w);
-  setRest(b, w);
-  for (int k = 0; k < t.size; ++k) w.start_y[k] = w.y[k];
+  for (int i = 0; i < n; i += 3) store3(h * load3(w.v + i) + h2 * fall, w.spare + i);
+  setGoal(b, w);
+  for (int k = 0; k < t.size; ++k) w.q[k] = w.total[k] = R{};
+  if (t.roots[0].pinned) {
+    setPose(b, w);
+    setRest(b, w);
+  } else {
+    for (int k = 0; k < t.size; ++k) w.y[k] = w.goal[k];
+  }
   moveOn(b, w);
-  setPose(b, w);
   for (int l = 0; l < L::W; ++l)
     if (lanes[l].predicted)
       for (int i = 0; i < n; ++i) lanes[l].predicted[i] = lanes[l].x[i] + lane(w.dx[i], l);
@@ -199,7 +248,7 @@ RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* 
                                  const typename L::R& pressed) {
   using R = typename L::R;
   using N = typename L::N;
-  const R after = energyOf(b, w, w.dx, 1 / (step.h * step.h));
+  const R after = energyOf<L>(b, w.dx, 1 / (step.h * step.h));
   const R bound = energyBound(b, step, lanes, w, pressed, 0.5);  // w.dx: of its middle
   const auto much = less(bound, after);
   if (!any(much)) return;
@@ -225,7 +274,7 @@ RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, La
   using N = typename L::N;
   const int n = 3 * b.tree.particles;
   const N h = N(step.h), rate = N(1 / step.h);
-  const R after = energyOf(b, w, w.dx, 1 / (step.h * step.h));
+  const R after = energyOf<L>(b, w.dx, 1 / (step.h * step.h));
   const auto much = less(bound, after);
   if (!any(much)) return;
   for (int i = 0; i < n; ++i) {
@@ -233,9 +282,9 @@ RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, La
     w.v[i] = rate * w.dx[i];
   }
   dampInside(b, N(0), w);
-  const R rigid = select(less(R{}, touched), R{}, energyOf(b, w, w.v, 1.0));
-  const R inside = select(much, atLeast(bound - rigid, N(0)) / atLeast(after - rigid, N(1e-30)),
-                          R{} + N(1));
+  const R rigid = select(less(R{}, touched), R{}, energyOf<L>(b, w.v, 1.0));
+  const R inside =
+      select(much, atLeast(bound - rigid, N(0)) / atLeast(after - rigid, N(1e-30)), R{} + N(1));
   const R hung = select(less(R{}, touched), R{} + N(1), R{} + N(b.tree.roots[0].pinned ? 1 : 0));
   const R whole = select(both(much, both(less(R{}, hung), less(bound, rigid))),
                          squareRoot(atLeast(bound, N(0)) / atLeast(rigid, N(1e-30))), R{} + N(1));
@@ -248,36 +297,27 @@ RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, La
     lanes[l].limited = lanes[l].limited || lane(scale, l) < N(1 - kReportedShare);
 }
 
-/// One sweep of the velocity stage over contacts: what pressed does not approach any more, or comes
-/// back by Newton's law of impact where it came faster than rest. row.base: [m] h times the rates
-/// before; row.allowed, row.motion: the impulses.
+/// One sweep of the velocity stage: what pressed does not approach any more, or comes back by
+/// Newton's law of impact where it came faster than rest. gap, slip: [m] h times the rates before.
 template <class L>
 RAGDOLL_SECTION void sweepRates(L& w) {
   using R = typename L::R;
-  using N = typename L::N;
-  for (int i = 0; i < w.contact_count; ++i) {
-    ContactRow<R>& row = w.contacts[i];
-    const V3<R> rate = row.base + motionOf(w, row);
-    const R along = dot(row.normal, rate);
-    const R press = larger(row.allowed - (along - row.restitution) * row.inverse_normal, R{});
-    if (!any(either(less(R{}, press), less(R{}, row.allowed)))) continue;
-    const V3<R> wanted = row.motion - row.inverse_tangent * (rate - along * row.normal);
-    const R share = row.friction * press / squareRoot(atLeast(dot(wanted, wanted), N(1e-30)));
-    const V3<R> pull = select(less(share, R{} + N(1)), share, R{} + N(1)) * wanted;
-    push(w, row, (press - row.allowed) * row.normal + (pull - row.motion));
-    row.allowed = press;
-    row.motion = pull;
+  const auto everywhere = less(R{}, R{} + typename L::N(1));
+  for (int i = 0; i < w.pressing_contacts; ++i) {
+    ContactRow<R>& row = w.contacts[w.pressing[i]];
+    R rate[3] = {row.gap, row.slip[0], row.slip[1]};
+    addAlong<3>(w, row.feature->row, row.z, rate);
+    pressRow(w, row, rate, everywhere, row.rate_press, row.rate_pull);
   }
-  for (int i = 0; i < w.limit_count; ++i) {
-    LimitRow<R>& row = w.limits[i];
-    const int* index = row.limit->index.data();
-    const int size = static_cast<int>(row.limit->index.size());
+  for (int i = 0; i < w.pressing_limits; ++i) {
+    LimitRow<R>& row = w.limits[w.pressing[w.pressing_contacts + i]];
     R rate = row.value;
-    for (int k = 0; k < size; ++k) rate += row.z[k] * w.y[index[k]];
+    addAlong<1>(w, row.limit->row, row.z, &rate);
     const R press = larger(row.allowed - rate * row.inverse, R{});
+    if (!any(either(less(R{}, press), less(R{}, row.allowed)))) continue;
     const R change = press - row.allowed;
     row.allowed = press;
-    for (int k = 0; k < size; ++k) w.y[index[k]] += row.z[k] * change;
+    pushAlong<1>(row.limit->row, row.z, &change, w);
   }
 }
 
@@ -290,25 +330,33 @@ RAGDOLL_SECTION void startRates(const PackStep& step, bool free, const V3<typena
   const double g = std::sqrt(step.gravity[0] * step.gravity[0] + step.gravity[1] * step.gravity[1] +
                              step.gravity[2] * step.gravity[2]);
   const R least = R{} + N(kBounce * g * step.h);
+  int* list = w.pressing;
   for (int i = 0; i < w.contact_count; ++i) {
     ContactRow<R>& row = w.contacts[i];
     const auto presses = less(R{}, row.press);
+    if (!any(presses)) continue;
+    *list++ = i;
     row.inverse_normal = select(presses, row.inverse_normal, R{});
     row.inverse_tangent = select(presses, row.inverse_tangent, R{});
-    row.base = atFeature(*row.feature, row.weight, w.dx) + kick - row.motion;
+    const V3<R> rate = atFeature(*row.feature, row.weight, w.dx) + kick - row.motion;
     const R back = N(step.h) * row.restitution * row.approach;
     const auto impact = less(least, row.approach);
-    row.restitution = select(impact, back, R{});
+    row.gap = dot(row.axes[0], rate) - select(impact, back, R{});
     // What pressed as hard before goes on; the rest was an impact.
     const R lasting = select(less(row.last, row.press), row.last, row.press);
     const R share = N(free ? 1 : 0) * lasting / atLeast(row.press, N(1e-30));
-    row.allowed = share * row.press;
-    row.motion = share * row.pull;
-    push(w, row, row.allowed * row.normal + row.motion);
+    row.rate_press = share * row.press;
+    for (int c = 0; c < 2; ++c) {
+      row.slip[c] = dot(row.axes[c + 1], rate);
+      row.rate_pull[c] = share * row.pull[c];
+    }
+    if (any(less(R{}, row.rate_press))) push(w, row, row.rate_press, row.rate_pull);
   }
+  w.pressing_contacts = static_cast<int>(list - w.pressing);
   for (int i = 0; i < w.limit_count; ++i) {
     LimitRow<R>& row = w.limits[i];
-    row.value = R{};
+    if (!any(less(R{}, row.press))) continue;
+    *list++ = i;
     row.allowed = select(less(row.last, row.press), row.last, row.press);
     if (row.limit->compliance > 0) {  // a spring's second half step, whatever the rate
       row.inverse = R{};
@@ -316,11 +364,12 @@ RAGDOLL_SECTION void startRates(const PackStep& step, bool free, const V3<typena
     }
     row.allowed = N(free ? 1 : 0) * row.allowed;
     row.inverse = select(less(R{}, row.press), row.inverse, R{});
-    for (std::size_t k = 0; k < row.limit->index.size(); ++k) {
-      row.value += row.z[k] * w.total[row.limit->index[k]];
-      w.y[row.limit->index[k]] += row.z[k] * row.allowed;
-    }
+    row.value = R{};
+    for (int k = 0; k < row.limit->row.size(); ++k)
+      row.value += row.z[k] * w.total[row.limit->row.index[k]];
+    if (any(less(R{}, row.allowed))) pushAlong<1>(row.limit->row, row.z, &row.allowed, w);
   }
+  w.pressing_limits = static_cast<int>(list - w.pressing) - w.pressing_contacts;
 }
 
 /// w.dx <- h times the velocities at the step's end: the mean's, half a step of gravity, and what
@@ -334,31 +383,54 @@ RAGDOLL_SECTION void endVelocities(const FastBody& b, const PackStep& step, L& w
   if (w.contact_count + w.limit_count > 0) {
     for (int k = 0; k < b.tree.size; ++k) w.y[k] = R{};
     startRates(step, free, kick, w);
-    for (int sweep = 0; sweep < kRateSweeps; ++sweep) sweepRates(w);
-    tree::solveDown(b.tree, w.tree, w.y);
-    tree::move(b.tree, w.tree, w.y, w.spare);
-    for (int i = 0; i < 3 * b.tree.particles; ++i) w.dx[i] += w.spare[i];
+    if (w.pressing_contacts + w.pressing_limits > 0) {
+      for (int sweep = 0; sweep < kRateSweeps; ++sweep) sweepRates(w);
+      tree::solveDown(b.tree, w.tree, w.y);
+      tree::move(b.tree, w.tree, w.y, w.spare);
+      for (int i = 0; i < 3 * b.tree.particles; ++i) w.dx[i] += w.spare[i];
+    }
   }
   for (int i = 0; i < 3 * b.tree.particles; i += 3) store3(load3(w.dx + i) + kick, w.dx + i);
 }
 
-/// Positions (w.x) and velocities (w.dx, times h) of the bodies that came through.
+/// Positions (w.x) and velocities (w.dx, times h), which it uses up, of the bodies that came
+/// through.
 template <class L>
 RAGDOLL_SECTION void store(const FastBody& b, const PackStep& step, Lane* lanes, L& w) {
+  using R = typename L::R;
   using N = typename L::N;
   const int n = 3 * b.tree.particles;
+  const double rate = 1 / step.h;
+  R sum[2] = {R{}, R{}};
+  for (int i = 0; i < n; ++i) {
+    sum[0] += w.x[i];
+    sum[1] += w.dx[i];
+  }
   for (int l = 0; l < L::W; ++l) {
     Lane& out = lanes[l];
-    double sum = 0;
-    for (int i = 0; i < n; ++i) sum += lane(w.x[i], l) + lane(w.dx[i], l);
-    out.good = lane(w.off, l) < N(kMostSine2) && std::isfinite(sum);
-    if (!out.good) continue;
-    for (int i = 0; i < n; i += 3)
-      for (int c = 0; c < 3; ++c) {
-        out.x1[i + c] = w.origin[l][c] + lane(w.x[i + c], l);
-        out.v1[i + c] = lane(w.dx[i + c], l) / step.h;
-      }
+    out.good = lane(w.off, l) < N(kMostSine2) && std::isfinite(lane(sum[0], l)) &&
+               std::isfinite(lane(sum[1], l));
   }
+  int i = 0;
+  if constexpr (L::W > 1)
+    for (; i + L::W <= n; i += L::W) {
+      transpose(w.x + i);
+      transpose(w.dx + i);
+      for (int l = 0; l < L::W; ++l) {
+        if (!lanes[l].good) continue;
+        Doubles<L::W> x = doublesOf(w.x[i + l]), v = doublesOf(w.dx[i + l]);
+        x.v += Doubles<L::W>::at(w.origin[l] + i % 3).v;
+        v.v *= rate;
+        x.to(lanes[l].x1 + i);
+        v.to(lanes[l].v1 + i);
+      }
+    }
+  for (; i < n; ++i)
+    for (int l = 0; l < L::W; ++l) {
+      if (!lanes[l].good) continue;
+      lanes[l].x1[i] = w.origin[l][i % 3] + lane(w.x[i], l);
+      lanes[l].v1[i] = rate * lane(w.dx[i], l);
+    }
 }
 
 template <class L>
@@ -377,9 +449,13 @@ RAGDOLL_SECTION void storePresses(const FastBody& b, const PackStep& step, Lane*
       LaneImpulse& to = out.impulses[out.impulse_count++];
       to.feature = static_cast<int>(row.feature - b.features.data());
       to.obstacle = w.obstacle_of[i * L::W + l];
-      to.impulse[0] = press * lane(row.normal.x, l) + rate2 * lane(row.pull.x, l);
-      to.impulse[1] = press * lane(row.normal.y, l) + rate2 * lane(row.pull.y, l);
-      to.impulse[2] = press * lane(row.normal.z, l) + rate2 * lane(row.pull.z, l);
+      const double f[] = {press, rate2 * lane(row.pull[0], l), rate2 * lane(row.pull[1], l)};
+      for (int c = 0; c < 3; ++c) to.impulse[c] = 0;
+      for (int k = 0; k < 3; ++k) {
+        to.impulse[0] += f[k] * lane(row.axes[k].x, l);
+        to.impulse[1] += f[k] * lane(row.axes[k].y, l);
+        to.impulse[2] += f[k] * lane(row.axes[k].z, l);
+      }
     }
     for (std::size_t i = 0; i < b.limits.size(); ++i) out.limit_impulse[i] = 0;
     for (int i = 0; i < w.limit_count; ++i)
@@ -396,8 +472,8 @@ RAGDOLL_SECTION void checkBounds(const FastBody& b, L& w) {
   measureLimits(b, w);
   for (int i = 0; i < w.contact_count; ++i) {
     const ContactRow<R>& row = w.contacts[i];
-    const R gap = row.start + dot(row.normal, row.base);
-    const auto worse = both(less(gap, R{} - N(kMostDeep)), less(gap, row.allowed - N(kWorse)));
+    const auto worse =
+        both(less(row.gap + row.allowed, R{} - N(kMostDeep)), less(row.gap, R{} - N(kWorse)));
     const auto deep = both(worse, less(R{}, row.inverse_normal));
     w.off = select(deep, R{} + N(1), w.off);
   }
@@ -409,6 +485,58 @@ RAGDOLL_SECTION void checkBounds(const FastBody& b, L& w) {
   }
 }
 
+/// What rows pressed with in the last step.
+template <class L>
+RAGDOLL_SECTION void startRows(L& w) {
+  using R = typename L::R;
+  for (int i = 0; i < w.contact_count; ++i)
+    if (any(less(R{}, w.contacts[i].press)))
+      push(w, w.contacts[i], w.contacts[i].press, w.contacts[i].pull);
+  for (int i = 0; i < w.limit_count; ++i)
+    if (any(less(R{}, w.limits[i].press)))
+      pushAlong<1>(w.limits[i].limit->row, w.limits[i].z, &w.limits[i].press, w);
+}
+
+/// Lanes whose rows do not move any more rest: they are not swept on for their neighbours' sake.
+template <class L>
+RAGDOLL_SECTION void sweepRows(L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  w.unsettled = w.unsolved;
+  for (int sweep = 0; sweep < kSweeps && any(w.unsettled); ++sweep) {
+    w.change = R{};
+    sweepContacts(w);
+    sweepLimits(w);
+    w.unsettled = both(w.unsettled, less(R{} + N(kSettledRow), w.change));
+  }
+}
+
+/// As moveOn, of the lanes that are not solved yet; what is left then is of second order.
+template <class L>
+RAGDOLL_SECTION void endRound(const FastBody& b, L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  R before{}, after{}, change{};
+  const auto largest = [](R& most, const R& value) { most = larger(most, signOf(value) * value); };
+  for (int k = 0; k < b.tree.size; ++k) {
+    w.goal[k] = w.done[k] + w.y[k];
+    w.total[k] = select(w.unsolved, w.total[k] + w.y[k], w.total[k]);
+  }
+  tree::solveDown(b.tree, w.tree, w.y);
+  const int first_turn = b.tree.roots[0].pinned ? 0 : 3;
+  for (int k = 0; k < b.tree.size; ++k) {
+    const R last = w.q[k];
+    w.q[k] = select(w.unsolved, last + w.y[k], last);
+    if (k < first_turn) continue;  // a shift has no second order
+    largest(before, last);
+    largest(change, w.y[k]);
+    largest(after, w.q[k]);
+  }
+  setPose(b, w);
+  const auto turns = less(R{} + N(kSettled), (before + after) * change);
+  w.unsolved = both(w.unsolved, either(turns, w.unsettled));
+}
+
 template <class L>
 void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) {
   using R = typename L::R;
@@ -417,31 +545,17 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
       *reinterpret_cast<L*>((reinterpret_cast<std::uintptr_t>(memory) + 63) & ~std::uintptr_t(63));
   w.z_next = w.z;
   setContacts(b, step, lanes, w);
-  setLimits(b, step, lanes, w);
-  for (int k = 0; k < b.tree.size; ++k) {
-    w.q[k] = w.total[k] = R{};
-    w.y[k] = w.start_y[k];
-  }
-  setPose(b, w);
-  for (int i = 0; i < w.contact_count; ++i) w.contacts[i].last = w.contacts[i].press;
-  for (int i = 0; i < w.limit_count; ++i) w.limits[i].last = w.limits[i].press;
-  for (int round = 0; round < kNewton; ++round) {
-    if (round > 0) setRest(b, w);
+  setLimits(b, step, w);
+  w.unsolved = less(R{}, R{} + N(1));
+  for (int round = 0; round < kNewton && any(w.unsolved); ++round) {
+    setRest(b, w);
     measureContacts(w);
-    measureLimits(b, w);
-    for (int i = 0; i < w.contact_count; ++i)
-      push(w, w.contacts[i], w.contacts[i].press * w.contacts[i].normal + w.contacts[i].pull);
-    for (int i = 0; i < w.limit_count; ++i) {
-      const LimitRow<R>& row = w.limits[i];
-      for (std::size_t k = 0; k < row.limit->index.size(); ++k)
-        w.y[row.limit->index[k]] += row.z[k] * row.press;
-    }
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
-      sweepContacts(w);
-      sweepLimits(w);
-    }
-    moveOn(b, w);
-    setPose(b, w);
+    if (round == 0)
+      startRows(w);
+    else
+      measureLimits(b, w);
+    sweepRows(w);
+    endRound(b, w);
   }
   checkBounds(b, w);
   R touched{};
@@ -454,7 +568,7 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
       pressed = larger(pressed, select(less(R{}, w.limits[i].press), R{} + N(1), R{}));
   const bool any_pressed = any(less(R{}, pressed));
   if (any_pressed) {
-    w.before = energyOf(b, w, w.v, 1.0);
+    w.before = energyOf<L>(b, w.v, 1.0);
     limitMotion(b, step, lanes, w, held);
   }
   tree::place(b.tree, w.tree, w.x, w.dx, w.x);  // the new positions

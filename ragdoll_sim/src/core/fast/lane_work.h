@@ -18,26 +18,31 @@ using tree::store3;
 using tree::V3;
 
 /// A contact, or a limit: what a sweep solves for at once. z: L^-T J^T (tree_solver.h); a contact's
-/// are three, of the particle's motion along x, y, z, whatever its normal.
+/// are three, of its point's motions along the normal and two tangents.
 template <class R>
 struct ContactRow {
   const Feature* feature;
-  R* z;  ///< 3 per coordinate of the feature's index
-  V3<R> normal, motion;
-  R weight;   ///< of Feature::b
-  R start;    ///< [m] gap at the pose's coordinates zero
-  R allowed;  ///< [m] least gap that the step has to reach
+  R* z;           ///< 3 per coordinate of the feature's row
+  V3<R> axes[3];  ///< normal, tangents
+  V3<R> motion;   ///< [m] of the surface
+  R weight;       ///< of Feature::b
+  R start;        ///< [m] gap at the pose's coordinates zero
+  R allowed;      ///< [m] least gap that the step has to reach
   R friction, restitution, approach;
+  R answer_normal, answer_tangent;    ///< [1/kg] the larger one of the tangents
   R inverse_normal, inverse_tangent;  ///< 1 / answers; 0 where there is no contact
   R press, last;                      ///< [kg m] along the normal, and in the last step
-  V3<R> pull;                         ///< [kg m] of friction
-  V3<R> base;                         ///< [m] displacement of the point at the present coordinates
+  R pull[2];                          ///< [kg m] of friction, along the tangents
+  R gap;                              ///< [m] at the present coordinates, less what is allowed
+  R slip[2];                          ///< [m] along the tangents, likewise
+  R rate_press, rate_pull[2];         ///< [kg m] of the velocity stage
 };
 
 template <class R>
 struct LimitRow {
   const FastLimit* limit;
   R* z;
+  R answer;   ///< [1/(kg m^2)]
   R inverse;  ///< 0 where it does not take part
   R value;    ///< [rad] at the present coordinates, less what is allowed
   R allowed;
@@ -45,42 +50,55 @@ struct LimitRow {
   R press, last;  ///< [kg m^2], and in the last step
 };
 
-template <class N_, int W_>
+/// set: tells units of different instruction sets apart, which must not share functions.
+template <class N_, int W_, int set = 0>
 struct LaneWork {
   using N = N_;
   static constexpr int W = W_;
   using R = typename RealOf<N, W>::Type;
+  using Mask = decltype(less(R{}, R{}));
 
   tree::Work<R> tree;
-  R *x, *v, *dx, *free;  ///< 3 per particle: [m] from origin, [m/s], [m], [m]
-  R* spare;              ///< scratch, 3 per particle
-  R* force;              ///< [kg m] h^2 times pokes, per particle; only if forced
-  R *q, *y;              ///< tangent coordinates, and L times what they still change by
-  R* total;              ///< L times the coordinates
-  R* start_y;            ///< y of the free motion from coordinates zero
-  R *row, *part;         ///< scratch, 3 and 1 per coordinate
+  R *x, *v, *dx;  ///< 3 per particle: [m] from origin, [m/s], [m]
+  R* spare;       ///< scratch, 3 per particle
+  R* force;       ///< [kg m] h^2 times pokes, per particle; only if forced
+  R *q, *y;       ///< tangent coordinates, and L times what they still change by
+  R* total;       ///< L times the coordinates
+  R* goal;        ///< L^-T T^T times the momentum of the free motion and all impulses
+  R* done;        ///< the same of the present coordinates
+  R* row;         ///< scratch, per coordinate
+  R* last_press;  ///< [kg m^2] per limit: of the last step
+  R* offset;      ///< [m] per plane, from the lanes' origins
   ContactRow<R>* contacts;
   LimitRow<R>* limits;
   R* z;  ///< room for the rows'
   R* z_next;
   int* row_of;       ///< per feature and slot: its contact row, -1
   int* obstacle_of;  ///< per contact row and lane
+  int* pressing;     ///< contact rows, then limit rows, of the velocity stage
+  int pressing_contacts = 0, pressing_limits = 0;
   int contact_count = 0, limit_count = 0, slots = 0;
-  V3<R> shift;          ///< [m] of the pin
-  R off;                ///< largest squared sine; stretch at the start
-  R pull;               ///< Lane::pull
-  R travel, margin;     ///< [m] of the fastest particle in the step; contacts nearer take part
-  R before;             ///< [J] kinetic energy at the start, damped
-  double origin[W][3];  ///< [m] of the pack's coordinates
+  V3<R> shift;              ///< [m] of the pin
+  R off;                    ///< largest squared sine; stretch at the start
+  R pull;                   ///< Lane::pull
+  R travel, margin;         ///< [m] of the fastest particle in the step; contacts nearer take part
+  R change;                 ///< [m], [rad] the largest of a sweep's
+  Mask met;                 ///< who comes near an obstacle
+  Mask unsettled;           ///< whose sweeps still change something
+  Mask unsolved;            ///< whose Newton rounds still do
+  R before;                 ///< [J] kinetic energy at the start, damped
+  double origin[W][W + 3];  ///< [m] of the pack's coordinates: x, y, z, x, y ...
   bool forced = false;
 
   static std::size_t room(const FastBody& b, int planes) {
     const std::size_t n = 3 * b.tree.particles, s = b.tree.size, f = b.features.size();
     const std::size_t slots = kSlots + planes, rows = f * slots;
     const std::size_t z = (3 * rows + b.limits.size()) * b.longest_row;
-    return sizeof(LaneWork) + 64 + sizeof(R) * (tree::Work<R>::count(b.tree) + 6 * n + 8 * s + z) +
-           sizeof(ContactRow<R>) * rows + sizeof(LimitRow<R>) * b.limits.size() +
-           sizeof(int) * (rows + rows * W) + 1024;
+    const std::size_t numbers =
+        tree::Work<R>::count(b.tree) + 5 * n + 6 * s + b.limits.size() + planes;
+    return sizeof(LaneWork) + 64 + sizeof(R) * (numbers + z) + sizeof(ContactRow<R>) * rows +
+           sizeof(LimitRow<R>) * b.limits.size() +
+           sizeof(int) * (2 * rows + rows * W + b.limits.size()) + 2048;
   }
 
   template <class T>
@@ -99,18 +117,25 @@ struct LaneWork {
     const std::size_t n = 3 * b.tree.particles, s = b.tree.size, f = b.features.size();
     w->slots = kSlots + planes;
     w->tree.take(b.tree, take<R>(at, tree::Work<R>::count(b.tree)));
-    for (R** p : {&w->x, &w->v, &w->dx, &w->free, &w->force, &w->spare}) *p = take<R>(at, n);
-    for (R** p : {&w->q, &w->y, &w->start_y, &w->part, &w->total}) *p = take<R>(at, s);
-    w->row = take<R>(at, 3 * s);
+    for (R** p : {&w->x, &w->v, &w->dx, &w->force, &w->spare}) *p = take<R>(at, n);
+    for (R** p : {&w->q, &w->y, &w->total, &w->goal, &w->done, &w->row}) *p = take<R>(at, s);
+    w->last_press = take<R>(at, b.limits.size());
+    w->offset = take<R>(at, planes);
     w->contacts = take<ContactRow<R>>(at, f * w->slots);
     w->limits = take<LimitRow<R>>(at, b.limits.size());
     w->row_of = take<int>(at, f * w->slots);
     w->obstacle_of = take<int>(at, f * w->slots * W);
+    w->pressing = take<int>(at, f * w->slots + b.limits.size());
     w->z = take<R>(at, 0);
     w->contact_count = w->limit_count = 0;
     return w;
   }
 };
+
+/// [m] of a plane's offset from an origin.
+RAGDOLL_INLINE double offsetFrom(const double* origin, const double* normal, double offset) {
+  return offset - (normal[0] * origin[0] + normal[1] * origin[1] + normal[2] * origin[2]);
+}
 
 template <class L>
 RAGDOLL_INLINE V3<typename L::R> spread3(const double* a) {
@@ -119,29 +144,61 @@ RAGDOLL_INLINE V3<typename L::R> spread3(const double* a) {
   return {R{} + N(a[0]), R{} + N(a[1]), R{} + N(a[2])};
 }
 
-/// z of `count` rows whose gradient stands in w.row, count per coordinate: elimination along the
-/// row's own coordinates only.
+/// z of `count` rows from their gradients, in place: elimination along the row's own coordinates
+/// only.
 template <int count, class L>
-RAGDOLL_INLINE void eliminate(const FastBody& b, L& w, const int* index, int size,
-                              typename L::R* z) {
+RAGDOLL_INLINE void eliminate(const L& w, const RowShape& row, typename L::R* z) {
   using R = typename L::R;
-  const int* begin = b.tree.chain_begin.data();
-  for (int i = size - 1; i >= 0; --i) {
-    const int k = index[i];
-    const R inverse = w.tree.inverse[k];
-    R value[count];
-    for (int c = 0; c < count; ++c) {
-      value[c] = w.row[count * k + c] * inverse;
-      z[count * i + c] = value[c];
+  const R* h = w.tree.H;
+  for (int i = row.size() - 1; i >= 0; --i) {
+    R sum[count];
+    for (int c = 0; c < count; ++c) sum[c] = z[count * i + c];
+    for (int k = row.terms_begin[i]; k < row.terms_begin[i + 1]; ++k) {
+      const RowShape::Term term = row.terms[k];
+      const R factor = h[term.at];
+      for (int c = 0; c < count; ++c) sum[c] -= factor * z[count * term.below + c];
     }
-    const R* h = w.tree.H + begin[k];
-    const int* chain = b.tree.chain.data() + begin[k];
-    const int depth = begin[k + 1] - begin[k];
-    for (int j = 0; j < depth; ++j) {
-      R* to = w.row + count * chain[j];
-      for (int c = 0; c < count; ++c) to[c] -= h[j] * value[c];
+    const R inverse = w.tree.inverse[row.index[i]];
+    for (int c = 0; c < count; ++c) z[count * i + c] = sum[c] * inverse;
+  }
+}
+
+/// y += z p, for `count` rows at once.
+template <int count, class L>
+RAGDOLL_INLINE void pushAlong(const RowShape& row, const typename L::R* z, const typename L::R* p,
+                              L& w) {
+  using R = typename L::R;
+  const int* index = row.index.data();
+  const int size = row.size();
+  R* y = w.y;
+  for (int k = 0; k < size; ++k, z += count) {
+    R sum = z[0] * p[0];
+    for (int c = 1; c < count; ++c) sum += z[c] * p[c];
+    y[index[k]] += sum;
+  }
+}
+
+/// out += z . y, likewise. Sums over even and odd entries: half as long to wait for.
+template <int count, class L>
+RAGDOLL_INLINE void addAlong(const L& w, const RowShape& row, const typename L::R* z,
+                             typename L::R* out) {
+  using R = typename L::R;
+  const int* index = row.index.data();
+  const int size = row.size();
+  const R* y = w.y;
+  R odd[count];
+  for (int c = 0; c < count; ++c) odd[c] = R{};
+  int k = 0;
+  for (; k + 1 < size; k += 2, z += 2 * count) {
+    const R a = y[index[k]], b = y[index[k + 1]];
+    for (int c = 0; c < count; ++c) {
+      out[c] += z[c] * a;
+      odd[c] += z[count + c] * b;
     }
   }
+  if (k < size)
+    for (int c = 0; c < count; ++c) out[c] += z[c] * y[index[k]];
+  for (int c = 0; c < count; ++c) out[c] += odd[c];
 }
 
 }  // namespace ragdoll::fast

@@ -8,6 +8,8 @@ namespace ragdoll::fast {
 extern const PackMethod kSingle64, kSingle32, kNarrow64, kNarrow32;
 #if defined(__x86_64__) && defined(__GNUC__)
 extern const PackMethod kMiddle64, kMiddle32, kWide64, kWide32;
+// Single bodies in three-operand instructions: a tenth faster.
+extern const PackMethod kMiddleSingle64, kMiddleSingle32;
 #endif
 
 }  // namespace ragdoll::fast

@@ -71,8 +71,9 @@ struct Tree {
   /// Ancestors of coordinate k, ascending, are chain[chain_begin[k]] ... chain[chain_begin[k + 1]
   /// - 1]. An ancestor has a smaller number, and what is eliminated first the largest.
   std::vector<int> chain, chain_begin;
-  std::vector<Mass> masses;  ///< the mass matrix without its zeros, rows ascending
-  std::vector<double> mass;  ///< [kg] per particle: row sums, what gravity pulls at
+  std::vector<Mass> masses;     ///< the mass matrix without its zeros, rows ascending
+  std::vector<int> mass_begin;  ///< per particle and one more: its row of `masses`
+  std::vector<double> mass;     ///< [kg] per particle: row sums, what gravity pulls at
 
   bool isTree() const { return why_not.empty(); }
 };

@@ -336,7 +336,8 @@ class TreeBuilder {
     const Eigen::MatrixXd& M = s_.M;
     const double none = kNoMass * M.diagonal().maxCoeff();
     tree_.mass.assign(s_.size(), 0.0);
-    for (int i = 0; i < s_.size(); ++i)
+    for (int i = 0; i < s_.size(); ++i) {
+      tree_.mass_begin.push_back(static_cast<int>(tree_.masses.size()));
       for (int j = 0; j < s_.size(); ++j) {
         if (std::abs(M(i, j)) <= none) continue;
         tree_.masses.push_back({i, j, M(i, j)});
@@ -353,6 +354,8 @@ class TreeBuilder {
         else
           addMoments(M(i, j), inLink(link, i), inLink(link, j), tree_.links[link]);
       }
+    }
+    tree_.mass_begin.push_back(static_cast<int>(tree_.masses.size()));
     for (std::size_t j = tree_.links.size(); j-- > 0;) {
       const TreeLink& link = tree_.links[j];
       if (link.parent < 0) {

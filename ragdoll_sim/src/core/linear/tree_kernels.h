@@ -84,31 +84,31 @@ struct Work {
   R* lever;    ///< [m] 3 per point, from attach; pointers': none
   R* moment;   ///< [kg m] 3 per link, world; folds on it included; pointers': none
   R* second;   ///< [kg m^2] 6 per link, likewise
+  R* own;      ///< 9 per link: moment and second without what folds on it
   R* H;        ///< per coordinate and ancestor; factorised in place
   R* inverse;  ///< per coordinate: H's diagonal; factorised: 1 / pivot
   R* turn;     ///< 9 per link: rotation less identity, row by row; pointers': none
   R* force;    ///< [N] 3 per particle: scratch
   R* torque;   ///< 3 per link: scratch
+  R* thrust;   ///< likewise
 
   /// How many numbers `memory` has to hold.
   static int count(const Tree& t) {
     const int links = static_cast<int>(t.links.size());
-    return links * 30 + 3 * static_cast<int>(t.points.size()) + static_cast<int>(t.chain.size()) +
+    return links * 42 + 3 * static_cast<int>(t.points.size()) + static_cast<int>(t.chain.size()) +
            t.size + 3 * t.particles + 1;
   }
   void take(const Tree& t, R* memory) {
     const int links = static_cast<int>(t.links.size());
-    R** parts[] = {&axes, &lever, &moment, &second, &H, &inverse, &turn, &force, &torque};
-    const int counts[] = {9 * links,
-                          3 * static_cast<int>(t.points.size()),
-                          3 * links,
-                          6 * links,
-                          static_cast<int>(t.chain.size()),
-                          t.size,
-                          9 * links,
-                          3 * t.particles,
+    R** parts[] = {&axes,    &lever, &moment, &second, &own,   &H,
+                   &inverse, &turn,  &force,  &torque, &thrust};
+    const int counts[] = {9 * links,       3 * static_cast<int>(t.points.size()),
+                          3 * links,       6 * links,
+                          9 * links,       static_cast<int>(t.chain.size()),
+                          t.size,          9 * links,
+                          3 * t.particles, 3 * links,
                           3 * links};
-    for (int i = 0; i < 9; ++i) {
+    for (int i = 0; i < 11; ++i) {
       *parts[i] = memory;
       memory += counts[i];
     }
@@ -160,29 +160,46 @@ RAGDOLL_INLINE V3<R> onParent(const Tree& t, const Work<R>& w, const TreeLink& l
   return cross(load3(w.lever + 3 * link.at), f);
 }
 
-/// out[place[k]] = force along coordinate k, for a wrench on `link` and all coordinates above.
-template <class R>
-RAGDOLL_INLINE void spread(const Tree& t, const Work<R>& w, int link, V3<R> l, const V3<R>& f,
-                           int root, const int* place, R* out) {
+/// out[c][stride * place[k]] = force along coordinate k, for wrenches (l[c], f[c]) on `link` and
+/// all coordinates above.
+template <int count, int stride, class R>
+RAGDOLL_INLINE void spread(const Tree& t, const Work<R>& w, int link, V3<R>* l, const V3<R>* f,
+                           int root, const int* place, R* const* out) {
   while (link >= 0) {
     const TreeLink& k = t.links[link];
     const R* axes = w.axes + 9 * link;
-    R* to = out + place[k.first];  // the coordinates of a link follow each other
+    const int at = stride * place[k.first];  // the coordinates of a link follow each other
+    const bool folds = k.kind == TreeLink::Kind::kFold;
     if (k.kind == TreeLink::Kind::kPointer) {
-      to[0] = dot(load3(axes + 3), l);
-      to[1] = dot(load3(axes + 6), l);
-    } else if (k.kind == TreeLink::Kind::kTurn) {
-      store3(l, to);
+      const V3<R> e1 = load3(axes + 3), e2 = load3(axes + 6);
+      for (int c = 0; c < count; ++c) {
+        out[c][at] = dot(e1, l[c]);
+        out[c][at + stride] = dot(e2, l[c]);
+      }
+    } else if (folds) {
+      const V3<R> e = load3(axes);
+      for (int c = 0; c < count; ++c) out[c][at] = dot(e, l[c]);
     } else {
-      to[0] = dot(load3(axes), l);
-      l = l + onParent(t, w, k, f);
-      link = k.parent;
-      continue;
+      for (int c = 0; c < count; ++c) {
+        out[c][at] = l[c].x;
+        out[c][at + stride] = l[c].y;
+        out[c][at + 2 * stride] = l[c].z;
+      }
     }
     link = k.parent;
-    if (link >= 0) l = onParent(t, w, k, f);
+    if (link < 0) break;
+    for (int c = 0; c < count; ++c) {
+      const V3<R> above = onParent(t, w, k, f[c]);
+      l[c] = folds ? l[c] + above : above;
+    }
   }
-  if (!t.roots[root].pinned) store3(f, out + place[t.roots[root].first]);
+  if (t.roots[root].pinned) return;
+  const int at = stride * place[t.roots[root].first];
+  for (int c = 0; c < count; ++c) {
+    out[c][at] = f[c].x;
+    out[c][at + stride] = f[c].y;
+    out[c][at + 2 * stride] = f[c].z;
+  }
 }
 
 /// Symmetric (xx yy zz xy xz yz) times vector.
@@ -213,6 +230,9 @@ RAGDOLL_INLINE void setMoments(const Tree& t, Work<R>& w) {
     out[3] = q[0].x * p[0].y + q[1].x * p[1].y + q[2].x * p[2].y;
     out[4] = q[0].x * p[0].z + q[1].x * p[1].z + q[2].x * p[2].z;
     out[5] = q[0].y * p[0].z + q[1].y * p[1].z + q[2].y * p[2].z;
+    R* own = w.own + 9 * j;
+    store3(load3(w.moment + 3 * j), own);
+    for (int i = 0; i < 6; ++i) own[3 + i] = out[i];
   }
   for (std::size_t j = t.links.size(); j-- > 0;) {
     const TreeLink& k = t.links[j];
@@ -247,13 +267,12 @@ RAGDOLL_INLINE void setMatrix(const Tree& t, const int* depth, Work<R>& w) {
     const TreeLink& k = t.links[j];
     const R* axes = w.axes + 9 * j;
     if (k.kind == TreeLink::Kind::kPointer) {
-      for (int c = 0; c < 2; ++c) {
-        const V3<R> f = N(k.moment[0]) * load3(axes + 3 * (c + 1));
-        w.inverse[k.first + c] = R{} + N(k.second[0]);
-        R* row = w.H + begin[k.first + c];
-        if (c == 1) row[depth[k.first]] = R{};
-        spread(t, w, k.parent, onParent(t, w, k, f), f, k.root, depth, row);
-      }
+      const V3<R> f[2] = {N(k.moment[0]) * load3(axes + 3), N(k.moment[0]) * load3(axes + 6)};
+      V3<R> l[2] = {onParent(t, w, k, f[0]), onParent(t, w, k, f[1])};
+      R* const row[2] = {w.H + begin[k.first], w.H + begin[k.first + 1]};
+      w.inverse[k.first] = w.inverse[k.first + 1] = R{} + N(k.second[0]);
+      row[1][depth[k.first]] = R{};
+      spread<2, 1>(t, w, k.parent, l, f, k.root, depth, row);
       continue;
     }
     const R* s = w.second + 6 * j;
@@ -262,38 +281,66 @@ RAGDOLL_INLINE void setMatrix(const Tree& t, const int* depth, Work<R>& w) {
     if (k.kind == TreeLink::Kind::kFold) {
       const V3<R> a = load3(axes), f = cross(a, m), l = trace * a - times(s, a);
       w.inverse[k.first] = dot(a, l);
-      spread(t, w, k.parent, l + onParent(t, w, k, f), f, k.root, depth, w.H + begin[k.first]);
+      V3<R> above = l + onParent(t, w, k, f);
+      R* const row = w.H + begin[k.first];
+      spread<1, 1>(t, w, k.parent, &above, &f, k.root, depth, &row);
       continue;
     }
-    const V3<R> force[3] = {{R{}, -m.z, m.y}, {m.z, R{}, -m.x}, {-m.y, m.x, R{}}};
+    const V3<R> f[3] = {{R{}, -m.z, m.y}, {m.z, R{}, -m.x}, {-m.y, m.x, R{}}};
+    V3<R> l[3];
+    R* row[3];
     for (int c = 0; c < 3; ++c) {
-      R* row = w.H + begin[k.first + c];
+      row[c] = w.H + begin[k.first + c];
       w.inverse[k.first + c] = trace - s[c];
-      if (c > 0) row[depth[k.first]] = -s[c + 2];
-      if (c > 1) row[depth[k.first] + 1] = -s[5];
-      spread(t, w, k.parent, onParent(t, w, k, force[c]), force[c], k.root, depth, row);
+      l[c] = onParent(t, w, k, f[c]);
     }
+    row[1][depth[k.first]] = -s[3];
+    row[2][depth[k.first]] = -s[4];
+    row[2][depth[k.first] + 1] = -s[5];
+    spread<3, 1>(t, w, k.parent, l, f, k.root, depth, row);
   }
 }
 
+/// Whether coordinates k - 1 and k are a pointer's: they have the same ancestors.
+RAGDOLL_INLINE bool isSecond(const int* begin, const int* chain, int k) {
+  return k > 0 && begin[k + 1] - begin[k] > 0 && chain[begin[k + 1] - 1] == k - 1;
+}
+
 /// H = L^T L in place, from the leaves to the root [Featherstone2008, table 6.3]: L's rows, and the
-/// inverse of its diagonal.
+/// inverse of its diagonal. A coordinate and its next ancestor, where that has the number before,
+/// are eliminated at once: half as many stores.
 template <class R>
 RAGDOLL_INLINE void factorise(const Tree& t, double floor, Work<R>& w) {
   using N = typename NumberOf<R>::Type;
   const int* begin = t.chain_begin.data();
+  const int* all = t.chain.data();
   for (int k = t.size - 1; k >= 0; --k) {
     R* row = w.H + begin[k];
-    const int* chain = t.chain.data() + begin[k];
     const int depth = begin[k + 1] - begin[k];
     const R inverse = N(1) / squareRoot(atLeast(w.inverse[k], N(floor)));
     w.inverse[k] = inverse;
     for (int i = 0; i < depth; ++i) row[i] = row[i] * inverse;
-    for (int i = 0; i < depth; ++i) {
-      const R factor = row[i];
-      R* up = w.H + begin[chain[i]];
-      for (int j = 0; j < i; ++j) up[j] -= factor * row[j];
-      w.inverse[chain[i]] -= factor * factor;
+    if (!isSecond(begin, all, k)) {
+      for (int i = 0; i < depth; ++i) {
+        const R factor = row[i];
+        R* up = w.H + begin[all[begin[k] + i]];
+        for (int j = 0; j < i; ++j) up[j] -= factor * row[j];
+        w.inverse[all[begin[k] + i]] -= factor * factor;
+      }
+      continue;
+    }
+    --k;
+    const int above = depth - 1;
+    R* next = w.H + begin[k];
+    const R shared = row[above];
+    const R inverse2 = N(1) / squareRoot(atLeast(w.inverse[k] - shared * shared, N(floor)));
+    w.inverse[k] = inverse2;
+    for (int i = 0; i < above; ++i) next[i] = (next[i] - shared * row[i]) * inverse2;
+    for (int i = 0; i < above; ++i) {
+      const R a = row[i], b = next[i];
+      R* up = w.H + begin[all[begin[k] + i]];
+      for (int j = 0; j < i; ++j) up[j] -= a * row[j] + b * next[j];
+      w.inverse[all[begin[k] + i]] -= a * a + b * b;
     }
   }
 }
@@ -302,13 +349,21 @@ RAGDOLL_INLINE void factorise(const Tree& t, double floor, Work<R>& w) {
 template <class R>
 RAGDOLL_INLINE void solveUp(const Tree& t, const Work<R>& w, R* y) {
   const int* begin = t.chain_begin.data();
+  const int* all = t.chain.data();
   for (int k = t.size - 1; k >= 0; --k) {
     const R* row = w.H + begin[k];
-    const int* chain = t.chain.data() + begin[k];
     const int depth = begin[k + 1] - begin[k];
     const R value = y[k] * w.inverse[k];
     y[k] = value;
-    for (int i = 0; i < depth; ++i) y[chain[i]] -= row[i] * value;
+    if (!isSecond(begin, all, k)) {
+      for (int i = 0; i < depth; ++i) y[all[begin[k] + i]] -= row[i] * value;
+      continue;
+    }
+    --k;
+    const R* next = w.H + begin[k];
+    const R value2 = (y[k] - row[depth - 1] * value) * w.inverse[k];
+    y[k] = value2;
+    for (int i = 0; i < depth - 1; ++i) y[all[begin[k] + i]] -= row[i] * value + next[i] * value2;
   }
 }
 
@@ -316,13 +371,28 @@ RAGDOLL_INLINE void solveUp(const Tree& t, const Work<R>& w, R* y) {
 template <class R>
 RAGDOLL_INLINE void solveDown(const Tree& t, const Work<R>& w, R* y) {
   const int* begin = t.chain_begin.data();
+  const int* all = t.chain.data();
   for (int k = 0; k < t.size; ++k) {
+    const int* chain = all + begin[k];
     const R* row = w.H + begin[k];
-    const int* chain = t.chain.data() + begin[k];
     const int depth = begin[k + 1] - begin[k];
     R sum = y[k];
-    for (int i = 0; i < depth; ++i) sum -= row[i] * y[chain[i]];
-    y[k] = sum * w.inverse[k];
+    if (k + 1 == t.size || !isSecond(begin, all, k + 1)) {
+      for (int i = 0; i < depth; ++i) sum -= row[i] * y[chain[i]];
+      y[k] = sum * w.inverse[k];
+      continue;
+    }
+    const R* next = w.H + begin[k + 1];
+    R sum2 = y[k + 1];
+    for (int i = 0; i < depth; ++i) {
+      const R above = y[chain[i]];
+      sum -= row[i] * above;
+      sum2 -= next[i] * above;
+    }
+    const R value = sum * w.inverse[k];
+    y[k] = value;
+    ++k;
+    y[k] = (sum2 - next[depth] * value) * w.inverse[k];
   }
 }
 
@@ -360,19 +430,20 @@ RAGDOLL_INLINE void gather(const Tree& t, Work<R>& w, R* out) {
     if (!root.pinned) store3(load3(w.force + 3 * root.particle), out + root.first);
 }
 
+/// Of one particle: a row of M dx.
+template <class R>
+RAGDOLL_INLINE V3<R> momentumOf(const Tree& t, int particle, const R* dx) {
+  using N = typename NumberOf<R>::Type;
+  V3<R> sum{};
+  for (int i = t.mass_begin[particle]; i < t.mass_begin[particle + 1]; ++i)
+    sum = sum + N(t.masses[i].value) * load3(dx + 3 * t.masses[i].column);
+  return sum;
+}
+
 /// w.force = M dx, momentum in units of dx.
 template <class R>
 RAGDOLL_INLINE void momentum(const Tree& t, const R* dx, Work<R>& w) {
-  using N = typename NumberOf<R>::Type;
-  for (int i = 0; i < 3 * t.particles; ++i) w.force[i] = R{};
-  for (const Tree::Mass& m : t.masses) {
-    R* f = w.force + 3 * m.row;
-    const R* d = dx + 3 * m.column;
-    const N value = N(m.value);
-    f[0] += value * d[0];
-    f[1] += value * d[1];
-    f[2] += value * d[2];
-  }
+  for (int i = 0; i < t.particles; ++i) store3(momentumOf(t, i, dx), w.force + 3 * i);
 }
 
 /// dx = T q. turn: 3 per link, scratch (w.torque).
@@ -471,6 +542,64 @@ RAGDOLL_INLINE void retract(const Tree& t, const R* q, const V3<R>& shift, Work<
     for (int i = k.points_begin; i < k.points_end; ++i)
       store3(o + multiply(turn, load3(w.lever + 3 * i)), dx + 3 * t.points[i].particle);
   }
+}
+
+/// sum of m r x (A r), from the second moments of m r r^T (xx yy zz xy xz yz).
+template <class R>
+RAGDOLL_INLINE V3<R> turned(const R* a, const R* s) {
+  const V3<R> x{s[0], s[3], s[4]}, y{s[3], s[1], s[5]}, z{s[4], s[5], s[2]};
+  const V3<R> ax = load3(a), ay = load3(a + 3), az = load3(a + 6);
+  return {dot(y, az) - dot(z, ay), dot(z, ax) - dot(x, az), dot(x, ay) - dot(y, ax)};
+}
+
+/// out (size) = T^T M dx for the dx that `retract` found, from the links' moments: as `momentum`
+/// and `gather`, without a sum over particles. One root.
+template <class R>
+RAGDOLL_INLINE void project(const Tree& t, Work<R>& w, const R* dx, R* out) {
+  using N = typename NumberOf<R>::Type;
+  for (std::size_t i = 0; i < 3 * t.links.size(); ++i) w.torque[i] = w.thrust[i] = R{};
+  const TreeRoot& root = t.roots[0];
+  V3<R> whole = N(root.mass) * load3(dx + 3 * root.particle);
+  for (std::size_t j = t.links.size(); j-- > 0;) {
+    const TreeLink& k = t.links[j];
+    const R* axes = w.axes + 9 * j;
+    const R* turn = w.turn + 9 * j;
+    const V3<R> o = load3(dx + 3 * k.attach);
+    // f: of it and of what hangs on it, less the mass at `attach`; l: moment about that.
+    V3<R> f = load3(w.thrust + 3 * j), l = load3(w.torque + 3 * j);
+    if (k.kind == TreeLink::Kind::kPointer) {
+      const V3<R> change = load3(turn);
+      f = f + N(k.moment[0]) * change;
+      l = l + (N(k.moment[0]) * o + N(k.second[0]) * change);
+      out[k.first] = dot(load3(axes + 3), l);
+      out[k.first + 1] = dot(load3(axes + 6), l);
+    } else {
+      const R* own = w.own + 9 * j;
+      const V3<R> m = load3(own);
+      f = f + multiply(turn, m);
+      l = l + (cross(m, o) + turned(turn, own + 3));
+      if (k.kind == TreeLink::Kind::kTurn)
+        store3(l, out + k.first);
+      else
+        out[k.first] = dot(load3(axes), l);
+    }
+    if (k.parent < 0) {
+      whole = whole + f;
+      continue;
+    }
+    R* thrust = w.thrust + 3 * k.parent;
+    R* torque = w.torque + 3 * k.parent;
+    if (k.kind == TreeLink::Kind::kFold) {
+      const N mass = N(k.mass);
+      l = l + onParent(t, w, k, f + mass * o);
+      f = f + mass * (o - load3(dx + 3 * t.links[k.parent].attach));
+    } else {
+      l = onParent(t, w, k, f);
+    }
+    store3(load3(thrust) + f, thrust);
+    store3(load3(torque) + l, torque);
+  }
+  if (!root.pinned) store3(whole, out + root.first);
 }
 
 /// x1 of the pose that `retract` found, every link laid anew from the root: no error adds up.

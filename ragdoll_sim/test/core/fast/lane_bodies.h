@@ -70,7 +70,8 @@ struct LaneBodies {
   OneLane& rows() {
     OneLane& w = predicted();
     fast::setContacts(body, step, lanes.data(), w);
-    fast::setLimits(body, step, lanes.data(), w);
+    fast::setLimits(body, step, w);
+    w.unsettled = w.unsolved = true;
     for (int k = 0; k < body.tree.size; ++k) w.q[k] = w.y[k] = 0;
     fast::setPose(body, w);
     return w;

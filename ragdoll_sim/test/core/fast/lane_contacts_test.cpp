@@ -92,8 +92,8 @@ TEST(LaneContacts, BeginAtTheLastStepsImpulses) {
   const Row& row = ball.rows().contacts[0];
   const double share = 0.5 * ball.step.h * ball.step.h;
   EXPECT_NEAR(row.press, share * 20, 1e-16);
-  EXPECT_NEAR(row.pull.x, share * 3, 1e-16);
-  EXPECT_NEAR(row.pull.z, 0, 1e-16);
+  EXPECT_NEAR(row.pull[0] * row.axes[1].x + row.pull[1] * row.axes[2].x, share * 3, 1e-16);
+  EXPECT_NEAR(row.pull[0] * row.axes[1].y + row.pull[1] * row.axes[2].y, 0, 1e-16);
   EXPECT_NEAR(row.allowed, -(1 - fast::kRecovery) * 0.01, 1e-15);
 }
 
@@ -112,10 +112,11 @@ TEST(LaneContacts, ASweepPressesTheGapOutAndRubsWithinTheCone) {
     const Row& row = w.contacts[0];
     const double rubs = std::min(mu * deep, along);
     EXPECT_NEAR(row.press, mass * deep, 1e-15);
-    EXPECT_NEAR(row.pull.x, -mass * rubs, 1e-15);
-    const auto moved = row.base + fast::motionOf(w, row);
-    EXPECT_NEAR(moved.z, 0, 1e-16);
-    EXPECT_NEAR(moved.x, along - rubs, 1e-16);
+    EXPECT_NEAR(row.pull[0], -mass * rubs, 1e-15);  // the floor's first tangent is x
+    double moved[] = {row.gap, row.slip[0], row.slip[1]};
+    fast::addAlong<3>(w, row.feature->row, row.z, moved);
+    EXPECT_NEAR(moved[0], 0, 1e-16);
+    EXPECT_NEAR(moved[1], along - rubs, 1e-16);
   }
 }
 
@@ -123,14 +124,16 @@ TEST(LaneContacts, NeverPull) {
   LaneBodies ball(ballOver(0, 1, Vec3::Zero(), floorPlane(0.5)));
   OneLane& w = ball.rows();
   w.contacts[0].press = 0.003;  // of the last step
-  w.contacts[0].pull.x = 0.001;
-  fast::push(w, w.contacts[0], {0.001, 0, 0.003});
+  w.contacts[0].pull[0] = 0.001;
+  fast::push(w, w.contacts[0], w.contacts[0].press, w.contacts[0].pull);
   w.dx[2] = 0.1;
   fast::measureContacts(w);
   fast::sweepContacts(w);
   EXPECT_EQ(w.contacts[0].press, 0);
-  EXPECT_EQ(w.contacts[0].pull.x, 0);
-  EXPECT_NEAR(fast::motionOf(w, w.contacts[0]).z, 0, 1e-18);
+  EXPECT_EQ(w.contacts[0].pull[0], 0);
+  double moved[] = {0, 0, 0};
+  fast::addAlong<3>(w, w.contacts[0].feature->row, w.contacts[0].z, moved);
+  EXPECT_NEAR(moved[0], 0, 1e-18);
 }
 
 }  // namespace

@@ -33,6 +33,12 @@ TEST(LaneLimits, ASwingTurnsOneDirectionIntoAnother) {
   }
 }
 
+template <bool moved>
+double valueOf(const LaneBodies& one, const OneLane& w, const fast::FastLimit& limit) {
+  fast::SeenChild<double> seen;
+  return fast::limitValue<moved>(one.body, w, limit, seen);
+}
+
 /// Limbs with every kind of joint, with small random coordinates.
 struct Limbs : LaneBodies {
   OneLane& w;
@@ -59,7 +65,7 @@ TEST(LaneLimits, AreTheCosinesOfTheirAngles) {
     const Points x = one.pose();
     for (std::size_t i = 0; i < limits.size(); ++i) {
       const double angle = limitValue(limits[i], x.data());
-      const double value = fast::limitValue<true>(one.body, one.w, one.body.limits[i]);
+      const double value = valueOf<true>(one, one.w, one.body.limits[i]);
       EXPECT_EQ(value < 0, angle < 0) << i;
       if (limits[i].kind != Limit::Kind::kWithin) continue;
       const double border = limits[i].angle, least = std::max(std::sin(border), fast::kLeastSine);
@@ -80,7 +86,7 @@ TEST(LaneLimits, HaveTheirDerivativesAsRows) {
       const auto valueAt = [&](double q) {
         w.q[k] = q;
         fast::setPose(one.body, w);
-        return fast::limitValue<true>(one.body, w, limit);
+        return valueOf<true>(one, w, limit);
       };
       const double e = 1e-4, slope = (valueAt(e) - valueAt(-e)) / (2 * e);
       w.q[k] = 0;
@@ -112,7 +118,7 @@ TEST(LaneLimits, ASweepTurnsBackWhatIsAllowed) {
   BentNeck one(std::numeric_limits<double>::infinity(), 0);
   OneLane& w = one.rows();
   ASSERT_EQ(w.limit_count, 1);
-  const double violated = fast::limitValue<false>(one.body, w, one.body.limits[0]);
+  const double violated = valueOf<false>(one, w, one.body.limits[0]);
   EXPECT_NEAR(violated, (std::cos(rad(40)) - std::cos(rad(30))) / std::sin(rad(30)), 1e-13);
   fast::measureLimits(one.body, w);
   fast::sweepLimits(w);
@@ -120,7 +126,7 @@ TEST(LaneLimits, ASweepTurnsBackWhatIsAllowed) {
   tree::solveDown(one.body.tree, w.tree, w.y);
   std::copy_n(w.y, one.body.tree.size, w.q);
   fast::setPose(one.body, w);
-  const double left = fast::limitValue<true>(one.body, w, one.body.limits[0]);
+  const double left = valueOf<true>(one, w, one.body.limits[0]);
   EXPECT_NEAR(left / violated, 1 - fast::kRecovery, 0.01);
 }
 
@@ -133,7 +139,7 @@ TEST(LaneLimits, OfSpringsAreSoft) {
   LimitRow soft;
   soft.compliance = 1 / stiffness;
   soft.damping = damping;
-  soft.start = fast::limitValue<false>(one.body, w, one.body.limits[0]);
+  soft.start = valueOf<false>(one, w, one.body.limits[0]);
   const LimitRow::Softness expected = soft.eulerSoftness(one.step.h);
   EXPECT_NEAR(w.limits[0].compliance, expected.compliance / 0.5, 1e-12 * expected.compliance);
   EXPECT_NEAR(w.limits[0].allowed, -expected.offset, 1e-15);

@@ -103,7 +103,8 @@ TEST(LaneStep, DampingInsideLeavesTheRigidMotionWithTheSameMomenta) {
   Points& v = one.bodies[0].v;
   for (int i = 0; i < v.size(); ++i) v.data()[i] = normal(random);
   OneLane& w = one.predicted();
-  EXPECT_NEAR(fast::energyOf(one.body, w, w.v, 1), 0.5 * one.bodies[0].v.squaredNorm(), 1e-14);
+  EXPECT_NEAR(fast::energyOf<OneLane>(one.body, w.v, 1), 0.5 * one.bodies[0].v.squaredNorm(),
+              1e-14);
   fast::dampInside(one.body, 0, w);
   const Points before = one.bodies[0].v, after = Eigen::Map<Points>(w.v, 3, 3);
   EXPECT_LT((after - before).rowwise().sum().norm(), 1e-14);
