@@ -39,7 +39,7 @@ constexpr double kSelfNear = 1e-3;  ///< [m] limbs this near touch
 constexpr double kMostDeep = 0.012;       ///< [m] of a particle in an obstacle
 constexpr double kWorse = 2e-3;           ///< [m] than a deep one is to be after the step
 constexpr double kMostStickDeep = 0.015;  ///< [m] of a stick
-constexpr double kDeeper = 1e-3;          ///< [m] what a sunken stick may sink on
+constexpr double kDeeper = 1e-3;          ///< [m] what a sunken stick or particle may sink on
 constexpr double kMostAngle = 0.15;       ///< [rad] of a limit
 
 constexpr double kReportedShare = 1e-6;  ///< of a motion: less that is drawn back is rounding

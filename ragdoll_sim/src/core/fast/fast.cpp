@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/distance.h"
 #include "core/contact/pair_detect.h"
 #include "core/direct/direct_step.h"
 #include "core/fast/body_build.h"
@@ -197,26 +198,39 @@ class PackRun {
     lane.contact_count = static_cast<int>(contacts.size());
   }
 
+  /// Of a stick, or one particle.
+  Bounds boundsOf(const Skeleton& s, int first, int a, int b) const {
+    const auto x = predicted_.col(first + a), y = predicted_.col(first + b);
+    const double pad = std::max(s.radius[a], s.radius[b]);
+    return {x.cwiseMin(y).array() - pad, x.cwiseMax(y).array() + pad};
+  }
+
   /// Whether a stick may be deep in an obstacle, by their bounds: by how much these overlap along
   /// an axis bounds the depth.
-  bool mayBeDeep(int index) const {
-    const Ragdoll& r = model_.ragdolls[index];
+  bool mayBeDeep(const Ragdoll& r, const SweptObstacle& m) const {
     const Skeleton& s = model_.skeletonOf(r);
-    for (const SweptObstacle& m : scratch_.obstacles)
-      for (const Stick& k : s.sticks) {
-        if (k.a >= s.named || k.b >= s.named) continue;
-        const auto a = predicted_.col(r.first + k.a), b = predicted_.col(r.first + k.b);
-        const double pad = std::max(s.radius[k.a], s.radius[k.b]);
-        if (overlap({a.cwiseMin(b).array() - pad, a.cwiseMax(b).array() + pad}, m.bounds,
-                    -kMostStickDeep))
-          return true;
-      }
+    return std::any_of(s.sticks.begin(), s.sticks.end(), [&](const Stick& k) {
+      return k.a < s.named && k.b < s.named &&
+             overlap(boundsOf(s, r.first, k.a, k.b), m.bounds, -kMostStickDeep);
+    });
+  }
+
+  /// Whether a particle has gone deep where no row held it off; predicted_: where the body is now.
+  bool particlesSink(const Ragdoll& r, const SweptObstacle& m) const {
+    const Skeleton& s = model_.skeletonOf(r);
+    for (int i = 0; i < s.named; ++i) {
+      if (body_.tree.roots[0].pinned && body_.tree.roots[0].particle == i) continue;
+      if (!overlap(boundsOf(s, r.first, i, i), m.bounds, -kMostDeep)) continue;
+      const Vec3 x0 = state_.x.col(r.first + i), x1 = predicted_.col(r.first + i);
+      const double gap = signedDistanceValue(*m.obstacle, m.toEnd(x1)) - s.radius[i];
+      const double before = signedDistanceValue(*m.obstacle, m.toStart(x0)) - s.radius[i];
+      if (gap < -kMostDeep && gap < before - kDeeper) return true;
+    }
     return false;
   }
 
   /// Whether a stick has turned over an edge into an obstacle; predicted_: where the body is now.
   bool sticksSink(int index) {
-    if (scratch_.obstacles.empty() || !mayBeDeep(index)) return false;
     pack_.found.clear();
     appendStickOverlaps(model_, scratch_.obstacles, state_.x, predicted_, index, kMostStickDeep,
                         pack_.found);
@@ -226,6 +240,25 @@ class PackRun {
         gap += c.weight[k] * c.normal.dot(predicted_.col(c.particle[k]));
       return gap < c.gap_start - kDeeper;
     });
+  }
+
+  /// Whether something is deep in an obstacle that no row has kept out.
+  bool sinks(int index) {
+    if (scratch_.obstacles.empty()) return false;
+    const Ragdoll& r = model_.ragdolls[index];
+    const Skeleton& s = model_.skeletonOf(r);
+    Bounds all = boundsOf(s, r.first, 0, 0);
+    for (int i = 1; i < s.named; ++i) {
+      const Bounds one = boundsOf(s, r.first, i, i);
+      all = {all.lo.cwiseMin(one.lo), all.hi.cwiseMax(one.hi)};
+    }
+    bool sticks = false;
+    for (const SweptObstacle& m : scratch_.obstacles) {
+      if (!overlap(all, m.bounds, -kMostDeep)) continue;
+      if (particlesSink(r, m)) return true;
+      sticks = sticks || mayBeDeep(r, m);
+    }
+    return sticks && sticksSink(index);
   }
 
   /// Whether limbs come near each other on the way: what touches is for shake.
@@ -241,7 +274,7 @@ class PackRun {
   void keep(int l) {
     const Lane& lane = lanes_[l];
     const int index = ragdollOf(l);
-    if (!lane.good || sticksSink(index) || touchesItself(index)) {
+    if (!lane.good || sinks(index) || touchesItself(index)) {
       batch_.left.push_back(index);
       return;
     }
