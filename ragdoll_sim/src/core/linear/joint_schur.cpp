@@ -20,7 +20,8 @@ struct JointSchur::View {
     return sum(i, [&](const Schur& s, int side) { return s.free(joint.rows_[i].row[side]); });
   }
   double rate(int i) const {
-    return b[i] + sum(i, [&](const Schur& s, int side) { return s.rate(joint.rows_[i].row[side]); });
+    return b[i] +
+           sum(i, [&](const Schur& s, int side) { return s.rate(joint.rows_[i].row[side]); });
   }
   void push(int i, int count, const double* step) {
     for (int side = 0; side < 2; ++side) {
@@ -72,6 +73,24 @@ double JointSchur::answer(int i) const {
   return sum;
 }
 
+double JointSchur::entry(int i, int j) const {
+  double sum = 0;
+  for (int side = 0; side < 2; ++side)
+    for (int other = 0; other < 2; ++other)
+      if (rows_[i].body[side] >= 0 && rows_[i].body[side] == rows_[j].body[other])
+        sum += bodies_[rows_[i].body[side]]->entry(rows_[i].row[side], rows_[j].row[other]);
+  return sum;
+}
+
+double JointSchur::along(int i, const double* x, const std::vector<int>& at) const {
+  double sum = 0;
+  for (int side = 0; side < 2; ++side) {
+    const int body = rows_[i].body[side];
+    if (body >= 0) sum += bodies_[body]->along(rows_[i].row[side], x + at[body]);
+  }
+  return sum;
+}
+
 void JointSchur::soften(int i, double compliance) {
   const int side = sideOf(i);
   bodies_[rows_[i].body[side]]->soften(rows_[i].row[side], compliance);
@@ -102,8 +121,7 @@ void JointSchur::split(const RowValues& p, std::vector<RowValues>& parts) const 
       if (rows_[i].body[side] >= 0) parts[rows_[i].body[side]][rows_[i].row[side]] = p[i];
 }
 
-void JointSchur::addAnswer(double share, const std::vector<RowValues>& parts,
-                           RowValues& sum) {
+void JointSchur::addAnswer(double share, const std::vector<RowValues>& parts, RowValues& sum) {
   if (answers_.size() < bodies_.size()) answers_.resize(bodies_.size());
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     if (bodies_[k]->empty()) continue;
