@@ -157,6 +157,23 @@ TEST(EventsBetweenBodies, RodsThatMeetInTheAirAreOfFifthOrderAndShakesLimit) {
   expectShakesLimit(meetInTheAir(), 1.0 / 480, 0.2, 1e-5);
 }
 
+/// A chain of three bones on a floor that folds: the last falls on the first and slides off.
+TEST(EventsBetweenBodies, AChainThatFallsOnItselfIsOfFifthOrderAndShakesLimit) {
+  SkeletonSpec chain = oneStick(1, 1, 0.05);
+  chain.particles.push_back(particle("c", Vec3(1, 0, 0.5), 1, 0.05));
+  chain.particles.push_back(particle("d", Vec3(0.3, 0.02, 0.55), 1, 0.05));
+  chain.sticks.push_back(stick("b", "c"));
+  chain.sticks.push_back(stick("c", "d"));
+  chain.segments.push_back(bone("bc", "b", "c"));
+  chain.segments.push_back(bone("cd", "c", "d"));
+  Scene scene = rkScene();
+  scene.self_collision = true;
+  scene.obstacles = {floorPlane(1)};
+  add(scene, chain, Vec3(0, 0, 0.05));
+  expectFifthOrder(scene, 1.0 / 120, 0.45, 1e-9);
+  expectShakesLimit(scene, 1.0 / 120, 0.45, 1e-8);
+}
+
 TEST(EventsBetweenBodies, WhatMeetsInTheAirKeepsItsAngularMomentum) {
   World world(meetInTheAir());
   const auto angular = [&] {
