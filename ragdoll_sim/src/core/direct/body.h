@@ -9,7 +9,6 @@
 #include "core/direct/constraint_set.h"
 #include "core/direct/implicit_scratch.h"
 #include "core/direct/impulse_cache.h"
-#include "core/direct/mode.h"
 #include "core/direct/runge_kutta.h"
 #include "core/direct/tolerances.h"
 #include "core/limits/limit_angles.h"
@@ -110,7 +109,6 @@ struct Body {
   EnergyScratch energy;
   PairDetector detector;  ///< of the body with itself
   RungeKuttaScratch stages;
-  Mode mode;  ///< of rk, while something touches
   ImplicitScratch implicit;
   RowValues b, total;  ///< of the Schur complement's rows: gaps or rates, impulses
   Eigen::VectorXd tension, row_sums;

@@ -6,6 +6,7 @@
 #include "core/contact/detect.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/mode_rows.h"
 #include "core/direct/spring.h"
 #include "core/direct/workspace.h"
 
@@ -193,19 +194,20 @@ void addPeaks(std::vector<ContactImpulse>& entries, std::size_t first) {
 
 }  // namespace
 
-void logImpulse(const Body& body, const Contact& c, const LoggedImpact& impact, const double* x,
+void logImpulse(const Island& island, const Contact& c, const LoggedImpact& impact, const double* x,
                 const double* v) {
-  const StepContext& step = *body.context;
+  const StepContext& step = island.context;
   ContactImpulse e = entryOf(step.model, step.state, c);
-  e.point = motionOf(body, c, x);
+  Contact own = c;
+  own.count = std::min(c.count, 2);
   double radius = 0;
-  for (int k = 0; k < c.count; ++k) radius += c.weight[k] * step.model.radius[c.particle[k]];
-  e.depth = c.found - c.normal.dot(e.point);
-  e.point -= radius * c.normal;
+  for (int k = 0; k < own.count; ++k) radius += c.weight[k] * step.model.radius[c.particle[k]];
+  e.point = motionOf(island, own, x) - radius * c.normal;
+  e.depth = c.found - c.normal.dot(motionOf(island, c, x));
   e.impulse = impact.impulse;
   e.approach = impact.approach;
   e.peak = withFriction(c, impact.impulse) * impact.peak;
-  const Vec3 rate = motionOf(body, c, v);
+  const Vec3 rate = motionOf(island, c, v);
   e.slip = (rate - rate.dot(c.normal) * c.normal).norm();
   e.effective_mass = impact.answer > 0 ? 1 / impact.answer : 0;
   step.log->impulses.push_back(e);

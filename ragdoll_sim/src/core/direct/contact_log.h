@@ -25,8 +25,9 @@ struct LoggedImpact {
   double peak = 0;              ///< [N] of what gives way
 };
 
-/// Of a contact of a body at x (3 x n): what one impact, or a smooth motion, gave.
-void logImpulse(const Body& body, const Contact& contact, const LoggedImpact& impact,
+/// Of a contact at x, v (coordinates as of a mode, mode.h): what one impact, or a smooth motion,
+/// gave.
+void logImpulse(const Island& island, const Contact& contact, const LoggedImpact& impact,
                 const double* x, const double* v);
 
 /// Whether anyone asks.

@@ -11,6 +11,7 @@
 
 #include "core/contact/pair_detect.h"
 #include "core/direct/body.h"
+#include "core/direct/mode.h"
 #include "core/linear/joint_schur.h"
 #include "core/mechanics/energy_removal.h"
 
@@ -48,6 +49,7 @@ struct IslandScratch {
   PairSet pairs;
   PairDetector detector;
   JointSchur joint;
+  Mode mode;  ///< of rk, while something touches
   RemovalScratch removal;
   RowValues b, p, total, change;
   RowValues rates;         ///< [m/s] where contacts are logged: before the velocity stage

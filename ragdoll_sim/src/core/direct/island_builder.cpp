@@ -6,6 +6,7 @@
 #include "core/contact/constants.h"
 #include "core/direct/constants.h"
 #include "core/direct/direct_step.h"
+#include "core/direct/mode_events.h"
 #include "core/direct/motion.h"
 #include "core/direct/penetration.h"
 #include "core/direct/workspace.h"
@@ -13,7 +14,6 @@
 
 namespace ragdoll {
 namespace {
-
 
 int sizeOf(const Model& model, int ragdoll) {
   return model.skeletonOf(model.ragdolls[ragdoll]).size();
@@ -38,6 +38,11 @@ double gapLeft(const StepContext& step, const Contact& c) {
   return c.isSoft() ? std::min(gap, c.gap_start) : gap + allowedPenetration(c, step.h, step.h);
 }
 
+/// [m] What bodies that go from event to event may overlap by before they are one island; and how
+/// near they may come, as what lies between their ends is looked at by none else.
+double overlapOf(const StepContext& step) { return goesThroughEvents(step) ? kTouching : kSlop; }
+double nearOf(const StepContext& step) { return goesThroughEvents(step) ? kNearBody : kClose; }
+
 }  // namespace
 
 void IslandBuilder::step(const StepContext& context, StepReport& report) {
@@ -45,7 +50,7 @@ void IslandBuilder::step(const StepContext& context, StepReport& report) {
   predict(context);
   for (int round = 0; round < kIslandRounds; ++round) {
     findContacts(context, round > 0);
-    unite(context, round == 0 ? kClose : -kSlop);
+    unite(context, round == 0 ? nearOf(context) : -overlapOf(context));
     if (!stepIslands(context)) break;
     if (holdsAll(context.state)) break;
   }
@@ -122,8 +127,8 @@ void IslandBuilder::findContacts(const StepContext& context, bool overlaps_only)
     if (!overlaps_only)
       detector_.appendBetween(context.model, state, x0_, state.x, PairSearch::touches(kNearBody),
                               contacts_);
-    detector_.appendBetween(context.model, state, x0_, state.x, PairSearch::overlaps(kSlop),
-                            contacts_);
+    detector_.appendBetween(context.model, state, x0_, state.x,
+                            PairSearch::overlaps(overlapOf(context)), contacts_);
     was_asleep_ = state.asleep;
     if (!wakeTouched(contacts_, state.x, state)) return;
     parts_.clear();

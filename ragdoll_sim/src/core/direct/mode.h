@@ -1,11 +1,12 @@
-// A mode of a body's motion: which limits press, which contacts with obstacles are closed, and which
-// of these stick; what gives way presses by its spring and damper. While it lasts the motion is
-// smooth (docs/equations.md#event-driven-rk).
+// A mode of an island's motion: which limits press, which contacts are closed, and which of these
+// stick; what gives way presses by its spring and damper. While it lasts the motion is smooth
+// (docs/equations.md#event-driven-rk).
 #pragma once
 
 #include <array>
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/contact/contact.h"
 #include "core/direct/mode_solve.h"
 #include "core/linear/stick_kernels.h"
@@ -15,12 +16,18 @@ namespace ragdoll {
 
 /// What may press.
 struct ModeRow {
-  enum class Kind { kParticle, kStick, kLimit };
+  enum class Kind { kParticle, kStick, kLimit, kPair };
   Kind kind = Kind::kParticle;
-  int a = 0, b = 0;    ///< particles of the body; of a stick both
-  int obstacle = -1;   ///< of the step's
-  int limit = -1;      ///< of the skeleton
+  int body = 0;           ///< place in the island
+  int a = 0, b = 0;       ///< particles of the body; of a stick both
+  int obstacle = -1;      ///< of the step's
+  int limit = -1;         ///< of the skeleton
   double ra = 0, rb = 0;  ///< [m]
+  // kPair: particle or stick on particle or stick.
+  int other = 0;          ///< place of the body of c and d
+  int c = 0, d = 0;       ///< as a and b
+  double rc = 0, rd = 0;  ///< [m]
+  double rest = 0;        ///< [m] of the gap that counts as none: what steps of shake leave
   double friction = 0, restitution = 0;
   Compliance give;  ///< limits: [rad/(N m)], [N m s/rad]
   // Of the present mode.
@@ -34,49 +41,60 @@ struct ModeRow {
   double answer = 0;             ///< [1/kg] to a push along the normal: of springs that press
 
   bool isSoft() const { return give.compliance > 0; }
+  bool isContact() const { return kind != Kind::kLimit; }
+  bool isShared() const { return kind == Kind::kPair && other != body; }
 };
 
 /// Where a row stands at a pose.
 struct RowPlace {
   double gap = 0;        ///< [m], [rad]
   double curvature = 0;  ///< second derivative of the gap along the motion, without accelerations
-  Vec3 turn = Vec3::Zero();  ///< [m/s^2] along the surface: as place and normal move
-  bool regular = true;       ///< false: it has no such derivative here
-  double at = 0;             ///< of a stick: from a (0) to b (1)
-  bool inside = true;        ///< likewise: between its ends
+  Vec3 turn = Vec3::Zero();      ///< [m/s^2] along the surface: as place and normal move
+  bool regular = true;           ///< false: it has no such derivative here
+  double at = 0;                 ///< of a stick: from a (0) to b (1)
+  bool inside = true;            ///< likewise: between its ends
   std::array<int, 3> feature{};  ///< -1, 0, 1: beyond which faces of the obstacle's core
-  Contact contact;               ///< kParticle, kStick
+  Contact contact;               ///< of all but kLimit
   LimitRow limit;                ///< kLimit
 };
 
 /// Forces of the rows at one instant.
 struct ModeForces {
-  std::vector<double> normal;   ///< [N], [N m]
-  std::vector<Vec3> friction;   ///< [N]
+  std::vector<double> normal;  ///< [N], [N m]
+  std::vector<Vec3> friction;  ///< [N]
 };
 
-/// A motion's state at one instant, in padded coordinates.
+/// A motion's state at one instant: padded coordinates of one body after the other (Mode::offset).
 struct ModePoint {
-  Eigen::VectorXd x, v, a;
+  RowValues x, v, a;
   ModeForces forces;
   double power = 0;  ///< [W] of what is counted in Body::given
 };
 
+/// Bodies that press on each other, and nothing outside on them: friction between two axes, which
+/// are apart, is a couple; as angular momentum stays, it comes back as a spin of them all.
+struct ModeSpin {
+  Vec3 centre = Vec3::Zero();                         ///< [m]
+  Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< [kg m^2]
+};
+
 struct Mode {
-  std::vector<ModeRow> rows;
-  double force_scale = 0;  ///< [N] below 1e-9 of which a force is none
-  double longest = 0;      ///< [s] piece in which springs are followed
-  double work = 0;         ///< [J] of what is counted in Body::given, in the last motion
+  std::vector<ModeRow> rows;  ///< of one body after the other, then those that two share
+  std::vector<int> offset;    ///< of each body's coordinates
+  int size = 0;               ///< of all coordinates
+  double force_scale = 0;     ///< [N] below 1e-9 of which a force is none
+  double longest = 0;         ///< [s] piece in which springs are followed
+  double work = 0;            ///< [J] of what is counted in Body::given, in the last motion
   // Scratch.
   std::vector<RowPlace> place;
   std::vector<int> first;  ///< of rows in the Schur complement; -1: none
   std::vector<ModeBlock> blocks;
+  std::vector<int> spin_of;  ///< of each body; -1: held, or nothing presses on it
+  std::vector<ModeSpin> spins;
   ModePoint start, end, sample, stage;
-  PaddedRows slopes;
+  Growing<PaddedRows> slopes;
   std::vector<ModeForces> stages;
   std::vector<double> event, earlier;
-  Eigen::VectorXd p;
-  Points free;
 };
 
 }  // namespace ragdoll

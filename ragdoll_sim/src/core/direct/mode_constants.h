@@ -1,5 +1,5 @@
-// What rk's motion from event to event is bounded by (docs/equations.md#event-driven-rk). Not tuned:
-// below all errors that are asked for, above rounding; caps of loops that converge.
+// What rk's motion from event to event is bounded by (docs/equations.md#event-driven-rk). Not
+// tuned: below all errors that are asked for, above rounding; caps of loops that converge.
 #pragma once
 
 namespace ragdoll {
@@ -18,10 +18,13 @@ constexpr int kMostSolutions = 100;  ///< of equalities, until the directions of
 constexpr double kSpringPhase = 0.125;  ///< [rad] of what swings on a spring, in a piece
 constexpr double kMoment = 1e-7;        ///< [s] after which it is looked at whether a spring presses
 constexpr int kMaxEvents = 24;     ///< in one step; more crowd (Zeno, chatter): shake's steps
-constexpr int kMostModeRows = 64;  ///< of closed contacts and limits; what lies with more is at rest
+constexpr int kMostModeRows = 96;  ///< of closed contacts and limits; what lies with more is at rest
 /// [m] Along a motion, for second derivatives by differences of fourth order: 1e-12 of their size.
 constexpr double kDifference = 3e-4;
-constexpr double kFlatCurvature = 1e-3;  ///< [m] of a gap along a stick: flatter has no nearest place
+constexpr double kFlatCurvature =
+    1e-3;                           ///< [m] of a gap along a stick: flatter has no nearest place
+constexpr double kFlatPair = 1e-8;  ///< [m] the same between two sticks: they lie along each other
+constexpr int kPlaceRefinements = 4;     ///< Newton iterations to the nearest places of two sticks
 constexpr double kReach = 3;             ///< of the present motion: what else may be met in a step
 constexpr double kClosedGap = 1e-9;      ///< [m], [rad] what an event leaves of a gap
 constexpr double kGapNoise = 1e-11;      ///< [m], [rad] of a gap that is closed
@@ -29,6 +32,7 @@ constexpr double kStill = 1e-8;          ///< [m/s] of a slip that has ended
 constexpr double kLeaving = 1e-9;        ///< [m/s], [rad/s] what opens faster does not rest
 constexpr double kRestApproach = 1e-5;   ///< [m/s] slower does not bounce: 5e-12 m high
 constexpr double kNoForce = 1e-9;        ///< of the weight and of what presses
+constexpr double kLeastOfWeight = 1e-3;  ///< what presses with less is measured by the weight
 constexpr double kHeld = 4e-9;           ///< of the same: what an event leaves of the cone
 constexpr double kOnCone = 1e-9;         ///< of mu f_n: nearer to it is on it
 constexpr double kNoAnswer = 1e-12;      ///< [1/kg] of a row that cannot move
@@ -36,24 +40,24 @@ constexpr double kDependent = 1e-11;     ///< of rows scaled to a unit diagonal
 constexpr double kModeContradiction = 1e-7;  ///< of what is asked for, that equalities may leave
 constexpr double kSameDirection = 1e-13;  ///< sine between slip and the motion that it begins with
 constexpr double kNearlySameDirection = 1e-9;  ///< where rounding is larger
-constexpr int kAlignments = 15;           ///< Newton iterations to that
-constexpr double kSlipTurn = 1e-6;        ///< [rad] for its derivatives
-constexpr double kMostTurn = 0.3;         ///< [rad] of one iteration
-constexpr int kModeSweeps = 300;         ///< of the first guess
-constexpr double kModeSettled = 1e-10;   ///< largest change of a force, of the largest force
-constexpr int kModeChanges = 60;         ///< until equalities and inequalities agree
-constexpr int kModeProjections = 8;      ///< onto sticks and rows in turn; 1 or 2 are usual
-constexpr double kProjected = 1e-13;     ///< [m], [rad] to which that converges
-constexpr int kEventSamples = 4;         ///< in a piece, between which event functions are looked at
-constexpr int kEventRefinements = 12;    ///< of the time of an event, by motions that end there
-constexpr double kPlaceNoise = 1e-12;    ///< [m], and of a stick's length
-constexpr double kSlipNoise = 1e-12;     ///< [m/s]
-constexpr int kZeroSearches = 40;        ///< for an event within a sample: a cap
-constexpr double kZeroShare = 1e-9;      ///< of the piece; motions that end there do the rest
-constexpr double kSlopeShare = 1e-3;     ///< of the piece, over which an event function is straight
-constexpr double kEventNear = 1e-10;     ///< [s] and to which it has to
-/// [m], [rad] What opens by less before it closes again has not opened: two rows that open each other
-/// in turn would do so a thousand times.
+constexpr int kAlignments = 15;                ///< Newton iterations to that
+constexpr double kSlipTurn = 1e-6;             ///< [rad] for its derivatives
+constexpr double kMostTurn = 0.3;              ///< [rad] of one iteration
+constexpr int kModeSweeps = 300;               ///< of the first guess
+constexpr double kModeSettled = 1e-10;         ///< largest change of a force, of the largest force
+constexpr int kModeChanges = 60;               ///< until equalities and inequalities agree
+constexpr int kModeProjections = 8;            ///< onto sticks and rows in turn; 1 or 2 are usual
+constexpr double kProjected = 1e-13;           ///< [m], [rad] to which that converges
+constexpr int kEventSamples = 4;       ///< in a piece, between which event functions are looked at
+constexpr int kEventRefinements = 12;  ///< of the time of an event, by motions that end there
+constexpr double kPlaceNoise = 1e-12;  ///< [m], and of a stick's length
+constexpr double kSlipNoise = 1e-12;   ///< [m/s]
+constexpr int kZeroSearches = 40;      ///< for an event within a sample: a cap
+constexpr double kZeroShare = 1e-9;    ///< of the piece; motions that end there do the rest
+constexpr double kSlopeShare = 1e-3;   ///< of the piece, over which an event function is straight
+constexpr double kEventNear = 1e-10;   ///< [s] and to which it has to
+/// [m], [rad] What opens by less before it closes again has not opened: two rows that open each
+/// other in turn would do so a thousand times.
 constexpr double kChatterGap = 1e-9;
 constexpr int kShorterPieces = 10;       ///< until an event is located in one
 constexpr double kShorterPiece = 0.125;  ///< of the one before

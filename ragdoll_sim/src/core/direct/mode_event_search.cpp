@@ -16,35 +16,36 @@ enum Event { kGap, kForce, kFriction, kPlace, kEventsOfRow };
 
 constexpr double kLasting = 1;  ///< of what does not end the mode
 
-/// Where the functions are not negative as long as the mode lasts, at a point whose forces are known.
-double eventValue(Body& body, std::size_t i, Event event, const ModePoint& point) {
-  const ModeRow& row = body.mode.rows[i];
-  const double none = 2 * kNoForce * body.mode.force_scale;
+/// Where the functions are not negative as long as the mode lasts, at a point whose forces are
+/// known.
+double eventValue(Island& island, std::size_t i, Event event, const ModePoint& point) {
+  const ModeRow& row = island.s.mode.rows[i];
+  const double none = 2 * kNoForce * island.s.mode.force_scale;
   if (event == kGap) {
     if (row.presses) return kLasting;
     const double noise = row.gap_start < kClosedGap ? kGapNoise : 0;
-    return openingOf(body, row, point.x.data(), point.v.data()) - std::min(0.0, row.gap_start) +
+    return openingOf(island, row, point.x.data(), point.v.data()) - std::min(0.0, row.gap_start) +
            noise;
   }
   if (!row.presses) return kLasting;
   if (event == kForce) return point.forces.normal[i] + none;
   if (event == kPlace)
-    return std::min(kLasting, roomOf(body, row, point.x.data(), row.feature) + kPlaceNoise);
+    return std::min(kLasting, roomOf(island, row, point.x.data(), row.feature) + kPlaceNoise);
   if (!(row.friction > 0)) return kLasting;
   if (row.sticks)
     return row.friction * point.forces.normal[i] - point.forces.friction[i].norm() + none;
-  const Contact c = placeOf(body, row, point.x.data(), point.v.data(), false).contact;
-  return slipOf(body, c, point.v.data()).dot(row.slip) + kSlipNoise;
+  const Contact c = placeOf(island, row, point.x.data(), point.v.data(), false).contact;
+  return slipOf(island, c, point.v.data()).dot(row.slip) + kSlipNoise;
 }
 
 /// Functions at a point, whose accelerations are found if something presses.
-bool eventsAt(Body& body, ModePoint& point, std::vector<double>& values) {
-  Mode& mode = body.mode;
-  if (!accelerateInMode(body, point)) return false;
+bool eventsAt(Island& island, ModePoint& point, std::vector<double>& values) {
+  Mode& mode = island.s.mode;
+  if (!accelerateInMode(island, point)) return false;
   values.resize(kEventsOfRow * mode.rows.size());
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
     for (int e = 0; e < kEventsOfRow; ++e)
-      values[kEventsOfRow * i + e] = eventValue(body, i, static_cast<Event>(e), point);
+      values[kEventsOfRow * i + e] = eventValue(island, i, static_cast<Event>(e), point);
   // Beyond its place a row's forces are of a surface that is not there: it has left that first.
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
     if (values[kEventsOfRow * i + kPlace] < 0)
@@ -53,17 +54,17 @@ bool eventsAt(Body& body, ModePoint& point, std::vector<double>& values) {
 }
 
 /// Of one of the functions at a share of the motion from mode.start to mode.end.
-bool valueAt(Body& body, double h, double share, std::size_t which, double& value) {
-  Mode& mode = body.mode;
+bool valueAt(Island& island, double h, double share, std::size_t which, double& value) {
+  Mode& mode = island.s.mode;
   const Event event = static_cast<Event>(which % kEventsOfRow);
   interpolate(mode.start, mode.end, h, share, mode.sample);
-  if (event != kGap && !accelerateInMode(body, mode.sample)) return false;
-  value = eventValue(body, which / kEventsOfRow, event, mode.sample);
+  if (event != kGap && !accelerateInMode(island, mode.sample)) return false;
+  value = eventValue(island, which / kEventsOfRow, event, mode.sample);
   return true;
 }
 
 /// Zero between two shares by false position (Illinois [Dowell1971]).
-bool findZero(Body& body, double h, std::size_t which, double lo, double open, double hi,
+bool findZero(Island& island, double h, std::size_t which, double lo, double open, double hi,
               double closed, double& share) {
   int last = 0;
   share = hi;
@@ -74,7 +75,7 @@ bool findZero(Body& body, double h, std::size_t which, double lo, double open, d
   for (int k = 0; k < kZeroSearches && hi - lo > kZeroShare; ++k) {
     share = lo + (hi - lo) * open / (open - closed);
     double now = 0;
-    if (!valueAt(body, h, share, which, now)) return false;
+    if (!valueAt(island, h, share, which, now)) return false;
     if (now == 0) return true;
     const int side = now > 0 ? 1 : -1;
     (side > 0 ? lo : hi) = share;
@@ -85,10 +86,10 @@ bool findZero(Body& body, double h, std::size_t which, double lo, double open, d
   return true;
 }
 
-/// The first event between two shares, of those that are negative at the later one: mode.earlier and
-/// mode.event are the functions there.
-bool findFirst(Body& body, double h, double before, double share, ModeEvent& found) {
-  Mode& mode = body.mode;
+/// The first event between two shares, of those that are negative at the later one: mode.earlier
+/// and mode.event are the functions there.
+bool findFirst(Island& island, double h, double before, double share, ModeEvent& found) {
+  Mode& mode = island.s.mode;
   double last = share;
   for (int tries = 0; tries < kEventRefinements; ++tries) {
     double first = share;
@@ -103,12 +104,12 @@ bool findFirst(Body& body, double h, double before, double share, ModeEvent& fou
     }
     if (which == mode.event.size() || (found.any && which == found.which)) return true;
     double at = last;
-    if (!findZero(body, h, which, before, mode.earlier[which], last, mode.event[which], at))
+    if (!findZero(island, h, which, before, mode.earlier[which], last, mode.event[which], at))
       return false;
     found = {true, which, at};
     if (at <= before) return true;
     interpolate(mode.start, mode.end, h, at, mode.sample);
-    if (!eventsAt(body, mode.sample, mode.event)) return false;
+    if (!eventsAt(island, mode.sample, mode.event)) return false;
     mode.event[which] = std::max(0.0, mode.event[which]);
     last = at;
   }
@@ -117,48 +118,48 @@ bool findFirst(Body& body, double h, double before, double share, ModeEvent& fou
 
 /// Whether something rigid has closed before mode.end: the search for one event may lead past
 /// another.
-bool passedAnother(Body& body) {
-  const Mode& mode = body.mode;
+bool passedAnother(Island& island) {
+  const Mode& mode = island.s.mode;
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
-    if (!mode.rows[i].isSoft() && eventValue(body, i, kGap, mode.end) < -kClosedGap) return true;
+    if (!mode.rows[i].isSoft() && eventValue(island, i, kGap, mode.end) < -kClosedGap) return true;
   return false;
 }
 
 }  // namespace
 
-bool findModeEvent(Body& body, double h, ModeEvent& found) {
-  Mode& mode = body.mode;
+bool findModeEvent(Island& island, double h, ModeEvent& found) {
+  Mode& mode = island.s.mode;
   found = {};
-  if (!eventsAt(body, mode.start, mode.earlier)) return false;
-  if (!accelerateInMode(body, mode.end)) return false;  // the polynomial takes them
+  if (!eventsAt(island, mode.start, mode.earlier)) return false;
+  if (!accelerateInMode(island, mode.end)) return false;  // the polynomial takes them
   double before = 0;
   mode.sample = mode.end;
   for (int k = 1; k <= kEventSamples && !found.any; ++k) {
     const double share = k / static_cast<double>(kEventSamples);
     ModePoint& point = k < kEventSamples ? mode.sample : mode.end;
     if (k < kEventSamples) interpolate(mode.start, mode.end, h, share, point);
-    if (!eventsAt(body, point, mode.event)) return false;
-    if (!findFirst(body, h, before, share, found)) return false;
+    if (!eventsAt(island, point, mode.event)) return false;
+    if (!findFirst(island, h, before, share, found)) return false;
     std::swap(mode.event, mode.earlier);
     before = share;
   }
   return true;
 }
 
-bool moveToModeEvent(Body& body, double h, const ModeEvent& found, double& time) {
-  Mode& mode = body.mode;
+bool moveToModeEvent(Island& island, double h, const ModeEvent& found, double& time) {
+  Mode& mode = island.s.mode;
   const Event event = static_cast<Event>(found.which % kEventsOfRow);
   const double lo = std::max(0.0, found.share - kSlopeShare);
   const double hi = std::min(1.0, lo + 2 * kSlopeShare);
   double first = 0, second = 0;
-  if (!valueAt(body, h, lo, found.which, first) || !valueAt(body, h, hi, found.which, second))
+  if (!valueAt(island, h, lo, found.which, first) || !valueAt(island, h, hi, found.which, second))
     return false;
   double slope = (second - first) / ((hi - lo) * h);
   double earlier = 0, value_earlier = 0;
   time = found.share * h;
   for (int k = 0; k < kEventRefinements; ++k) {
-    if (!moveInMode(body, time, mode.end) || !accelerateInMode(body, mode.end)) return false;
-    const double value = eventValue(body, found.which / kEventsOfRow, event, mode.end);
+    if (!moveInMode(island, time, mode.end) || !accelerateInMode(island, mode.end)) return false;
+    const double value = eventValue(island, found.which / kEventsOfRow, event, mode.end);
     if (k > 0 && value != value_earlier && time != earlier)
       slope = (value - value_earlier) / (time - earlier);
     earlier = time;
@@ -166,10 +167,10 @@ bool moveToModeEvent(Body& body, double h, const ModeEvent& found, double& time)
     const double change = slope < 0 ? -value / slope : 0;
     const bool settled = std::abs(change) < kEventTime || !(slope < 0);
     const bool last = k + 1 == kEventRefinements;
-    if (settled || (last && std::abs(change) < kEventNear)) return !passedAnother(body);
+    if (settled || (last && std::abs(change) < kEventNear)) return !passedAnother(island);
     if (last) return false;
     time = std::clamp(time + std::clamp(change, -0.1 * h, 0.1 * h), 0.0, h);
-    if (time == earlier) return !passedAnother(body);
+    if (time == earlier) return !passedAnother(island);
   }
   return false;
 }

@@ -1,9 +1,9 @@
 // The first event of a motion in a mode (mode.h), what ends it: a row closes, releases, leaves its
-// place, or its slip begins or ends. Located on the dense output [Hairer1993, sec. II.6] and then by
-// motions that end there. docs/equations.md#event-driven-rk.
+// place, or its slip begins or ends. Located on the dense output [Hairer1993, sec. II.6] and then
+// by motions that end there. docs/equations.md#event-driven-rk.
 #pragma once
 
-#include "core/direct/body.h"
+#include "core/direct/island.h"
 
 namespace ragdoll {
 
@@ -14,9 +14,9 @@ struct ModeEvent {
 };
 
 /// The first event of the motion over h from mode.start to mode.end. False: no forces were found.
-bool findModeEvent(Body& body, double h, ModeEvent& found);
+bool findModeEvent(Island& island, double h, ModeEvent& found);
 
 /// Moves mode.end to the event. time: [s] of it. False: it is not found.
-bool moveToModeEvent(Body& body, double h, const ModeEvent& found, double& time);
+bool moveToModeEvent(Island& island, double h, const ModeEvent& found, double& time);
 
 }  // namespace ragdoll

@@ -20,120 +20,123 @@
 namespace ragdoll {
 namespace {
 
-using Kind = ModeRow::Kind;
-
 /// What a spring tells of the piece over h from mode.start to mode.end in which it pressed.
-void addSpring(Body& body, const ModeRow& row, double h, LoggedImpact& gave) {
+void addSpring(Island& island, const ModeRow& row, double h, LoggedImpact& gave) {
   const auto at = [&](ModePoint& point, double& gap, double& rate) {
-    const RowPlace place = placeOf(body, row, point.x.data(), point.v.data(), false);
+    const RowPlace place = placeOf(island, row, point.x.data(), point.v.data(), false);
     gap = place.gap;
-    rate = rateOf(row, place, body, point.v.data());
+    rate = rateOf(island, row, place, point.v.data());
     return place.contact;
   };
   SpringMotion m;
   m.h = h;
   m.answer = gave.answer = row.answer;
-  at(body.mode.start, m.gap[0], m.rate[0]);
-  const Contact c = at(body.mode.end, m.gap[1], m.rate[1]);
+  at(island.s.mode.start, m.gap[0], m.rate[0]);
+  const Contact c = at(island.s.mode.end, m.gap[1], m.rate[1]);
   m.force = gave.impulse.dot(c.normal) / h;
   gave.peak = peakForce(c, m);
-  if (m.gap[0] > -body.tolerances.touching) gave.approach = std::max(0.0, -m.rate[0]);
+  if (m.gap[0] > -island.bodies[0]->tolerances.touching) gave.approach = std::max(0.0, -m.rate[0]);
 }
 
 /// Writes down what pressed over h.
-void logPiece(Body& body, double h) {
+void logPiece(Island& island, double h) {
   using namespace dormand_prince;
-  if (!body.context->log || !(h > 0)) return;
-  Mode& mode = body.mode;
+  if (!isLogged(island) || !(h > 0)) return;
+  Mode& mode = island.s.mode;
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
     const ModeRow& row = mode.rows[i];
-    if (!row.presses || row.kind == Kind::kLimit) continue;
-    const Contact c =
-        placeOf(body, row, mode.end.x.data(), mode.end.v.data(), false).contact;
+    if (!row.presses || !row.isContact()) continue;
+    const Contact c = placeOf(island, row, mode.end.x.data(), mode.end.v.data(), false).contact;
     LoggedImpact gave;
     for (int k = 0; k < kStages; ++k)
-      gave.impulse += h * kB[k] * (mode.stages[k].normal[i] * c.normal + mode.stages[k].friction[i]);
-    if (row.isSoft()) addSpring(body, row, h, gave);
-    logImpulse(body, c, gave, mode.end.x.data(), mode.end.v.data());
+      gave.impulse +=
+          h * kB[k] * (mode.stages[k].normal[i] * c.normal + mode.stages[k].friction[i]);
+    if (row.isSoft()) addSpring(island, row, h, gave);
+    logImpulse(island, c, gave, mode.end.x.data(), mode.end.v.data());
   }
 }
 
-/// What presses at the end goes into the cache, as leapfrog's impulses per h^2 are half the force.
-void keepPressing(Body& body, int& contacts) {
-  Mode& mode = body.mode;
-  body.cache.clear();
+/// What presses at the end goes into the caches, as leapfrog's impulses per h^2 are half the force.
+void keepPressing(Island& island, int& contacts) {
+  Mode& mode = island.s.mode;
+  PairSet& pairs = island.pairs;
+  for (Body* body : island.bodies) body->cache.clear();
+  pairs.cache.clear();
+  pairs.pressing.clear();
   contacts = 0;
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
     const ModeRow& row = mode.rows[i];
     if (!row.presses) continue;
-    const RowPlace place = placeOf(body, row, mode.start.x.data(), mode.start.v.data(), false);
+    const RowPlace place = placeOf(island, row, mode.start.x.data(), mode.start.v.data(), false);
     const double half = 0.5 * mode.start.forces.normal[i];
-    if (row.kind == Kind::kLimit) {
-      body.cache.add(keyOf(place.limit));
-      body.cache.last().impulse = Vec3(half, 0, 0);
+    ImpulseCache& cache = row.isShared() ? pairs.cache : island.bodies[row.body]->cache;
+    if (!row.isContact()) {
+      cache.add(keyOf(place.limit));
+      cache.last().impulse = Vec3(half, 0, 0);
       continue;
     }
     ++contacts;
-    if (row.sticks) body.cache.setGripped();
-    body.cache.add(keyOf(place.contact));
-    body.cache.last().impulse =
-        half * place.contact.normal + 0.5 * mode.start.forces.friction[i];
+    if (row.isShared())
+      pairs.pressing.push_back({place.contact.ragdoll, place.contact.other, row.sticks, false});
+    else if (row.sticks && place.contact.obstacle >= 0)
+      cache.setGripped();
+    cache.add(keyOf(place.contact));
+    cache.last().impulse = half * place.contact.normal + 0.5 * mode.start.forces.friction[i];
+  }
+}
+
+/// body.v1 <- its accelerations by all that presses on it but its sticks.
+void gatherAccelerations(Island& island, int k) {
+  Mode& mode = island.s.mode;
+  Body& body = *island.bodies[k];
+  Points& free = body.v1;
+  if (forcesFollow(body))
+    drive(body, mode.start.x.data() + mode.offset[k], mode.start.v.data() + mode.offset[k], free);
+  else
+    free = body.acceleration;
+  const auto push = [&](int particle, const Vec3& force) {
+    const int own = particle - body.first;
+    if (own >= 0 && own < body.n) free.noalias() += force * body.system->W.row(own);
+  };
+  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+    const ModeRow& row = mode.rows[i];
+    if (!row.presses || (row.body != k && !(row.isShared() && row.other == k))) continue;
+    const RowPlace place = placeOf(island, row, mode.start.x.data(), mode.start.v.data(), false);
+    if (!row.isContact())
+      for (int j = 0; j < place.limit.count; ++j)
+        push(place.limit.particle[j], mode.start.forces.normal[i] * place.limit.gradient[j]);
+    else
+      for (int j = 0; j < place.contact.count; ++j)
+        push(place.contact.particle[j],
+             place.contact.weight[j] * (mode.start.forces.normal[i] * place.contact.normal +
+                                        mode.start.forces.friction[i]));
   }
 }
 
 /// The sticks' multipliers under all that presses, for the guard and the next free motion.
-void keepMultipliers(Body& body) {
-  Mode& mode = body.mode;
-  if (forcesFollow(body))
-    drive(body, mode.start.x.data(), mode.start.v.data(), mode.free);
-  else
-    mode.free = body.acceleration;
-  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
-    const ModeRow& row = mode.rows[i];
-    if (!row.presses) continue;
-    const RowPlace place = placeOf(body, row, mode.start.x.data(), mode.start.v.data(), false);
-    const auto push = [&](int particle, const Vec3& force) {
-      mode.free.noalias() += force * body.system->W.row(particle - body.first);
-    };
-    if (row.kind == Kind::kLimit)
-      for (int k = 0; k < place.limit.count; ++k)
-        push(place.limit.particle[k], mode.start.forces.normal[i] * place.limit.gradient[k]);
-    else
-      for (int k = 0; k < place.contact.count; ++k)
-        push(place.contact.particle[k],
-             place.contact.weight[k] * (mode.start.forces.normal[i] * place.contact.normal +
-                                        mode.start.forces.friction[i]));
+void keepMultipliers(Island& island) {
+  Mode& mode = island.s.mode;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Body& body = *island.bodies[k];
+    const int offset = mode.offset[k];
+    gatherAccelerations(island, static_cast<int>(k));
+    BodyResponse& response = body.memory->response;
+    response.setFree(body.v1);
+    response.setEnd(mode.start.x.data() + offset);
+    const Eigen::VectorXd& lambda =
+        response.accelerate(true, mode.start.v.data() + offset, mode.start.a.data() + offset);
+    double* m = body.multipliers();
+    for (int j = 0; j < body.rows->s; ++j) m[j] = m[j + body.rows->s] = 0.5 * lambda[j];
   }
-  BodyResponse& response = body.memory->response;
-  response.setFree(mode.free);
-  response.setEnd(mode.start.x.data());
-  const Eigen::VectorXd& lambda =
-      response.accelerate(true, mode.start.v.data(), mode.start.a.data());
-  double* m = body.multipliers();
-  for (int k = 0; k < body.rows->s; ++k) m[k] = m[k + body.rows->s] = 0.5 * lambda[k];
 }
 
-/// Within a tolerance parts are halved and compared instead, which takes leapfrog's order.
-bool isFit(const Body& body) {
-  const SolverSpec& solver = body.context->model.solver;
-  if (!solver.events || solver.tolerance > 0) return false;
-  if (body.driven || !body.isWhole() || body.overlaps != OverlapPolicy::kResolve) return false;
-  for (const Contact& c : body.constraints.contacts)
-    if (c.count == 4 && std::min(c.gap_start, gapAfter(body, c)) < kClose) return false;
-  return true;
-}
-
-/// Whether the motion has met nothing that rows do not stand for.
-bool isSound(Body& body) {
-  const StepContext& step = *body.context;
-  if (!step.model.self_collision) return true;
-  Points& pose = posesOf(step);
-  std::copy_n(body.mode.start.x.data(), 3 * body.n, pose.data() + 3 * body.first);
-  ConstraintSet& set = body.constraints;
-  set.missed.clear();
-  body.detector.appendSelf(step.model, step.state.x, pose, body.index, PairSearch::overlaps(0),
-                           set.missed);
-  return set.missed.empty();
+/// Sleepers are in no mode.
+bool isFit(const Island& island) {
+  if (!goesThroughEvents(island.context) || island.s.all.size() != island.bodies.size())
+    return false;
+  return std::all_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
+    return !body->driven && body->isWhole() && body->overlaps == OverlapPolicy::kResolve;
+  });
 }
 
 /// How much longer or shorter a piece with the formula's error is to be.
@@ -145,19 +148,20 @@ double shareOf(double error) {
 /// one. Where an event comes early the motion beyond it, in a mode that has ended, says little about
 /// when: it is looked for again in a shorter piece. pieces: how many may be tried. next: [s] what the
 /// one after it may be.
-bool takePiece(Body& body, double most, int& pieces, double& took, double& next, bool& event) {
+bool takePiece(Island& island, double most, int& pieces, double& took, double& next, bool& event) {
   double piece = most;
   for (int k = 0; k < kShorterPieces && pieces > 0; ++k, --pieces) {
     ModeEvent found;
-    const bool known = moveInMode(body, piece, body.mode.end) && findModeEvent(body, piece, found);
+    const bool known =
+        moveInMode(island, piece, island.s.mode.end) && findModeEvent(island, piece, found);
     took = piece;
     event = found.any;
     const bool early = known && event && found.share <= kEarly && !(piece < kEventNear);
     double shorter = kShorterPiece;
     if (early) {
       shorter = std::clamp(3 * found.share, kShorterPiece * kShorterPiece, kShorterPiece);
-    } else if (known && (!event || moveToModeEvent(body, piece, found, took))) {
-      const double share = shareOf(errorOfPiece(body, took));
+    } else if (known && (!event || moveToModeEvent(island, piece, found, took))) {
+      const double share = shareOf(errorOfPiece(island, took));
       next = std::min(share, kGrowth) * took;
       if (share >= kPieceAim || piece < kEventNear) return true;
       shorter = std::clamp(share * took / piece, kShorterPiece, kHalfPiece);
@@ -167,20 +171,20 @@ bool takePiece(Body& body, double most, int& pieces, double& took, double& next,
   return false;
 }
 
-bool takePieces(Body& body, double h) {
-  Mode& mode = body.mode;
+bool takePieces(Island& island, double h) {
+  Mode& mode = island.s.mode;
   double left = h, most = h;
   bool pressed = true, event = true;
   int events = 0, pieces = kMostPieces;
   while (pieces > 0) {
-    if (event && (++events > kMaxEvents || !settleMode(body, pressed))) return false;
+    if (event && (++events > kMaxEvents || !settleMode(island, pressed))) return false;
     pressed = false;
     if (!(left > 0)) return true;
     double took = 0, next = 0;
-    if (!takePiece(body, std::min({left, most, mode.longest}), pieces, took, next, event))
+    if (!takePiece(island, std::min({left, most, mode.longest}), pieces, took, next, event))
       return false;
-    logPiece(body, took);
-    body.given += mode.work;
+    logPiece(island, took);
+    island.bodies[0]->given += mode.work;
     std::swap(mode.start, mode.end);
     most = event ? h : next;
     left -= took;
@@ -189,55 +193,81 @@ bool takePieces(Body& body, double h) {
     if (event) continue;
     --pieces;
     for (ModeRow& row : mode.rows)
-      row.gap_start = openingOf(body, row, mode.start.x.data(), mode.start.v.data());
+      row.gap_start = openingOf(island, row, mode.start.x.data(), mode.start.v.data());
   }
   return false;
 }
 
 /// Whether the last step was shake's, as its gaps tell, and it is not yet time to try again: where
 /// events crowd they do so for a while.
-bool waits(Body& body) {
-  if (body.context->state.step % kTryEvery == 0) return false;
-  for (const ModeRow& row : body.mode.rows) {
-    if (row.isSoft() || row.gap_start > kTouching / kLever || std::abs(row.gap_start) < kGapNoise) continue;
-    const RowPlace place = placeOf(body, row, body.xData(), body.vData(), false);
-    if (row.kind == Kind::kLimit ? body.cache.find(place.limit) : body.cache.find(place.contact))
-      return true;
+bool waits(Island& island) {
+  const Mode& mode = island.s.mode;
+  if (island.context.state.step % kTryEvery == 0) return false;
+  for (const ModeRow& row : mode.rows) {
+    if (row.isSoft() || row.gap_start > kTouching / kLever || std::abs(row.gap_start) < kGapNoise)
+      continue;
+    const RowPlace place = placeOf(island, row, mode.start.x.data(), mode.start.v.data(), false);
+    if (hasPressed(island, row, place)) return true;
   }
   return false;
 }
 
+/// mode.start <- the bodies as they are.
+void startMotion(Island& island) {
+  Mode& mode = island.s.mode;
+  for (ModePoint* point : {&mode.start, &mode.end, &mode.sample, &mode.stage})
+    for (RowValues* values : {&point->x, &point->v, &point->a}) values->setZero(mode.size);
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    const Body& body = *island.bodies[k];
+    std::copy_n(body.xData(), 3 * body.n, mode.start.x.data() + mode.offset[k]);
+    std::copy_n(body.vData(), 3 * body.n, mode.start.v.data() + mode.offset[k]);
+  }
+}
+
+/// The bodies <- mode.start.
+void endMotion(Island& island) {
+  const Mode& mode = island.s.mode;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Body& body = *island.bodies[k];
+    std::copy_n(mode.start.x.data() + mode.offset[k], 3 * body.n, body.xData());
+    std::copy_n(mode.start.v.data() + mode.offset[k], 3 * body.n, body.vData());
+    driveAt(body, body.xData());
+    body.motion.dx.setZero(3, body.n);
+    body.motion.lambda.setZero(body.rows->width);
+    body.touching.clear();
+    body.memory->response.setEnd(body.xData());
+    body.memory->response.endIsStart();
+  }
+  island.pairs.touching.clear();
+}
+
 }  // namespace
 
+bool goesThroughEvents(const StepContext& step) {
+  const SolverSpec& solver = step.model.solver;
+  return solver.method == Method::kRk && solver.events && !(solver.tolerance > 0);
+}
+
 bool moveThroughEvents(Island& island, double h, int& contacts) {
-  Body& body = *island.bodies[0];
-  Mode& mode = body.mode;
-  if (!isFit(body) || !listModeRows(body, h, mode) || waits(body)) return false;
-  for (ModePoint* point : {&mode.start, &mode.end, &mode.sample, &mode.stage})
-    for (Eigen::VectorXd* values : {&point->x, &point->v, &point->a})
-      values->setZero(paddedWidth(3 * body.n));
-  std::copy_n(body.xData(), 3 * body.n, mode.start.x.data());
-  std::copy_n(body.vData(), 3 * body.n, mode.start.v.data());
-  const double given = body.given;
-  const int located = body.located;
-  const std::size_t logged = logSize(island);
-  if (!takePieces(body, h) || !isSound(body)) {
-    body.given = given;
-    body.located = located;
+  if (!isFit(island) || !listModeRows(island, h)) return false;
+  startMotion(island);
+  if (waits(island)) return false;
+  const double given = island.bodies[0]->given;
+  const std::size_t logged = logSize(island), met = island.pairs.met.size();
+  const int located = island.bodies[0]->located;
+  if (!takePieces(island, h)) {
+    island.bodies[0]->given = given;
+    for (Body* body : island.bodies) {
+      body->located = located;
+      driveAt(*body, body->xData());
+    }
     cutLog(island, logged);
-    driveAt(body, body.xData());
+    island.pairs.met.resize(met);
     return false;
   }
-  keepPressing(body, contacts);
-  keepMultipliers(body);
-  std::copy_n(mode.start.x.data(), 3 * body.n, body.xData());
-  std::copy_n(mode.start.v.data(), 3 * body.n, body.vData());
-  driveAt(body, body.xData());
-  body.motion.dx.setZero(3, body.n);
-  body.motion.lambda.setZero(body.rows->width);
-  body.touching.clear();
-  body.memory->response.setEnd(body.xData());
-  body.memory->response.endIsStart();
+  keepPressing(island, contacts);
+  keepMultipliers(island);
+  endMotion(island);
   return true;
 }
 

@@ -1,4 +1,4 @@
-// A lone body's motion by `method: rk` through limits and contacts: pieces in one mode each, between
+// An island's motion by `method: rk` through limits and contacts: pieces in one mode each, between
 // events that are located in time. docs/equations.md#event-driven-rk.
 #pragma once
 
@@ -6,9 +6,12 @@
 
 namespace ragdoll {
 
-/// Moves a lone body over h. contacts: that press at the end. False: what it meets is not for this
-/// (moving, deep overlaps, other bodies), a mode is not unique, or events crowd; nothing is
-/// moved then.
+/// Whether the scene asks for that. Within a tolerance parts are halved and compared instead, which
+/// takes leapfrog's order.
+bool goesThroughEvents(const StepContext& step);
+
+/// Moves the bodies over h. contacts: that press at the end. False: what they meet is not for this
+/// (moving, deep overlaps, sleepers), a mode is not unique, or events crowd; nothing is moved then.
 bool moveThroughEvents(Island& island, double h, int& contacts);
 
 }  // namespace ragdoll

@@ -6,28 +6,31 @@
 
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
-#include "core/direct/mode_constants.h"
 #include "core/direct/contact_log.h"
 #include "core/direct/dormand_prince.h"
 #include "core/direct/driving.h"
+#include "core/direct/mode_constants.h"
 #include "core/direct/mode_rows.h"
+#include "core/direct/mode_spin.h"
+#include "core/direct/pair_rows.h"
 
 namespace ragdoll {
 namespace {
 
 using namespace dormand_prince;
-using Kind = ModeRow::Kind;
 
 /// Vector along the surface from what it has along the two tangents of a row.
-Vec3 alongSurface(const Schur& schur, int row, const Eigen::Vector2d& t) {
-  return t[0] * schur.row(row + 1).direction + t[1] * schur.row(row + 2).direction;
+Vec3 alongSurface(const Island& island, int row, const Eigen::Vector2d& t) {
+  const JointSchur& joint = island.s.joint;
+  return t[0] * joint.row(row + 1).direction + t[1] * joint.row(row + 2).direction;
 }
 
 /// Unit direction in which a contact slips: of its velocity, turned into that of the piece's start,
 /// so that it stays what it was where the slip ends.
-Eigen::Vector2d slipDirection(const Schur& schur, int row, const Vec3& slip, const Vec3& reference) {
+Eigen::Vector2d slipDirection(const Contact& c, const Vec3& slip, const Vec3& reference) {
+  const std::array<Vec3, 3> directions = c.directions();
   const auto of = [&](const Vec3& u) {
-    return Eigen::Vector2d(schur.row(row + 1).direction.dot(u), schur.row(row + 2).direction.dot(u));
+    return Eigen::Vector2d(directions[1].dot(u), directions[2].dot(u));
   };
   Eigen::Vector2d now = of(slip);
   if (now.norm() < kStill) now = of(reference);
@@ -37,14 +40,14 @@ Eigen::Vector2d slipDirection(const Schur& schur, int row, const Vec3& slip, con
 }
 
 const Compliance& giveOf(const ModeRow& row, const RowPlace& place) {
-  return row.kind == Kind::kLimit ? row.give : place.contact.give;
+  return row.isContact() ? place.contact.give : row.give;
 }
 
 /// [N], [N m] While it presses.
-double springForce(const ModeRow& row, const RowPlace& place, const Body& body, const double* x,
+double springForce(const Island& island, const ModeRow& row, const RowPlace& place, const double* x,
                    const double* v) {
   const Compliance& give = giveOf(row, place);
-  return -place.gap / give.compliance - give.damping * dampedRate(body, row, place, x, v);
+  return -place.gap / give.compliance - give.damping * dampedRate(island, row, place, x, v);
 }
 
 /// How the body answers to the springs that press, and so the longest piece in which they are
@@ -62,43 +65,46 @@ void keepAnswers(Mode& mode, const ModeSystem& system) {
 }
 
 /// Stick accelerations at the point, whose free ones and power are set by it.
-void accelerateFreely(Body& body, ModePoint& point) {
-  Mode& mode = body.mode;
+void accelerateFreely(Island& island, ModePoint& point) {
   point.power = 0;
-  if (forcesFollow(body))
-    point.power = drive(body, point.x.data(), point.v.data(), mode.free);
-  else
-    mode.free = body.acceleration;
-  BodyResponse& response = body.memory->response;
-  response.setFree(mode.free);
-  response.setEnd(point.x.data());
-  response.accelerate(true, point.v.data(), point.a.data());
-}
-
-void resize(const Body& body, ModePoint& point) {
-  const int size = paddedWidth(3 * body.n);
-  for (Eigen::VectorXd* values : {&point.x, &point.v, &point.a})
-    if (values->size() != size) values->setZero(size);
-}
-
-/// system.b <- second derivatives of the closed rows without their forces.
-void evaluateAccelerations(const Body& body, const ModePoint& point, ModeSystem& system) {
-  const Mode& mode = body.mode;
-  const Schur& schur = body.memory->schur;
-  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
-    const int row = mode.first[i];
-    if (row < 0) continue;
-    system.b[row] = schur.along(row, point.a.data()) + mode.place[i].curvature;
-    if (!(mode.rows[i].friction > 0)) continue;
-    for (int k = 1; k < 3; ++k)
-      system.b[row + k] = schur.along(row + k, point.a.data()) +
-                          schur.row(row + k).direction.dot(mode.place[i].turn);
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Body& body = *island.bodies[k];
+    const int offset = island.s.mode.offset[k];
+    const double *x = point.x.data() + offset, *v = point.v.data() + offset;
+    Points& free = body.v1;
+    if (forcesFollow(body))
+      point.power += drive(body, x, v, free);
+    else
+      free = body.acceleration;
+    BodyResponse& response = body.memory->response;
+    response.setFree(free);
+    response.setEnd(x);
+    response.accelerate(true, v, point.a.data() + offset);
   }
 }
 
-void keepForces(const Body& body, const ModeVector& p, ModeForces& forces) {
-  const Mode& mode = body.mode;
-  const Schur& schur = body.memory->schur;
+void resize(const Mode& mode, ModePoint& point) {
+  for (RowValues* values : {&point.x, &point.v, &point.a})
+    if (values->size() != mode.size) values->setZero(mode.size);
+}
+
+/// system.b <- second derivatives of the closed rows without their forces.
+void evaluateAccelerations(const Island& island, const ModePoint& point, ModeSystem& system) {
+  const Mode& mode = island.s.mode;
+  const JointSchur& joint = island.s.joint;
+  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+    const int row = mode.first[i];
+    if (row < 0) continue;
+    system.b[row] = joint.along(row, point.a.data(), mode.offset) + mode.place[i].curvature;
+    if (!(mode.rows[i].friction > 0)) continue;
+    for (int k = 1; k < 3; ++k)
+      system.b[row + k] = joint.along(row + k, point.a.data(), mode.offset) +
+                          joint.row(row + k).direction.dot(mode.place[i].turn);
+  }
+}
+
+void keepForces(const Island& island, const ModeVector& p, ModeForces& forces) {
+  const Mode& mode = island.s.mode;
   forces.normal.assign(mode.rows.size(), 0);
   forces.friction.assign(mode.rows.size(), Vec3::Zero());
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
@@ -106,128 +112,195 @@ void keepForces(const Body& body, const ModeVector& p, ModeForces& forces) {
     if (row < 0) continue;
     forces.normal[i] = p[row];
     if (mode.rows[i].friction > 0)
-      forces.friction[i] = alongSurface(schur, row, Eigen::Vector2d(p[row + 1], p[row + 2]));
+      forces.friction[i] = alongSurface(island, row, Eigen::Vector2d(p[row + 1], p[row + 2]));
   }
 }
 
 /// Rates of the closed rows at v.
-void evaluateModeRates(const Body& body, const double* v, ModeSystem& system) {
-  const Schur& schur = body.memory->schur;
-  for (int i = 0; i < schur.size(); ++i) system.b[i] = schur.along(i, v);
+void evaluateModeRates(const Island& island, const double* v, ModeSystem& system) {
+  for (int i = 0; i < system.b.size(); ++i)
+    system.b[i] = island.s.joint.along(i, v, island.s.mode.offset);
 }
 
-double forceScale(const ModeSystem& system) {
+double impulseScale(const ModeSystem& system) {
   double scale = 0;
   for (int i = 0; i < system.b.size(); ++i)
-    if (system.A(i, i) > kNoAnswer)
-      scale = std::max(scale, std::abs(system.b[i]) / system.A(i, i));
+    if (system.A(i, i) > kNoAnswer) scale = std::max(scale, std::abs(system.b[i]) / system.A(i, i));
   return scale;
 }
 
+/// Of the weight, too: in free fall nothing but rounding presses.
+double forceScale(const Island& island, const ModeSystem& system) {
+  double mass = 0;
+  for (const Body* body : island.bodies) mass += body->rows->mass.sum();
+  return std::max(impulseScale(system),
+                  kLeastOfWeight * mass * island.context.model.gravity.norm());
+}
+
 /// rates: before it.
-void logImpact(const Body& body, const ModeSystem& system, const ModeVector& rates,
+void logImpact(const Island& island, const ModeSystem& system, const ModeVector& rates,
                const ModePoint& point) {
-  if (!body.context->log) return;
-  const Mode& mode = body.mode;
+  if (!isLogged(island)) return;
+  const Mode& mode = island.s.mode;
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
     const int row = mode.first[i];
-    if (row < 0 || mode.rows[i].kind == Kind::kLimit || !(system.p[row] > 0)) continue;
+    if (row < 0 || !mode.rows[i].isContact() || !(system.p[row] > 0)) continue;
     LoggedImpact impact;
     impact.impulse = system.p[row] * mode.place[i].contact.normal;
     if (mode.rows[i].friction > 0)
-      impact.impulse += alongSurface(body.memory->schur, row,
-                                     Eigen::Vector2d(system.p[row + 1], system.p[row + 2]));
+      impact.impulse +=
+          alongSurface(island, row, Eigen::Vector2d(system.p[row + 1], system.p[row + 2]));
     impact.approach = std::max(0.0, -rates[row]);
     impact.answer = system.A(row, row);
-    logImpulse(body, mode.place[i].contact, impact, point.x.data(), point.v.data());
+    logImpulse(island, mode.place[i].contact, impact, point.x.data(), point.v.data());
   }
+}
+
+/// Bodies that the impact has pushed against each other.
+void keepMet(Island& island, const ModeVector& p) {
+  const Mode& mode = island.s.mode;
+  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+    if (mode.first[i] < 0 || !mode.rows[i].isShared() || !(p[mode.first[i]] > 0)) continue;
+    const Contact& c = mode.place[i].contact;
+    island.pairs.met.push_back({c.ragdoll, c.other, false, false});
+  }
+}
+
+/// Adds a closed row to what its bodies answer to, and its block.
+void addRow(Island& island, std::size_t i, const double* x, const double* v) {
+  Mode& mode = island.s.mode;
+  const ModeRow& row = mode.rows[i];
+  const RowPlace& place = mode.place[i];
+  ModeBlock block;
+  block.row = mode.first[i];
+  block.presses = row.presses;
+  block.sticks = row.sticks;
+  block.slips = row.moves;
+  block.given = row.isSoft();
+  if (block.given && row.presses) block.force = springForce(island, row, place, x, v);
+  if (row.isContact()) block.friction = row.friction;
+  if (block.friction > 0 && !row.sticks)
+    block.slip = slipDirection(place.contact, slipOf(island, place.contact, v), row.slip);
+  mode.blocks.push_back(block);
+}
+
+/// The rows of closed contacts and limits: each body's own, and then those of two. False: they are
+/// not smooth at x.
+bool buildRows(Island& island, const double* x, const double* v, bool curvature) {
+  Mode& mode = island.s.mode;
+  JointSchur& joint = island.s.joint;
+  joint.clear();
+  std::size_t i = 0;
+  const auto place = [&] {
+    mode.place[i] = placeOf(island, mode.rows[i], x, v, curvature);
+    return mode.place[i].regular;
+  };
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Schur& schur = island.bodies[k]->memory->schur;
+    schur.start(island.bodies[k]->first);
+    for (; i < mode.rows.size(); ++i) {
+      const ModeRow& row = mode.rows[i];
+      if (row.isShared() || row.body != static_cast<int>(k)) break;
+      if (!row.closed) continue;
+      if (!place()) return false;
+      mode.first[i] = joint.size() + schur.size();
+      if (row.isContact())
+        schur.addContact(mode.place[i].contact, static_cast<int>(i));
+      else
+        schur.addLimit(mode.place[i].limit, static_cast<int>(i), 0);
+      addRow(island, i, x, v);
+    }
+    joint.addBody(schur);
+  }
+  for (; i < mode.rows.size(); ++i) {
+    if (!mode.rows[i].closed) continue;
+    if (!place()) return false;
+    mode.first[i] = addPairRows(island, mode.place[i].contact, static_cast<int>(i));
+    addRow(island, i, x, v);
+  }
+  return true;
+}
+
+/// Friction's couples (mode_spin.h), where sticks press on each other.
+void couple(Island& island, const ModePoint& point, SpinOf which, ModeSystem& system) {
+  findSpins(island, point.x.data(), which);
+  coupleFriction(island, system.A);
+}
+
+/// How the island's bodies answer to impulses p, at x: added to motions `out`.
+void push(Island& island, const ModeVector& p, const double* x, double* out) {
+  IslandScratch& s = island.s;
+  s.p = p;
+  s.joint.split(s.p, s.parts);
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Schur& schur = island.bodies[k]->memory->schur;
+    if (!schur.empty()) schur.move(s.parts[k], out + s.mode.offset[k]);
+  }
+  addSpins(island, p, x, out);
 }
 
 }  // namespace
 
-Vec3 slipOf(const Body& body, const Contact& c, const double* v) {
-  const Vec3 rate = motionOf(body, c, v);
+Vec3 slipOf(const Island& island, const Contact& c, const double* v) {
+  const Vec3 rate = motionOf(island, c, v);
   return rate - rate.dot(c.normal) * c.normal;
 }
 
-bool buildModeSystem(Body& body, const double* x, const double* v, bool curvature,
+bool buildModeSystem(Island& island, const double* x, const double* v, bool curvature,
                      ModeSystem& system) {
-  Mode& mode = body.mode;
-  Schur& schur = body.memory->schur;
-  schur.start(body.first);
+  Mode& mode = island.s.mode;
+  JointSchur& joint = island.s.joint;
   mode.place.resize(mode.rows.size());
   mode.first.assign(mode.rows.size(), -1);
   mode.blocks.clear();
-  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
-    const ModeRow& row = mode.rows[i];
-    if (!row.closed) continue;
-    RowPlace& place = mode.place[i] = placeOf(body, row, x, v, curvature);
-    if (!place.regular) return false;
-    mode.first[i] = schur.size();
-    ModeBlock block;
-    block.row = schur.size();
-    block.presses = row.presses;
-    block.sticks = row.sticks;
-    block.slips = row.moves;
-    block.given = row.isSoft();
-    if (block.given && row.presses) block.force = springForce(row, place, body, x, v);
-    if (row.kind == Kind::kLimit) {
-      schur.addLimit(place.limit, static_cast<int>(i), 0);
-    } else {
-      schur.addContact(place.contact, static_cast<int>(i));
-      block.friction = row.friction;
-      if (row.friction > 0 && !row.sticks)
-        block.slip = slipDirection(schur, block.row, slipOf(body, place.contact, v), row.slip);
-    }
-    mode.blocks.push_back(block);
-  }
-  const int m = schur.size();
+  if (!buildRows(island, x, v, curvature)) return false;
+  const int m = joint.size();
   if (m > kMostModeRows) return false;
-  body.memory->response.setEnd(x);
-  if (m > 0) body.memory->response.assemble(schur, true);
-  system.A = schur.matrix();
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    BodyMemory& memory = *island.bodies[k]->memory;
+    memory.response.setEnd(x + mode.offset[k]);
+    if (!memory.schur.empty()) memory.response.assemble(memory.schur, true);
+  }
+  system.A.resize(m, m);
+  for (int i = 0; i < m; ++i)
+    for (int j = 0; j < m; ++j) system.A(i, j) = joint.entry(i, j);
   system.b.setZero(m);
   system.p.setZero(m);
   return true;
 }
 
-bool accelerateInMode(Body& body, ModePoint& point) {
+bool accelerateInMode(Island& island, ModePoint& point) {
   ModeSystem system;
-  accelerateFreely(body, point);
-  if (!buildModeSystem(body, point.x.data(), point.v.data(), true, system)) return false;
+  accelerateFreely(island, point);
+  if (!buildModeSystem(island, point.x.data(), point.v.data(), true, system)) return false;
   if (system.b.size() > 0) {
-    evaluateAccelerations(body, point, system);
-    if (!solveEqualities(system.A, system.b, body.mode.blocks, system.p)) return false;
-    body.memory->schur.move(system.p, point.a.data());
+    couple(island, point, SpinOf::kPressing, system);
+    evaluateAccelerations(island, point, system);
+    if (!solveEqualities(system.A, system.b, island.s.mode.blocks, system.p)) return false;
+    push(island, system.p, point.x.data(), point.a.data());
   }
-  keepForces(body, system.p, point.forces);
+  keepForces(island, system.p, point.forces);
   return point.a.allFinite();
 }
 
-bool findMode(Body& body, ModePoint& point) {
-  Mode& mode = body.mode;
-  ModeSystem system;
-  accelerateFreely(body, point);
-  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
-    ModeRow& row = mode.rows[i];
+namespace {
+
+/// What closed rows do at the point but press: whether they slip, and where to.
+void startModes(Island& island, const ModePoint& point) {
+  for (ModeRow& row : island.s.mode.rows) {
     row.sticks = row.moves = false;
     if (!row.isSoft()) row.presses = false;
-    if (!row.closed || row.kind == Kind::kLimit) continue;
-    const Vec3 slip = slipOf(
-        body, placeOf(body, row, point.x.data(), point.v.data(), false).contact, point.v.data());
+    if (!row.closed || !row.isContact()) continue;
+    const Contact c = placeOf(island, row, point.x.data(), point.v.data(), false).contact;
+    const Vec3 slip = slipOf(island, c, point.v.data());
     row.moves = row.friction > 0 && slip.norm() > kStill;
     row.slip = row.moves ? Vec3(slip.normalized()) : Vec3(Vec3::Zero());
   }
-  if (!buildModeSystem(body, point.x.data(), point.v.data(), true, system)) return false;
-  keepAnswers(mode, system);
-  if (system.b.size() > 0) {
-    evaluateAccelerations(body, point, system);
-    mode.force_scale = forceScale(system);
-    if (!solveComplementarity(system.A, system.b, mode.force_scale, mode.blocks, system.p))
-      return false;
-    body.memory->schur.move(system.p, point.a.data());
-  }
-  keepForces(body, system.p, point.forces);
+}
+
+/// Rows as the solution's blocks say.
+void keepMode(Island& island) {
+  Mode& mode = island.s.mode;
   std::size_t k = 0;
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
     if (mode.first[i] < 0) continue;
@@ -236,70 +309,113 @@ bool findMode(Body& body, ModePoint& point) {
     row.presses = block.presses;
     row.sticks = block.sticks;
     if (block.presses && row.friction > 0 && !block.sticks && !row.moves)
-      row.slip = alongSurface(body.memory->schur, mode.first[i], block.slip);
+      row.slip = alongSurface(island, mode.first[i], block.slip);
     row.feature = mode.place[i].feature;
   }
+}
+
+/// Rows' states and point.a, from the accelerations without what presses. which: the rows by which
+/// bodies spin.
+bool findPressing(Island& island, ModePoint& point, SpinOf which) {
+  Mode& mode = island.s.mode;
+  ModeSystem system;
+  if (!buildModeSystem(island, point.x.data(), point.v.data(), true, system)) return false;
+  keepAnswers(mode, system);
+  if (system.b.size() > 0) {
+    couple(island, point, which, system);
+    evaluateAccelerations(island, point, system);
+    mode.force_scale = forceScale(island, system);
+    if (!solveComplementarity(system.A, system.b, mode.force_scale, mode.blocks, system.p))
+      return false;
+    push(island, system.p, point.x.data(), point.a.data());
+  }
+  keepForces(island, system.p, point.forces);
+  keepMode(island);
   return point.a.allFinite();
 }
 
-bool takeModeImpact(Body& body, ModePoint& point) {
-  Mode& mode = body.mode;
+}  // namespace
+
+bool findMode(Island& island, ModePoint& point) {
+  accelerateFreely(island, point);
+  startModes(island, point);
+  return findPressing(island, point, SpinOf::kClosed);
+}
+
+bool takeModeImpact(Island& island, ModePoint& point) {
+  Mode& mode = island.s.mode;
   ModeSystem system;
   for (ModeRow& row : mode.rows) row.presses = row.sticks = row.moves = false;
-  if (!buildModeSystem(body, point.x.data(), point.v.data(), false, system)) return false;
-  evaluateModeRates(body, point.v.data(), system);
+  if (!buildModeSystem(island, point.x.data(), point.v.data(), false, system)) return false;
+  evaluateModeRates(island, point.v.data(), system);
   const ModeVector rates = system.b;
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
     const int row = mode.first[i];
-    if (row < 0 || mode.rows[i].kind == Kind::kLimit) continue;
+    if (row < 0 || !mode.rows[i].isContact()) continue;
     if (-system.b[row] > kRestApproach) system.b[row] *= 1 + mode.rows[i].restitution;
   }
-  if (!solveComplementarity(system.A, system.b, forceScale(system), mode.blocks, system.p))
+  if (!solveComplementarity(system.A, system.b, impulseScale(system), mode.blocks, system.p))
     return false;
-  body.memory->schur.move(system.p, point.v.data());
-  logImpact(body, system, rates, point);
+  keepMode(island);
+  findSpins(island, point.x.data(), SpinOf::kPressing);  // after the impact, as of shake's
+  push(island, system.p, point.x.data(), point.v.data());
+  logImpact(island, system, rates, point);
+  keepMet(island, system.p);
   return point.v.allFinite();
 }
 
-bool projectVelocities(Body& body, ModePoint& point, bool begins) {
+bool projectVelocities(Island& island, ModePoint& point, bool begins) {
   ModeSystem system;
-  BodyResponse& response = body.memory->response;
-  response.setEnd(point.x.data());
-  response.projectAtEnd(point.v.data());
-  if (!buildModeSystem(body, point.x.data(), point.v.data(), false, system)) return false;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    BodyResponse& response = island.bodies[k]->memory->response;
+    response.setEnd(point.x.data() + island.s.mode.offset[k]);
+    response.projectAtEnd(point.v.data() + island.s.mode.offset[k]);
+  }
+  if (!buildModeSystem(island, point.x.data(), point.v.data(), false, system)) return false;
   if (system.b.size() == 0) return true;
-  evaluateModeRates(body, point.v.data(), system);
-  for (ModeBlock& block : body.mode.blocks) {  // sliding contacts by the normal alone
+  couple(island, point, SpinOf::kPressing, system);
+  evaluateModeRates(island, point.v.data(), system);
+  for (ModeBlock& block : island.s.mode.blocks) {  // sliding contacts by the normal alone
     if (begins && !block.slips) block.sticks = block.friction > 0;
     if (!block.sticks) block.slip.setZero();
     block.force = 0;
   }
-  if (!solveEqualities(system.A, system.b, body.mode.blocks, system.p)) return false;
-  body.memory->schur.move(system.p, point.v.data());
+  if (!solveEqualities(system.A, system.b, island.s.mode.blocks, system.p)) return false;
+  push(island, system.p, point.x.data(), point.v.data());
   return true;
 }
 
-bool projectPositions(Body& body, ModePoint& point) {
-  BodyResponse& response = body.memory->response;
-  Points& dx = body.kept;
-  Eigen::VectorXd& lambda = body.tension;
-  const auto alongSticks = [&] {
+namespace {
+
+/// The bodies' positions back to the lengths of their sticks.
+bool projectLengths(Island& island, ModePoint& point) {
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Body& body = *island.bodies[k];
+    const int offset = island.s.mode.offset[k], count = 3 * body.n;
+    Points& dx = body.kept;
+    Eigen::VectorXd& lambda = body.tension;
     dx.setZero(3, body.n);
     lambda.setZero(body.rows->width);
-    const Eigen::Map<const Points> x(point.x.data(), 3, body.n);
-    if (!response.alongEnd(body.lengths, x, dx, lambda)) return false;
-    point.x.head(3 * body.n) += Eigen::Map<const Eigen::VectorXd>(dx.data(), 3 * body.n);
-    return true;
-  };
-  Mode& mode = body.mode;
+    const Eigen::Map<const Points> x(point.x.data() + offset, 3, body.n);
+    if (!body.memory->response.alongEnd(body.lengths, x, dx, lambda)) return false;
+    point.x.segment(offset, count) += Eigen::Map<const Eigen::VectorXd>(dx.data(), count);
+  }
+  return true;
+}
+
+}  // namespace
+
+bool projectPositions(Island& island, ModePoint& point) {
+  Mode& mode = island.s.mode;
   for (int k = 0; k < kModeProjections; ++k) {
-    if (!alongSticks()) return false;
+    if (!projectLengths(island, point)) return false;
     double worst = 0;
     for (const ModeRow& row : mode.rows)
-      if (row.presses && !row.isSoft()) worst = std::max(worst, std::abs(gapOf(body, row, point.x.data())));
+      if (row.presses && !row.isSoft())
+        worst = std::max(worst, std::abs(gapOf(island, row, point.x.data())));
     if (worst < kProjected) return true;
     ModeSystem system;
-    if (!buildModeSystem(body, point.x.data(), point.v.data(), false, system)) return false;
+    if (!buildModeSystem(island, point.x.data(), point.v.data(), false, system)) return false;
     for (std::size_t i = 0; i < mode.rows.size(); ++i)
       if (mode.first[i] >= 0) system.b[mode.first[i]] = mode.place[i].gap;
     for (ModeBlock& block : mode.blocks) {
@@ -307,16 +423,16 @@ bool projectPositions(Body& body, ModePoint& point) {
       block.force = 0;
     }
     if (!solveEqualities(system.A, system.b, mode.blocks, system.p)) return false;
-    body.memory->schur.move(system.p, point.x.data());
+    push(island, system.p, point.x.data(), point.x.data());
   }
   return false;
 }
 
-bool moveInMode(Body& body, double h, ModePoint& end) {
-  Mode& mode = body.mode;
+bool moveInMode(Island& island, double h, ModePoint& end) {
+  Mode& mode = island.s.mode;
   ModePoint& stage = mode.stage;
-  resize(body, stage);
-  resize(body, end);
+  resize(mode, stage);
+  resize(mode, end);
   const Eigen::Index size = mode.start.x.size();
   mode.slopes.resize(kStages, 2 * size);
   mode.stages.resize(kStages);
@@ -333,7 +449,7 @@ bool moveInMode(Body& body, double h, ModePoint& end) {
     ModePoint& point = i == 0 ? mode.start : stage;
     if (i > 0) {
       sum(kA[i], i, stage);
-      if (!accelerateInMode(body, stage)) return false;
+      if (!accelerateInMode(island, stage)) return false;
     }
     mode.slopes.row(i).head(size) = point.v.transpose();
     mode.slopes.row(i).tail(size) = point.a.transpose();
@@ -341,17 +457,22 @@ bool moveInMode(Body& body, double h, ModePoint& end) {
     mode.work += h * kB[i] * point.power;
   }
   sum(kB, kStages, end);
-  return end.x.allFinite() && projectPositions(body, end) && projectVelocities(body, end, false);
+  return end.x.allFinite() && projectPositions(island, end) &&
+         projectVelocities(island, end, false);
 }
 
-double errorOfPiece(Body& body, double h) {
-  Mode& mode = body.mode;
+double errorOfPiece(Island& island, double h) {
+  Mode& mode = island.s.mode;
   const Eigen::Index size = mode.start.x.size();
-  Eigen::VectorXd& error = mode.p;
+  RowValues& error = mode.sample.a;
   error = kE[kStages] * mode.end.a;
   for (int j = 0; j < kStages; ++j) error += kE[j] * mode.slopes.row(j).tail(size).transpose();
-  const Eigen::Map<const Points> of(error.data(), 3, body.n);
-  return h * std::sqrt(of.colwise().squaredNorm().maxCoeff());
+  double worst = 0;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    const Eigen::Map<const Points> of(error.data() + mode.offset[k], 3, island.bodies[k]->n);
+    worst = std::max(worst, of.colwise().squaredNorm().maxCoeff());
+  }
+  return h * std::sqrt(worst);
 }
 
 void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,
@@ -364,7 +485,8 @@ void interpolate(const ModePoint& start, const ModePoint& end, double h, double 
   out.x = start.x + x1 * (end.x - start.x) + h * (v0 * start.v + v1 * end.v) +
           h * h * (a0 * start.a + a1 * end.a);
   const double dx1 = 30 * s2 * (1 - 2 * s + s2), dv0 = 1 - s2 * (18 - 32 * s + 15 * s2),
-               dv1 = s2 * (-12 + 28 * s - 15 * s2), da0 = 0.5 * (2 * s - s2 * (9 - 12 * s + 5 * s2)),
+               dv1 = s2 * (-12 + 28 * s - 15 * s2),
+               da0 = 0.5 * (2 * s - s2 * (9 - 12 * s + 5 * s2)),
                da1 = 0.5 * s2 * (3 - 8 * s + 5 * s2);
   out.v = (dx1 / h) * (end.x - start.x) + dv0 * start.v + dv1 * end.v +
           h * (da0 * start.a + da1 * end.a);

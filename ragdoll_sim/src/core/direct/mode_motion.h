@@ -3,12 +3,12 @@
 // them at the end. docs/equations.md#event-driven-rk.
 #pragma once
 
-#include "core/direct/body.h"
+#include "core/direct/island.h"
 
 namespace ragdoll {
 
-/// The rows' answers at a pose, as the body's Schur complement: those that are closed, or all that
-/// press. Also sets mode.place.
+/// The rows' answers at a pose, as the bodies' Schur complements: those that are closed, or all
+/// that press. Also sets mode.place.
 struct ModeSystem {
   ModeMatrix A;
   ModeVector b, p;
@@ -16,37 +16,37 @@ struct ModeSystem {
 
 /// Builds A at x for the closed rows and mode.blocks from their states. False: too many, or not
 /// smooth there.
-bool buildModeSystem(Body& body, const double* x, const double* v, bool curvature,
+bool buildModeSystem(Island& island, const double* x, const double* v, bool curvature,
                      ModeSystem& system);
 
 /// point.a and forces by the mode at point.x, point.v. False: no answer.
-bool accelerateInMode(Body& body, ModePoint& point);
+bool accelerateInMode(Island& island, ModePoint& point);
 
 /// What closed rows press with at `point`, and from it what the mode is. False: not unique.
-bool findMode(Body& body, ModePoint& point);
+bool findMode(Island& island, ModePoint& point);
 
 /// Impact at `point` of what approaches: Newton's law and Coulomb's, all closed rows together.
-bool takeModeImpact(Body& body, ModePoint& point);
+bool takeModeImpact(Island& island, ModePoint& point);
 
 /// Puts the velocities on the mode's equalities. begins: of the mode; what will slip, but does not
 /// yet, stands still.
-bool projectVelocities(Body& body, ModePoint& point, bool begins);
+bool projectVelocities(Island& island, ModePoint& point, bool begins);
 /// And positions.
-bool projectPositions(Body& body, ModePoint& point);
+bool projectPositions(Island& island, ModePoint& point);
 
 /// Moves mode.start, whose accelerations are known, by h to `end`. forces: of its stages stay in
 /// mode.stages. False: no motion was found.
-bool moveInMode(Body& body, double h, ModePoint& end);
+bool moveInMode(Island& island, double h, ModePoint& end);
 
 /// [m/s] of the motion over h that was last moved to mode.end, whose accelerations are known: by the
 /// embedded formula of fourth order.
-double errorOfPiece(Body& body, double h);
+double errorOfPiece(Island& island, double h);
 
 /// x and v at a share of a motion over h, by the polynomial of degree 5 through both ends.
 void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,
                  ModePoint& out);
 
 /// [m/s] slip of a contact.
-Vec3 slipOf(const Body& body, const Contact& contact, const double* v);
+Vec3 slipOf(const Island& island, const Contact& contact, const double* v);
 
 }  // namespace ragdoll

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
-#include "core/contact/constants.h"
 #include "core/contact/compliance.h"
+#include "core/contact/constants.h"
 #include "core/contact/detect.h"
 #include "core/contact/stick_springs.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/mode_constants.h"
+#include "core/direct/mode_pairs.h"
 #include "core/direct/workspace.h"
 
 namespace ragdoll {
@@ -20,8 +21,8 @@ using Kind = ModeRow::Kind;
 
 Eigen::Map<const Vec3> at(const double* x, int i) { return Eigen::Map<const Vec3>(x + 3 * i); }
 
-/// A point or an axis near an obstacle, in its frame: u leads from the obstacle's core to the nearest
-/// place, in the directions beside the core alone.
+/// A point or an axis near an obstacle, in its frame: u leads from the obstacle's core to the
+/// nearest place, in the directions beside the core alone.
 struct Near {
   Vec3 u = Vec3::Zero(), beside = Vec3::Zero(), normal = Vec3::UnitZ();
   std::array<int, 3> feature{};
@@ -75,12 +76,25 @@ double nearestOf(const Body& body, const ModeRow& row, const double* x) {
                         row.rb);
 }
 
+Vec3 pointOf(const ModeRow& row, const double* x, double t) {
+  if (row.kind == Kind::kParticle) return at(x, row.a);
+  return (1 - t) * at(x, row.a) + t * at(x, row.b);
+}
+
+double gapOfOwn(const Body& body, const ModeRow& row, const double* x) {
+  if (row.kind == Kind::kLimit) return limitValue(body.skeleton->limits[row.limit], x);
+  const SweptObstacle& m = obstacleOf(body, row);
+  const double t = nearestOf(body, row, x);
+  return nearOf(*m.obstacle, m.toStart(pointOf(row, x, t))).distance - m.obstacle->radius -
+         ((1 - t) * row.ra + t * row.rb);
+}
+
 /// From the stick's ends, where the particles press.
 double roomOnStick(double t) { return std::min(t, 1 - t) - kEndOfStick; }
 
 /// Of a particle's spring, whether a stick's takes its place (dropDeeperEnds in detect.cpp): by how
 /// much that is deepest between its ends, and this end deeper than the other; negative: it does not.
-double roundCover(Body& body, const ModeRow& row, const double* x) {
+double roundCover(const Body& body, const ModeRow& row, const double* x) {
   const SweptObstacle& m = obstacleOf(body, row);
   double cover = -1;
   const ObstacleSpec::Type type = m.obstacle->type;
@@ -101,7 +115,7 @@ double roundCover(Body& body, const ModeRow& row, const double* x) {
     stick.kind = Kind::kStick;
     stick.b = k.b;
     stick.rb = body.context->model.radius[body.first + k.b];
-    const double deeper = gapOf(body, end(k.a == row.a ? k.b : k.a), x) - gapOf(body, row, x);
+    const double deeper = gapOfOwn(body, end(k.a == row.a ? k.b : k.a), x) - gapOfOwn(body, row, x);
     cover = std::max(cover, std::min(roomOnStick(nearestOf(body, stick, x)), deeper));
   }
   return cover;
@@ -123,7 +137,7 @@ struct Cover {
   int all = 0, taken = 0;
 };
 
-Cover coverOf(Body& body, const ModeRow& row, const double* x) {
+Cover coverOf(const Body& body, const ModeRow& row, const double* x) {
   Cover cover;
   const SweptObstacle& m = obstacleOf(body, row);
   if (row.kind != Kind::kParticle || m.obstacle->type != ObstacleSpec::Type::kBox) return cover;
@@ -149,16 +163,11 @@ Cover coverOf(Body& body, const ModeRow& row, const double* x) {
 }
 
 /// Of a particle's spring, whether sticks take all of it: by how much; negative: they do not.
-double roomUnder(Body& body, const ModeRow& row, const double* x) {
+double roomUnder(const Body& body, const ModeRow& row, const double* x) {
   if (obstacleOf(body, row).obstacle->type != ObstacleSpec::Type::kBox)
     return roundCover(body, row, x);
   const Cover cover = coverOf(body, row, x);
   return cover.all > 0 ? cover.room : -1.0;
-}
-
-Vec3 pointOf(const ModeRow& row, const double* x, double t) {
-  if (row.kind == Kind::kParticle) return at(x, row.a);
-  return (1 - t) * at(x, row.a) + t * at(x, row.b);
 }
 
 /// All positions with this body's at x; valid until the next call.
@@ -245,7 +254,7 @@ void curveStick(const ModeRow& row, const SweptObstacle& m, const Near& near, co
 }
 
 /// How the row gives way at place.at; and whether it is between a stick's ends.
-void giveWay(Body& body, const ModeRow& row, const double* x, RowPlace& place) {
+void giveWay(const Body& body, const ModeRow& row, const double* x, RowPlace& place) {
   Compliance& give = place.contact.give = row.give;
   place.inside = row.kind != Kind::kStick || roomOnStick(place.at) > 0;
   if (restsOnEnds(body, row)) {
@@ -275,14 +284,9 @@ Vec3 springTurn(const Body& body, const ModeRow& row, const Near& near, const do
          normalTurn(row, m, near, near.beside.cwiseProduct(rate));
 }
 
-}  // namespace
-
-RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* v, bool curvature) {
+RowPlace placeOnObstacle(const Body& body, const ModeRow& row, const double* x, const double* v,
+                         bool curvature) {
   RowPlace place;
-  if (row.kind == Kind::kLimit) {
-    placeLimit(body, row, x, v, curvature, place);
-    return place;
-  }
   const SweptObstacle& m = obstacleOf(body, row);
   const bool stick = row.kind == Kind::kStick;
   const double t = nearestOf(body, row, x);
@@ -317,46 +321,8 @@ RowPlace placeOf(Body& body, const ModeRow& row, const double* x, const double* 
   return place;
 }
 
-double gapOf(Body& body, const ModeRow& row, const double* x) {
-  if (row.kind == Kind::kLimit)
-    return limitValue(body.skeleton->limits[row.limit], x);
-  const SweptObstacle& m = obstacleOf(body, row);
-  const double t = nearestOf(body, row, x);
-  return nearOf(*m.obstacle, m.toStart(pointOf(row, x, t))).distance - m.obstacle->radius -
-         ((1 - t) * row.ra + t * row.rb);
-}
-
-double dampedRate(const Body& body, const ModeRow& row, const RowPlace& place, const double* x,
-                  const double* v) {
-  const double rate = rateOf(row, place, body, v);
-  if (!restsOnEnds(body, row) || !(place.contact.give.damping > 0)) return rate;
-  const StickEnds ends = endsOf(body, row);
-  const double t = place.at, c = ends.complianceAt(t);
-  const double slope = (t * ends.b.compliance - (1 - t) * ends.a.compliance) / c;
-  return rate - place.gap * slope * shiftOf(body, row, x, v);
-}
-
-double rateOf(const ModeRow& row, const RowPlace& place, const Body& body, const double* v) {
-  if (row.kind != Kind::kLimit) return place.contact.normal.dot(motionOf(body, place.contact, v));
-  double rate = 0;
-  for (int k = 0; k < place.limit.count; ++k)
-    rate += place.limit.gradient[k].dot(
-        Eigen::Map<const Vec3>(v + 3 * (place.limit.particle[k] - body.first)));
-  return rate;
-}
-
-double openingOf(Body& body, const ModeRow& row, const double* x, const double* v) {
-  if (!row.isSoft()) return gapOf(body, row, x);
-  const RowPlace place = placeOf(body, row, x, v, false);
-  const double rate = dampedRate(body, row, place, x, v);
-  const Compliance& give = row.kind == Kind::kLimit ? row.give : place.contact.give;
-  double opening = place.gap + give.compliance * give.damping * std::max(0.0, rate);
-  if (row.kind == Kind::kStick) opening = std::max(opening, -roomOnStick(body, row, x, place.at));
-  if (row.kind == Kind::kParticle) opening = std::max(opening, roomUnder(body, row, x));
-  return opening;
-}
-
-double roomOf(Body& body, const ModeRow& row, const double* x, const std::array<int, 3>& feature) {
+double roomOfOwn(const Body& body, const ModeRow& row, const double* x,
+                 const std::array<int, 3>& feature) {
   double room = std::numeric_limits<double>::infinity();
   if (row.kind == Kind::kLimit) return room;
   const SweptObstacle& m = obstacleOf(body, row);
@@ -375,20 +341,103 @@ double roomOf(Body& body, const ModeRow& row, const double* x, const std::array<
   return room;
 }
 
+}  // namespace
+
+RowPlace placeOf(Island& island, const ModeRow& row, const double* x, const double* v,
+                 bool curvature) {
+  if (row.kind == Kind::kPair) return placeOfPair(island, row, x, v, curvature);
+  Body& body = *island.bodies[row.body];
+  const int offset = island.s.mode.offset[row.body];
+  if (row.isContact()) return placeOnObstacle(body, row, x + offset, v + offset, curvature);
+  RowPlace place;
+  placeLimit(body, row, x + offset, v + offset, curvature, place);
+  return place;
+}
+
+double gapOf(Island& island, const ModeRow& row, const double* x) {
+  if (row.kind == Kind::kPair) return gapOfPair(island, row, x);
+  return gapOfOwn(*island.bodies[row.body], row, x + island.s.mode.offset[row.body]);
+}
+
+double rateOf(const Island& island, const ModeRow& row, const RowPlace& place, const double* v) {
+  if (row.isContact()) return place.contact.normal.dot(motionOf(island, place.contact, v));
+  const Body& body = *island.bodies[row.body];
+  const double* own = v + island.s.mode.offset[row.body];
+  double rate = 0;
+  for (int k = 0; k < place.limit.count; ++k)
+    rate += place.limit.gradient[k].dot(at(own, place.limit.particle[k] - body.first));
+  return rate;
+}
+
+Vec3 motionOf(const Island& island, const Contact& c, const double* x) {
+  Vec3 sum = Vec3::Zero();
+  for (int k = 0; k < c.count; ++k) {
+    const int place = island.placeOf(k >= 2 && c.other >= 0 ? c.other : c.ragdoll);
+    const Body& body = *island.bodies[place];
+    sum += c.weight[k] * at(x + island.s.mode.offset[place], c.particle[k] - body.first);
+  }
+  return sum;
+}
+
+double dampedRate(const Island& island, const ModeRow& row, const RowPlace& place, const double* x,
+                  const double* v) {
+  const Body& body = *island.bodies[row.body];
+  const double rate = rateOf(island, row, place, v);
+  if (!restsOnEnds(body, row) || !(place.contact.give.damping > 0)) return rate;
+  const int offset = island.s.mode.offset[row.body];
+  const StickEnds ends = endsOf(body, row);
+  const double t = place.at, c = ends.complianceAt(t);
+  const double slope = (t * ends.b.compliance - (1 - t) * ends.a.compliance) / c;
+  return rate - place.gap * slope * shiftOf(body, row, x + offset, v + offset);
+}
+
+double openingOf(Island& island, const ModeRow& row, const double* x, const double* v) {
+  if (!row.isSoft()) return gapOf(island, row, x);
+  const Body& body = *island.bodies[row.body];
+  const double* own = x + island.s.mode.offset[row.body];
+  const RowPlace place = placeOf(island, row, x, v, false);
+  const double rate = dampedRate(island, row, place, x, v);
+  const Compliance& give = row.isContact() ? place.contact.give : row.give;
+  double opening = place.gap + give.compliance * give.damping * std::max(0.0, rate);
+  if (row.kind == Kind::kStick) opening = std::max(opening, -roomOnStick(body, row, own, place.at));
+  if (row.kind == Kind::kParticle) opening = std::max(opening, roomUnder(body, row, own));
+  return opening;
+}
+
+double roomOf(Island& island, const ModeRow& row, const double* x,
+              const std::array<int, 3>& feature) {
+  if (row.kind == Kind::kPair) return roomOfPair(island, row, x);
+  return roomOfOwn(*island.bodies[row.body], row, x + island.s.mode.offset[row.body], feature);
+}
+
+bool hasPressed(Island& island, const ModeRow& row, const RowPlace& place) {
+  if (row.kind == Kind::kPair) return pairHasPressed(island, row);
+  const ImpulseCache& cache = island.bodies[row.body]->cache;
+  return (row.isContact() ? cache.find(place.contact) : cache.find(place.limit)) != nullptr;
+}
+
 namespace {
 
-/// Adds the row if a motion may reach it. False: it is deep in.
+/// A point in touch with an edge has none.
+bool hasNormal(const Obstacle& o, const ModeRow& row) {
+  return o.type == ObstacleSpec::Type::kPlane || o.radius + std::min(row.ra, row.rb) > kMinLength;
+}
+
+/// Adds the row if a motion may reach it. False: it is deep in, or has no normal.
 bool consider(Body& body, ModeRow& row, double reach, Mode& mode) {
-  const double gap = gapOf(body, row, body.xData());
+  const double gap = gapOfOwn(body, row, body.xData());
   if (gap > reach) return true;
+  if (row.isContact() && !hasNormal(*obstacleOf(body, row).obstacle, row)) return false;
   row.gap_start = gap;
   mode.rows.push_back(row);
   return row.isSoft() || gap >= -kTouching * (row.kind == Kind::kLimit ? 1 / kLever : 1);
 }
 
-bool listObstacle(Body& body, const SweptObstacle& m, int index, double reach, Mode& mode) {
+bool listObstacle(Body& body, int place, int index, double reach, Mode& mode) {
   const StepContext& step = *body.context;
+  const SweptObstacle& m = step.ws.obstacles[index];
   ModeRow row;
+  row.body = place;
   row.obstacle = index;
   row.friction = m.obstacle->friction;
   row.restitution = m.obstacle->restitution;
@@ -415,26 +464,57 @@ bool listObstacle(Body& body, const SweptObstacle& m, int index, double reach, M
   return sound;
 }
 
-}  // namespace
-
-bool listModeRows(Body& body, double h, Mode& mode) {
-  const StepContext& step = *body.context;
-  mode.rows.clear();
+/// [m] How far three such motions over h go.
+double reachOf(const Body& body, double h) {
   const double speed = std::sqrt(body.v().colwise().squaredNorm().maxCoeff());
   const double pull = body.acceleration.colwise().norm().maxCoeff();
-  const double reach = kReach * h * (speed + h * pull) + kClose;
-  for (std::size_t k = 0; k < step.ws.obstacles.size(); ++k) {
-    const SweptObstacle& m = step.ws.obstacles[k];
-    if (!listObstacle(body, m, static_cast<int>(k), reach, mode)) return false;
-  }
+  return kReach * h * (speed + h * pull);
+}
+
+bool listOwn(Body& body, int place, double reach, Mode& mode) {
+  const StepContext& step = *body.context;
+  for (std::size_t k = 0; k < step.ws.obstacles.size(); ++k)
+    if (!listObstacle(body, place, static_cast<int>(k), reach, mode)) return false;
   const std::vector<Limit>& limits = body.skeleton->limits;
   ModeRow row;
   row.kind = Kind::kLimit;
+  row.body = place;
   for (std::size_t k = 0; k < limits.size(); ++k) {
     row.limit = static_cast<int>(k);
     row.give = {limits[k].compliance, limits[k].damping};
     if (!consider(body, row, reach / kLever, mode)) return false;
   }
+  return true;
+}
+
+void layOut(Island& island) {
+  Mode& mode = island.s.mode;
+  mode.offset.clear();
+  mode.size = 0;
+  for (const Body* body : island.bodies) {
+    mode.offset.push_back(mode.size);
+    mode.size += paddedWidth(3 * body->n);
+  }
+}
+
+}  // namespace
+
+bool listModeRows(Island& island, double h) {
+  Mode& mode = island.s.mode;
+  layOut(island);
+  mode.rows.clear();
+  const int count = static_cast<int>(island.bodies.size());
+  for (int k = 0; k < count; ++k) {
+    Body& body = *island.bodies[k];
+    const double reach = reachOf(body, h) + kClose;
+    if (!listOwn(body, k, reach, mode)) return false;
+    if (!listPairs(island, k, k, 2 * reach)) return false;
+  }
+  for (int k = 0; k < count; ++k)
+    for (int l = k + 1; l < count; ++l) {
+      const double reach = reachOf(*island.bodies[k], h) + reachOf(*island.bodies[l], h);
+      if (!listPairs(island, k, l, reach + kClose)) return false;
+    }
   return true;
 }
 

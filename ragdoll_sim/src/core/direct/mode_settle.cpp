@@ -9,8 +9,6 @@
 namespace ragdoll {
 namespace {
 
-using Kind = ModeRow::Kind;
-
 /// mode.stage <- a moment after mode.start.
 void lookAhead(Mode& mode) {
   mode.stage.v = mode.start.v + kMoment * mode.start.a;
@@ -18,38 +16,36 @@ void lookAhead(Mode& mode) {
 }
 
 /// Whether a spring presses from mode.start on: it does at mode.stage.
-void settleSpring(Body& body, ModeRow& row) {
-  const ModePoint &now = body.mode.start, &ahead = body.mode.stage;
-  row.gap_start = openingOf(body, row, now.x.data(), now.v.data());
-  row.presses = row.closed = openingOf(body, row, ahead.x.data(), ahead.v.data()) < 0;
+void settleSpring(Island& island, ModeRow& row) {
+  const ModePoint &now = island.s.mode.start, &ahead = island.s.mode.stage;
+  row.gap_start = openingOf(island, row, now.x.data(), now.v.data());
+  row.presses = row.closed = openingOf(island, row, ahead.x.data(), ahead.v.data()) < 0;
 }
 
-/// What touches at mode.start; whether some of it approaches. pressed: what pressed in the last step
-/// may be a little off. leaves: what opens counts as closed, too; an impact may close it.
-void findClosed(Body& body, bool pressed, bool leaves, bool& impact) {
-  Mode& mode = body.mode;
+/// What touches at mode.start; whether some of it approaches. pressed: what pressed in the last
+/// step may be a little off. leaves: what opens counts as closed, too; an impact may close it.
+void findClosed(Island& island, bool pressed, bool leaves, bool& impact) {
+  Mode& mode = island.s.mode;
   impact = false;
   lookAhead(mode);
   for (ModeRow& row : mode.rows) {
     row.closed = false;
     if (row.isSoft()) {
-      settleSpring(body, row);
+      settleSpring(island, row);
       continue;
     }
-    row.gap_start = gapOf(body, row, mode.start.x.data());
+    row.gap_start = gapOf(island, row, mode.start.x.data());
     double close = kClosedGap;
     if (pressed && row.gap_start < kTouching / kLever) close = kTouching;
     if (row.gap_start >= close) continue;
-    const RowPlace place = placeOf(body, row, mode.start.x.data(), mode.start.v.data(), false);
+    const RowPlace place = placeOf(island, row, mode.start.x.data(), mode.start.v.data(), false);
     if (!place.inside || !place.regular) continue;
     if (pressed && row.gap_start >= kClosedGap) {
-      const CachedImpulse* last = row.kind == Kind::kLimit ? body.cache.find(place.limit)
-                                                           : body.cache.find(place.contact);
-      const double touching = row.kind == Kind::kLimit ? body.tolerances.touching_angle
-                                                       : body.tolerances.touching;
-      if (!last || row.gap_start >= touching) continue;
+      const Tolerances& tolerances = island.bodies[0]->tolerances;
+      const double touching = row.isContact() ? tolerances.touching : tolerances.touching_angle;
+      if (row.gap_start >= touching || !hasPressed(island, row, place)) continue;
     }
-    const double rate = rateOf(row, place, body, mode.start.v.data());
+    const double rate = rateOf(island, row, place, mode.start.v.data());
     row.closed = leaves || rate <= kLeaving;
     impact = impact || rate < -kRestApproach;
   }
@@ -57,16 +53,16 @@ void findClosed(Body& body, bool pressed, bool leaves, bool& impact) {
 
 /// Closes rows that open, and would close again before they are open by kChatterGap: where two rows
 /// open each other in turn there is no end to it. Whether there are any.
-bool closeChatter(Body& body) {
-  Mode& mode = body.mode;
+bool closeChatter(Island& island) {
+  Mode& mode = island.s.mode;
   const ModePoint& now = mode.start;
   bool any = false;
   for (ModeRow& row : mode.rows) {
     if (row.closed || row.isSoft() || row.gap_start >= kClosedGap) continue;
-    const RowPlace place = placeOf(body, row, now.x.data(), now.v.data(), true);
+    const RowPlace place = placeOf(island, row, now.x.data(), now.v.data(), true);
     if (!place.inside || !place.regular) continue;
-    const double rate = rateOf(row, place, body, now.v.data());
-    const double back = -rateOf(row, place, body, now.a.data()) - place.curvature;
+    const double rate = rateOf(island, row, place, now.v.data());
+    const double back = -rateOf(island, row, place, now.a.data()) - place.curvature;
     if (!(back > 0) || rate * rate > 2 * kChatterGap * back) continue;
     row.closed = any = true;
   }
@@ -75,22 +71,22 @@ bool closeChatter(Body& body) {
 
 }  // namespace
 
-bool settleMode(Body& body, bool pressed) {
-  Mode& mode = body.mode;
+bool settleMode(Island& island, bool pressed) {
+  Mode& mode = island.s.mode;
   bool impact = false;
-  findClosed(body, pressed, false, impact);
+  findClosed(island, pressed, false, impact);
   if (impact) {
-    findClosed(body, pressed, true, impact);
-    if (!takeModeImpact(body, mode.start)) return false;
-    ++body.located;
-    findClosed(body, pressed, false, impact);
+    findClosed(island, pressed, true, impact);
+    if (!takeModeImpact(island, mode.start)) return false;
+    for (Body* body : island.bodies) ++body->located;
+    findClosed(island, pressed, false, impact);
     if (impact) return false;
   }
-  if (!findMode(body, mode.start)) return false;
-  for (int k = 0; k < kModeProjections && closeChatter(body); ++k)
-    if (!findMode(body, mode.start)) return false;
-  return projectPositions(body, mode.start) &&
-         projectVelocities(body, mode.start, true) && accelerateInMode(body, mode.start);
+  if (!findMode(island, mode.start)) return false;
+  for (int k = 0; k < kModeProjections && closeChatter(island); ++k)
+    if (!findMode(island, mode.start)) return false;
+  return projectPositions(island, mode.start) && projectVelocities(island, mode.start, true) &&
+         accelerateInMode(island, mode.start);
 }
 
 }  // namespace ragdoll

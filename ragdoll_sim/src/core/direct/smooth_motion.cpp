@@ -25,7 +25,8 @@ Drive driveOf(Body& body) {
 /// Dormand-Prince 5 over h, no matter what it meets: the motion, and velocities body.v1.
 bool integrate(Body& body, double h) {
   double* m = body.multipliers();
-  if (body.pin_speed > 0) {  // it is faster or slower from this step on, and what hangs on it with it
+  if (body.pin_speed >
+      0) {  // it is faster or slower from this step on, and what hangs on it with it
     body.memory->response.setStart(body.xData());
     body.memory->response.projectAtStart(body.vData());
   }
@@ -96,6 +97,16 @@ SmoothTrial moveSmoothly(Island& island, double h) {
   findCandidates(body, h);
   if (!whole) return {h, false};
   return stopAtImpact(island, h);
+}
+
+SmoothTrial moveTogether(Island& island, double h) {
+  for (Body* body : island.bodies) {  // for who judges it: which limits it comes near
+    body->motion.dx = h * body->v();
+    findCandidates(*body, h);
+  }
+  int contacts = 0;
+  if (!moveThroughEvents(island, h, contacts)) return {};
+  return {h, true, true, contacts};
 }
 
 bool moveFreely(Island& island, double h, double& error) {

@@ -17,6 +17,9 @@ struct SmoothTrial {
 };
 SmoothTrial moveSmoothly(Island& island, double h);
 
+/// Moves bodies that may touch each other from event to event over h.
+SmoothTrial moveTogether(Island& island, double h);
+
 /// Moves a lone body by it over h, whose error [m] is then known. False: it meets something or no
 /// motion was found, and what it has done is to be taken back.
 bool moveFreely(Island& island, double h, double& error);

@@ -29,10 +29,14 @@ bool presses(const Island& island) {
 
 /// rk from event to event has no swing: what it gains is its error.
 Verdict judgeExact(Island& island, const SubstepControl& control) {
-  Body& body = *island.bodies[0];
-  const double gain = gainedEnergy(island, 0.0), scale = swingScale(body);
-  if (control.canHalve() && (gain > kRedoGain * scale || exceedsStable(body, control.substep(), 2)))
-    return {false, 0};
+  const double gain = gainedEnergy(island, 0.0);
+  double scale = 0;
+  bool stable = true;
+  for (Body* body : island.bodies) {
+    scale += swingScale(*body);
+    stable = stable && !exceedsStable(*body, control.substep(), 2);
+  }
+  if (control.canHalve() && (gain > kRedoGain * scale || !stable)) return {false, 0};
   return {true, gain > kExactGain * scale ? gain : 0};
 }
 
@@ -72,10 +76,9 @@ Verdict judge(Island& island, const Trial& trial, const SubstepControl& control)
 
 /// Whether what a trial of that way lost of its angular momentum is given back. The last resort
 /// gives none back: what it would gain by that is not taken out. rk from event to event loses none,
-/// and what its impacts took from obstacles is not told by what presses at its end.
+/// and may have met what was outside and has left again.
 bool losesAngularMomentum(const Island& island, const Trial& trial, Way way) {
-  return way == Way::kImplicit ||
-         (way == Way::kExplicit && !trial.exact && pressesItself(island));
+  return way == Way::kImplicit || (way == Way::kExplicit && !trial.exact && pressesItself(island));
 }
 
 /// Explicit steps as they come, to measure what the guard costs.

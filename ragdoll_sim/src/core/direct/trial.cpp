@@ -120,13 +120,13 @@ bool stepEachAlone(Island& island, double h, StepReport& report) {
 
 Trial takeExplicitTrial(Island& island, double h, int taken) {
   Trial trial;
-  if (island.context.model.solver.method == Method::kRk && island.isLone()) {
-    const SmoothTrial smooth = moveSmoothly(island, h);
+  const SolverSpec& solver = island.context.model.solver;
+  if (solver.method == Method::kRk && (island.isLone() || solver.events)) {
+    const SmoothTrial smooth = island.isLone() ? moveSmoothly(island, h) : moveTogether(island, h);
     trial = {smooth.took, smooth.ok, smooth.contacts, smooth.exact};
   }
   if (trial.ok && trial.took == 0) {
     trial = leapfrog(island, h, taken);
-    const SolverSpec& solver = island.context.model.solver;
     trial.handed_over = solver.method == Method::kRk && solver.events;
   }
   trial.ok = trial.ok && isFinite(island);

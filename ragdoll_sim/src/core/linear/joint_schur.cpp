@@ -75,6 +75,24 @@ double JointSchur::answer(int i) const {
   return sum;
 }
 
+double JointSchur::entry(int i, int j) const {
+  double sum = 0;
+  for (int side = 0; side < 2; ++side)
+    for (int other = 0; other < 2; ++other)
+      if (rows_[i].body[side] >= 0 && rows_[i].body[side] == rows_[j].body[other])
+        sum += bodies_[rows_[i].body[side]]->entry(rows_[i].row[side], rows_[j].row[other]);
+  return sum;
+}
+
+double JointSchur::along(int i, const double* x, const std::vector<int>& at) const {
+  double sum = 0;
+  for (int side = 0; side < 2; ++side) {
+    const int body = rows_[i].body[side];
+    if (body >= 0) sum += bodies_[body]->along(rows_[i].row[side], x + at[body]);
+  }
+  return sum;
+}
+
 void JointSchur::soften(int i, double compliance) {
   const int side = sideOf(i);
   bodies_[rows_[i].body[side]]->soften(rows_[i].row[side], compliance);

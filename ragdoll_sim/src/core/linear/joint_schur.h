@@ -26,6 +26,10 @@ class JointSchur {
   const Schur::Row& row(int i) const;
   /// Of the whole row, with its compliance: A(i, i). And as of a body's complement.
   double answer(int i) const;
+  /// A(i, j).
+  double entry(int i, int j) const;
+  /// Of motions x of the bodies, along row i. at[k]: where body k's coordinates begin in x.
+  double along(int i, const double* x, const std::vector<int>& at) const;
   void soften(int i, double compliance);
   void give(int i);
 

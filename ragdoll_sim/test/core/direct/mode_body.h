@@ -1,4 +1,5 @@
-// A body at the beginning of a motion through events, so that single stages of it can be called.
+// A body, or bodies, at the beginning of a motion through events, so that single stages of it can
+// be called.
 #pragma once
 
 #include "core/direct/mode_constants.h"
@@ -55,19 +56,21 @@ struct ModeBody : DirectIsland {
   bool listed;  ///< what listModeRows says
 
   explicit ModeBody(const Scene& scene) : DirectIsland(scene) {
-    listed = listModeRows(body(), h, mode());
+    listed = listModeRows(island, h);
     for (ModePoint* point : {&mode().start, &mode().end, &mode().sample, &mode().stage})
-      for (Eigen::VectorXd* values : {&point->x, &point->v, &point->a})
-        values->setZero(paddedWidth(3 * body().n));
-    std::copy_n(body().xData(), 3 * body().n, now().x.data());
-    std::copy_n(body().vData(), 3 * body().n, now().v.data());
+      for (RowValues* values : {&point->x, &point->v, &point->a}) values->setZero(mode().size);
+    for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+      const Body& one = *island.bodies[k];
+      std::copy_n(one.xData(), 3 * one.n, now().x.data() + mode().offset[k]);
+      std::copy_n(one.vData(), 3 * one.n, now().v.data() + mode().offset[k]);
+    }
   }
   /// All particles move so. A scene's own velocities do not lead into what they touch.
   ModeBody(const Scene& scene, const Vec3& velocity) : ModeBody(scene) {
     for (int i = 0; i < body().n; ++i) now().v.segment<3>(3 * i) = velocity;
   }
 
-  Mode& mode() { return body().mode; }
+  Mode& mode() { return island.s.mode; }
   ModePoint& now() { return mode().start; }
   ModeRow& row(int i) { return mode().rows[i]; }
   /// What touches is closed.
@@ -77,12 +80,10 @@ struct ModeBody : DirectIsland {
   /// The mode in which what touches is closed.
   bool start() {
     close();
-    return findMode(body(), now());
+    return findMode(island, now());
   }
   /// Of a particle, from a point's x, v or a.
-  static Vec3 of(const Eigen::VectorXd& values, int particle) {
-    return values.segment<3>(3 * particle);
-  }
+  static Vec3 of(const RowValues& values, int particle) { return values.segment<3>(3 * particle); }
 };
 
 }  // namespace ragdoll::test

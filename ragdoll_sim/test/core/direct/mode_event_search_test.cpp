@@ -17,12 +17,12 @@ using namespace test;
 double eventOf(ModeBody& one, double h) {
   ModePoint& end = one.mode().end;
   ModeEvent found;
-  EXPECT_TRUE(settleMode(one.body(), false));
-  EXPECT_TRUE(moveInMode(one.body(), h, end) && findModeEvent(one.body(), h, found));
+  EXPECT_TRUE(settleMode(one.island, false));
+  EXPECT_TRUE(moveInMode(one.island, h, end) && findModeEvent(one.island, h, found));
   if (!found.any) return -1;
   double time = 0;
   EXPECT_NEAR(found.share, 0.5, 0.5);
-  EXPECT_TRUE(moveToModeEvent(one.body(), h, found, time));
+  EXPECT_TRUE(moveToModeEvent(one.island, h, found, time));
   return time;
 }
 

@@ -42,7 +42,7 @@ struct Above : ModeBody {
     ball.ra = ball.rb = rod.ra = rod.rb = kRadius;
   }
   RowPlace placeAt(const Vec3& x, const Vec3& v) {
-    return placeOf(body(), ball, x.data(), v.data(), true);
+    return placeOf(island, ball, x.data(), v.data(), true);
   }
 };
 
@@ -51,7 +51,7 @@ TEST(ModeRows, OfABallHaveItsDistanceFromFaceEdgeAndCorner) {
   const auto expectGap = [&](const Vec3& x, double distance, const Features& feature) {
     const RowPlace place = one.placeAt(x, Vec3::Zero());
     EXPECT_NEAR(place.gap, distance - kRadius, 1e-15);
-    EXPECT_NEAR(gapOf(one.body(), one.ball, x.data()), distance - kRadius, 1e-15);
+    EXPECT_NEAR(gapOf(one.island, one.ball, x.data()), distance - kRadius, 1e-15);
     EXPECT_EQ(place.feature, feature);
     EXPECT_NEAR(place.contact.normal.dot(x) - place.contact.offset, place.gap, 1e-15);
   };
@@ -92,11 +92,11 @@ TEST(ModeRows, OfAStickFollowTheNearestPlace) {
         x << 0.6, -0.3, 1.9, 1.8, 0.4, 0.6;
       x += 0.05 * v;
       const auto at = [&](double time) { return Coordinates(x + time * v); };
-      const auto gapAt = [&](double time) { return gapOf(one.body(), one.rod, at(time).data()); };
+      const auto gapAt = [&](double time) { return gapOf(one.island, one.rod, at(time).data()); };
       const auto weightAt = [&](double time) {
-        return placeOf(one.body(), one.rod, at(time).data(), v.data(), false).contact.weight[1];
+        return placeOf(one.island, one.rod, at(time).data(), v.data(), false).contact.weight[1];
       };
-      const RowPlace place = placeOf(one.body(), one.rod, x.data(), v.data(), true);
+      const RowPlace place = placeOf(one.island, one.rod, x.data(), v.data(), true);
       ASSERT_TRUE(place.inside && place.regular);
       const double e = 1e-3;
       const double second = (gapAt(e) - 2 * gapAt(0) + gapAt(-e)) / (e * e);
@@ -126,7 +126,7 @@ TEST(ModeRows, OfALimitCurveAsPolarCoordinatesDo) {
   const double away = 0.7, turns = 1.3, length = bone.norm();
   Points v = Points::Zero(3, x.cols());
   v.col(head) = away * out + turns * length * around;
-  const RowPlace place = placeOf(one.body(), row, x.data(), v.data(), true);
+  const RowPlace place = placeOf(one.island, row, x.data(), v.data(), true);
   EXPECT_NEAR(place.gap, rad(60) - std::acos(out.dot(axis)), 1e-14);
   EXPECT_NEAR(place.curvature, 2 * away * turns / length, 1e-8);
 }
@@ -134,16 +134,16 @@ TEST(ModeRows, OfALimitCurveAsPolarCoordinatesDo) {
 TEST(ModeRows, HaveRoomUntilTheirPlaceEnds) {
   Above ball(oneParticle(1, kRadius), cube()), rod(oneStick(), cube());
   const auto room = [&](const Vec3& x, const Features& feature) {
-    return roomOf(ball.body(), ball.ball, x.data(), feature);
+    return roomOf(ball.island, ball.ball, x.data(), feature);
   };
   EXPECT_NEAR(room(Vec3(0.2, 0.7, 1.5), {0, 0, 1}), 0.3, 1e-15);
   EXPECT_NEAR(room(Vec3(1.1, 0.7, 1.5), {0, 0, 1}), -0.1, 1e-15);
   EXPECT_NEAR(room(Vec3(1.1, 0.7, 1.5), {1, 0, 1}), 0.1, 1e-15);
   Coordinates x;  // on x + z = 2.1, nearest to the edge x = z = 1 where both are 1.05
   x << 0, 0, 2.1, 1.25, 0, 0.85;
-  EXPECT_NEAR(roomOf(rod.body(), rod.rod, x.data(), {1, 0, 1}), 0.05, 1e-6);
+  EXPECT_NEAR(roomOf(rod.island, rod.rod, x.data(), {1, 0, 1}), 0.05, 1e-6);
   x << 0.1, 0, 2.0, 1.07, 0, 1.03;  // that is 2 cm of 97 from the rod's end
-  EXPECT_NEAR(roomOf(rod.body(), rod.rod, x.data(), {1, 0, 1}), 0.02 / 0.97, 1e-6);
+  EXPECT_NEAR(roomOf(rod.island, rod.rod, x.data(), {1, 0, 1}), 0.02 / 0.97, 1e-6);
 }
 
 /// [1 ms] at 10 m/s: three times that way, and a millimetre.
@@ -154,9 +154,8 @@ TEST(ModeRows, AreOfWhatThreeSuchMotionsReach) {
   for (const double gap : {0.0309, 0.0311}) {
     scene.ragdolls[0].pose.position.z() = kRadius + gap;
     ModeBody one(scene);
-    Mode mode;
-    EXPECT_TRUE(listModeRows(one.body(), 1e-3, mode));
-    EXPECT_EQ(mode.rows.size(), gap < 0.031 ? 1u : 0u);
+    EXPECT_TRUE(listModeRows(one.island, 1e-3));
+    EXPECT_EQ(one.mode().rows.size(), gap < 0.031 ? 1u : 0u);
   }
 }
 
@@ -180,8 +179,8 @@ TEST(ModeRows, OfASpringOpenWhereItsForceEnds) {
   ModeBody one(modeScene(oneParticle(1, kRadius), Vec3(0, 0, kRadius), floor));
   ASSERT_EQ(one.mode().rows.size(), 1u);
   const Vec3 deep(0, 0, kRadius - 0.02), leaves(1, 0, 4), comes(1, 0, -4);
-  EXPECT_NEAR(openingOf(one.body(), one.row(0), deep.data(), leaves.data()), 0, 1e-15);
-  EXPECT_NEAR(openingOf(one.body(), one.row(0), deep.data(), comes.data()), -0.02, 1e-15);
+  EXPECT_NEAR(openingOf(one.island, one.row(0), deep.data(), leaves.data()), 0, 1e-15);
+  EXPECT_NEAR(openingOf(one.island, one.row(0), deep.data(), comes.data()), -0.02, 1e-15);
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ struct Ball : ModeBody {
 TEST(ModeSettle, WhatOpensOrIsAboveIsFree) {
   Ball above(1e-6, Vec3(1, 0, -3), floorPlane(0.5)), opens(0, Vec3(1, 0, 3), floorPlane(0.5));
   for (Ball* ball : {&above, &opens}) {
-    ASSERT_TRUE(settleMode(ball->body(), false));
+    ASSERT_TRUE(settleMode(ball->island, false));
     EXPECT_FALSE(ball->row(0).presses);
     EXPECT_LT((ball->acceleration() - Vec3(0, 0, -kG)).norm(), 1e-15);
     EXPECT_EQ(std::abs(ball->velocity().z()), 3);
@@ -31,11 +31,11 @@ TEST(ModeSettle, WhatOpensOrIsAboveIsFree) {
 
 TEST(ModeSettle, WhatArrivesBouncesOrStays) {
   Ball bounces(0, Vec3(1, 0, -3), floorPlane(0, 0.5)), stays(0, Vec3(1, 0, -3), floorPlane());
-  ASSERT_TRUE(settleMode(bounces.body(), false));
+  ASSERT_TRUE(settleMode(bounces.island, false));
   EXPECT_FALSE(bounces.row(0).presses);
   EXPECT_LT((bounces.velocity() - Vec3(1, 0, 1.5)).norm(), 1e-14);
   EXPECT_EQ(bounces.body().located, 1);
-  ASSERT_TRUE(settleMode(stays.body(), false));
+  ASSERT_TRUE(settleMode(stays.island, false));
   EXPECT_TRUE(stays.row(0).presses);
   EXPECT_LT((stays.velocity() - Vec3(1, 0, 0)).norm(), 1e-14);
   EXPECT_LT(stays.acceleration().norm(), 1e-14);
@@ -44,11 +44,11 @@ TEST(ModeSettle, WhatArrivesBouncesOrStays) {
 /// Coulomb's law of impact: friction takes no more than mu (1 + e) of the approach.
 TEST(ModeSettle, AnImpactTakesAsMuchSlipAsItsFriction) {
   Ball slips(0, Vec3(4, 0, -3), floorPlane(0.4)), grips(0, Vec3(1, 0, -3), floorPlane(0.4));
-  ASSERT_TRUE(settleMode(slips.body(), false));
+  ASSERT_TRUE(settleMode(slips.island, false));
   EXPECT_NEAR(slips.velocity().x(), 4 - 0.4 * 3, 1e-14);
   EXPECT_TRUE(slips.row(0).presses && slips.row(0).moves);
   EXPECT_NEAR(slips.acceleration().x(), -0.4 * kG, 1e-14);
-  ASSERT_TRUE(settleMode(grips.body(), false));
+  ASSERT_TRUE(settleMode(grips.island, false));
   EXPECT_LT(grips.velocity().norm(), 1e-14);
   EXPECT_TRUE(grips.row(0).sticks);
 }
@@ -56,10 +56,10 @@ TEST(ModeSettle, AnImpactTakesAsMuchSlipAsItsFriction) {
 /// What opens so slowly that it comes back before a nanometre is closed; 2e-4 m/s rise by 2e-9 m.
 TEST(ModeSettle, WhatHardlyOpensStaysClosed) {
   Ball hardly(0, Vec3(0, 0, 1e-4), floorPlane()), opens(0, Vec3(0, 0, 2e-4), floorPlane());
-  ASSERT_TRUE(settleMode(hardly.body(), false));
+  ASSERT_TRUE(settleMode(hardly.island, false));
   EXPECT_TRUE(hardly.row(0).presses);
   EXPECT_LT(hardly.velocity().norm(), 1e-14);
-  ASSERT_TRUE(settleMode(opens.body(), false));
+  ASSERT_TRUE(settleMode(opens.island, false));
   EXPECT_FALSE(opens.row(0).presses);
 }
 
@@ -67,14 +67,14 @@ TEST(ModeSettle, WhatHardlyOpensStaysClosed) {
 TEST(ModeSettle, WhatPressedBeforeMayBeALittleOff) {
   const double off = 1e-8;
   Ball pressed(off, Vec3::Zero(), floorPlane(0.5)), other(off, Vec3::Zero(), floorPlane(0.5));
-  const RowPlace place = placeOf(pressed.body(), pressed.row(0), pressed.now().x.data(),
+  const RowPlace place = placeOf(pressed.island, pressed.row(0), pressed.now().x.data(),
                                  pressed.now().v.data(), false);
   pressed.body().cache.add(keyOf(place.contact));
   ASSERT_LT(off, pressed.body().tolerances.touching);
-  ASSERT_TRUE(settleMode(pressed.body(), true));
+  ASSERT_TRUE(settleMode(pressed.island, true));
   EXPECT_TRUE(pressed.row(0).presses);
   EXPECT_NEAR(pressed.now().x[2], Ball::kRadius, 1e-13);
-  ASSERT_TRUE(settleMode(other.body(), true));
+  ASSERT_TRUE(settleMode(other.island, true));
   EXPECT_FALSE(other.row(0).presses);
 }
 
