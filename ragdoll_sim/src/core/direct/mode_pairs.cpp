@@ -210,10 +210,10 @@ struct PairList {
   void add(const ModeRow& row, const Capsule& p, const Capsule& q) {
     const Body &body = *island.bodies[row.body], &other = *island.bodies[row.other];
     const auto at = [](const Body& of, int particle) { return Vec3(of.x().col(particle)); };
-    const CapsuleAxis first{at(body, p.a), at(body, p.b), 0, 0},
-        second{at(other, q.a), at(other, q.b), 0, 0};
-    const double lengths = (first.b - first.a).norm() + (second.b - second.a).norm();
-    const double apart = (first.at(0.5) - second.at(0.5)).norm() - 0.5 * lengths;
+    const CapsuleAxis one{at(body, p.a), at(body, p.b), 0, 0},
+        two{at(other, q.a), at(other, q.b), 0, 0};
+    const double lengths = (one.b - one.a).norm() + (two.b - two.a).norm();
+    const double apart = (one.at(0.5) - two.at(0.5)).norm() - 0.5 * lengths;
     const auto widest = [&](const Body& of, const Capsule& c) {
       const Eigen::VectorXd& r = island.context.model.radius;
       return std::max(r[of.first + c.a], r[of.first + c.b]);
