@@ -121,7 +121,9 @@ void Schur::findMatrix(const StickRows& c) {
     std::array<int, kMaxParticles> at;
     for (int k = 0; k < row.count; ++k) at[k] = place_[row.particle[k]];
     double* own = now_.A.data() + j * columns_;
-    kernels::dotThrees(turned_.data(), columns_, at.data(), row.gradient[0].data(), row.count, own);
+    kernels::dotThrees(turned_.data(), columns_, paddedWidth(j + 1), at.data(),
+                       row.gradient[0].data(), row.count, own);
+    std::fill(own + m, own + columns_, 0.0);
     for (int i = 0; i < j; ++i) now_.A(i, j) = own[i];
     own[j] += row.compliance;
   }

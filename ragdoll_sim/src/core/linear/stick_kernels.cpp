@@ -31,9 +31,9 @@ RAGDOLL_KERNEL(void, addRows,
                (D, s, width, rows, columns, out))
 
 RAGDOLL_KERNEL(void, dotThrees,
-               (const double* rows, int columns, const int* place, const double* g, int count,
-                double* out),
-               (rows, columns, place, g, count, out))
+               (const double* rows, int columns, int wanted, const int* place, const double* g,
+                int count, double* out),
+               (rows, columns, wanted, place, g, count, out))
 
 RAGDOLL_KERNEL(void, spreadSticks,
                (const double* D, const double* rows, int s, int width, int columns, double* K),

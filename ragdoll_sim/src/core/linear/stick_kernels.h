@@ -47,10 +47,10 @@ void addImpulses(const double* D, const double* lambda, int s, int width, const 
 /// out (3 rows of columns) += D rows, D: 3 rows of width, rows: s rows of columns.
 void addRows(const double* D, int s, int width, const double* rows, int columns, double* out);
 
-/// out (columns) = the sum over `count` places of g . the three rows that begin at 3 place; g:
-/// three values each.
-void dotThrees(const double* rows, int columns, const int* place, const double* g, int count,
-               double* out);
+/// out (the first `wanted` of the columns) = the sum over `count` places of g . the three rows that
+/// begin at 3 place; g: three values each.
+void dotThrees(const double* rows, int columns, int wanted, const int* place, const double* g,
+               int count, double* out);
 
 /// K (s rows of columns) = rows (s rows of columns, a value for each coordinate xyzxyz...) times
 /// the stick vectors: K_s,3p+c = rows_s,3p+c D_c,s.

@@ -233,10 +233,10 @@ RAGDOLL_INLINE void addRows(const double* D, int s, int width, const double* row
 }
 
 template <int W>
-RAGDOLL_INLINE void dotThrees(const double* rows, int columns, const int* place, const double* g,
-                              int count, double* out) {
+RAGDOLL_INLINE void dotThrees(const double* rows, int columns, int wanted, const int* place,
+                              const double* g, int count, double* out) {
   onChunks<W>(
-      columns, [&](auto vectors, int b) __attribute__((always_inline)) {
+      wanted, [&](auto vectors, int b) __attribute__((always_inline)) {
         constexpr int blocks = decltype(vectors)::value;
         typename Vector<W>::Lanes sum[blocks] = {};
         for (int k = 0; k < count; ++k) {
