@@ -104,6 +104,7 @@ void findCandidates(Island& island, double h) {
                                   island.context.state.x, posesAfter(island),
                                   PairSearch::touches(kNearBody), pairs.contacts);
   for (Contact& c : pairs.contacts) startPair(island, c, h);
+  pairs.role.assign(pairs.contacts.size(), Role::kIfNear);
 }
 
 bool findMissed(Island& island, double h) {
@@ -121,7 +122,7 @@ bool findMissed(Island& island, double h) {
     if (c.isSoft() && isKnown(pairs.contacts, known, c)) continue;  // its spring overlaps
     if (pairGapAfter(island, c) >= -kSlop) continue;
     pairs.contacts.push_back(c);
-    pairs.active.push_back(1);
+    pairs.role.push_back(Role::kActive);
     any = true;
   }
   return any;
@@ -134,7 +135,7 @@ bool activateViolated(Island& island) {
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
     if (pairs.row[i] >= 0) continue;
     if (pairGapAfter(island, pairs.contacts[i]) >= -island.bodies[0]->tolerances.contact) continue;
-    pairs.active[i] = 1;
+    pairs.role[i] = Role::kActive;
     any = true;
   }
   return any;
@@ -142,7 +143,7 @@ bool activateViolated(Island& island) {
 
 void activateAll(Island& island) {
   for (Body* body : island.bodies) activateAll(*body);
-  island.pairs.active.assign(island.pairs.contacts.size(), 1);
+  island.pairs.role.assign(island.pairs.contacts.size(), Role::kActive);
 }
 
 void save(Island& island) {
