@@ -10,7 +10,8 @@ namespace ragdoll {
 namespace {
 
 /// [m/s] at which the gap opens at the motion's start.
-double rateOf(const Body& body, const Contact& c) {
+double rateOf(const Body& body, const Contact& contact) {
+  const Contact& c = contact.touches_at_start ? contact.atStart() : contact;
   return c.normal.dot(motionOf(body, c, body.vData()) - c.surface_motion / body.context->h);
 }
 

@@ -30,7 +30,7 @@ const Points& posesAfter(const Island& island) {
 void startPair(const Island& island, Contact& c, double h) {
   if (island.context.relaxed) c.give = {};
   c.found = c.offset;
-  c.before = c.isSoft() ? c.gap_start : c.gapAt(island.context.state.x);
+  c.before = c.isSoft() ? c.gap_start : gapBefore(c, c.gapAt(island.context.state.x));
   limitDepenetration(island, c, h);
 }
 
@@ -105,6 +105,18 @@ void findCandidates(Island& island, double h) {
                                   PairSearch::touches(kNearBody), pairs.contacts);
   for (Contact& c : pairs.contacts) startPair(island, c, h);
   pairs.role.assign(pairs.contacts.size(), Role::kIfNear);
+}
+
+void turnContacts(Island& island, double h) {
+  for (Body* body : island.bodies) turnContacts(*body, h);
+  PairSet& pairs = island.pairs;
+  if (std::none_of(pairs.contacts.begin(), pairs.contacts.end(), hasTurned)) return;
+  pairs.missed.clear();
+  island.s.detector.appendBetween(island.context.model, island.context.state, island.s.all,
+                                  island.context.state.x, posesAfter(island),
+                                  PairSearch::touches(kNearBody), pairs.missed);
+  for (Contact& c : pairs.contacts)
+    if (turnAs(pairs.missed, c)) startPair(island, c, h);
 }
 
 bool findMissed(Island& island, double h) {
