@@ -18,11 +18,11 @@ constexpr double kParallel = 0.03;  ///< squared sine (10 degrees) below which a
 
 // --- Not tuned: made of others.
 constexpr double kFlatStick = 10 * kGapResolution;  ///< [m] flat: a stick's gap varies by less
-/// Of a stick: a touch nearer to an end is the particle's; flat contact spans more of an axis.
+/// Of a stick: flat contact spans more of an axis; no axis goes out across itself nearer to an end.
 constexpr double kStickEnd = kNoLength;
 
 // --- Not tuned: rounding.
-/// The same of springs, and of rk from event to event: there a touch passes from stick to particle
+/// Of a stick: a touch nearer to an end is the particle's, so that it passes from one to the other
 /// where both are as deep.
 constexpr double kEndOfStick = 1e-9;
 

@@ -170,8 +170,7 @@ void placeContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Con
   const Places places = placesOf(m, k.axis, k.give);
   for (int i = 0; i < (places.flat ? 2 : 1); ++i) {
     const double share = places.at[i];
-    const double end = k.give.compliance > 0 ? kEndOfStick : kStickEnd;
-    if (share <= end || share >= 1 - end) continue;
+    if (share <= kEndOfStick || share >= 1 - kEndOfStick) continue;
     Contact c = k.contactWith(tangentAt(m, k.axis, share));
     c.weight = {1 - share, share, 0, 0};
     if (touchesAtStart(k.give, k.start)) {

@@ -28,7 +28,8 @@ void startContact(Body& body, Contact& c, double h) {
   const double share = h / body.context->h;
   if (body.context->relaxed) c.give = {};  // relaxation's own contacts are rigid
   c.found = c.offset;
-  c.before = gapAt(body, c, dx) - c.normal.dot(motionOf(body, c, dx) - share * c.surface_motion);
+  c.before = gapBefore(
+      c, gapAt(body, c, dx) - c.normal.dot(motionOf(body, c, dx) - share * c.surface_motion));
   // A spring is as deep as it is, not as the plane at the end says.
   if (c.isSoft() && (h == body.context->h || c.surface_motion.isZero(0))) c.before = c.gap_start;
   setOffset(body, c, {h, h, body.context->h});
@@ -40,6 +41,18 @@ void startLimit(Body& body, LimitAngles::Pose& before, LimitRow& limit, double h
     limit.start = std::min(0.0, limit.before);
   else
     limit.opening = allowedViolation(limit, {h, h, body.context->h}, body.overlaps);
+}
+
+/// Contacts of the motion with obstacles and with the body itself.
+void appendNear(Body& body, std::vector<Contact>& contacts) {
+  const StepContext& step = *body.context;
+  const Points& after = poseAfter(body);
+  if (!step.ws.obstacles.empty())
+    appendContacts(step.model, step.ws.obstacles, step.state.x, after, body.index, kNearBody,
+                   contacts);
+  if (step.model.self_collision)
+    body.detector.appendSelf(step.model, step.state.x, after, body.index,
+                             PairSearch::touches(kNearBody), contacts);
 }
 
 bool isPassed(const Body& body, const Contact& c) {
@@ -93,13 +106,7 @@ void findCandidates(Body& body, double h) {
   set.limit_role.clear();
   if (step.ws.obstacles.empty() && body.skeleton->joints.empty() && !step.model.self_collision)
     return;
-  const Points& after = poseAfter(body);
-  if (!step.ws.obstacles.empty())
-    appendContacts(step.model, step.ws.obstacles, step.state.x, after, body.index, kNearBody,
-                   set.contacts);
-  if (step.model.self_collision)
-    body.detector.appendSelf(step.model, step.state.x, after, body.index,
-                             PairSearch::touches(kNearBody), set.contacts);
+  appendNear(body, set.contacts);
   if (body.overlaps == OverlapPolicy::kPassThrough) passThrough(body);
   set.overlap = 0;
   for (Contact& c : set.contacts) {
@@ -108,6 +115,33 @@ void findCandidates(Body& body, double h) {
   }
   set.contact_role.assign(set.contacts.size(), Role::kIfNear);
   if (body.isWhole()) addLimits(body, kNearLimit, h, Role::kIfNear);
+}
+
+bool hasTurned(const Contact& c) {
+  return c.touches_at_start && !c.isSoft() &&
+         (c.normal != c.start_normal || c.weight != c.start_weight);
+}
+
+bool turnAs(const std::vector<Contact>& found, Contact& c) {
+  if (!hasTurned(c)) return false;
+  const Contact* nearest = nullptr;
+  const auto away = [&c](const Contact& other) { return std::abs(other.weight[1] - c.weight[1]); };
+  for (const Contact& other : found) {
+    if (other.obstacle != c.obstacle || other.count != c.count || other.particle != c.particle)
+      continue;
+    if (!nearest || away(other) < away(*nearest)) nearest = &other;
+  }
+  if (nearest) c = *nearest;
+  return nearest;
+}
+
+void turnContacts(Body& body, double h) {
+  ConstraintSet& set = body.constraints;
+  if (std::none_of(set.contacts.begin(), set.contacts.end(), hasTurned)) return;
+  set.missed.clear();
+  appendNear(body, set.missed);
+  for (Contact& c : set.contacts)
+    if (turnAs(set.missed, c)) startContact(body, c, h);
 }
 
 void limitDepenetration(Body& body, double h, double substep) {

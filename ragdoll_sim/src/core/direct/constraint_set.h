@@ -16,7 +16,15 @@ enum class Role : std::uint8_t {
   kActive,  ///< a row in any case
   kComing,  ///< reached from afar: no row before its time is known
   kHit,     ///< reached at the motion's end: the impact that the motion was cut short for
+  kBeyond,  ///< reached from afar after that end, or with it: as kIfNear, but nothing rubs on it
+            ///< yet
 };
+
+/// Whether what is reached stops, but does not rub: a gap that rounding leaves is no force, which
+/// friction could take for one that has held the limb all the way here.
+inline bool isReached(Role role) { return role == Role::kHit || role == Role::kBeyond; }
+/// Whether it is a row only while it is near.
+inline bool isOnlyNear(Role role) { return role == Role::kIfNear || role == Role::kBeyond; }
 
 /// Which overlaps have no way out and are ignored: they may stay as they are.
 enum class OverlapPolicy : std::uint8_t {

@@ -10,7 +10,8 @@ namespace ragdoll {
 namespace {
 
 /// [m/s] at which the gap opens at the motion's start.
-double rateOf(const Body& body, const Contact& c) {
+double rateOf(const Body& body, const Contact& contact) {
+  const Contact& c = contact.touches_at_start ? contact.atStart() : contact;
   return c.normal.dot(motionOf(body, c, body.vData()) - c.surface_motion / body.context->h);
 }
 
@@ -134,32 +135,40 @@ Impact firstImpact(Island& island, double h) {
   return first;
 }
 
-Impact firstPair(const Island& island, double h) {
+Impact firstPair(Island& island, double h) {
   const Body& any = *island.bodies[0];
-  double first = 2 * h, scale = 1;
+  Impact first{2 * h, nullptr};
+  double scale = 1;
   bool located = false;
   for (const Body* body : island.bodies) {
     scale = std::min(scale, body->rows->scale);
     located = located || body->located >= kMaxLocated;
   }
-  for (const Contact& c : island.pairs.contacts) {
+  PairSet& pairs = island.pairs;
+  for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
+    const Contact& c = pairs.contacts[i];
     const double end = pairGapAfter(island, c);
     if (c.gap_start < -any.tolerances.contact || end >= -any.tolerances.contact) continue;
     const bool slow =
         c.before < any.tolerances.touching || (c.before - end) / h < comingSpeed(island.context, c);
     if ((located || slow) && end >= -kDeepImpact * scale) continue;
     const double t = timeOfZero(c.before, pairRate(island.context.state, c), end, h);
-    if (t >= 0 && t < h) first = std::min(first, t);
+    if (!(t >= 0 && t < h)) continue;
+    pairs.role[i] = Role::kComing;
+    if (t < first.time) first = {t, &pairs.role[i]};
   }
-  return {first, nullptr};
+  return first;
 }
 
 void takeImpact(Island& island, const Impact& impact) {
-  if (impact.role) *impact.role = Role::kHit;
+  *impact.role = Role::kHit;
+  const auto wait = [](std::vector<Role>& roles, Role as) {
+    std::replace(roles.begin(), roles.end(), Role::kComing, as);
+  };
+  wait(island.pairs.role, Role::kBeyond);
   for (Body* body : island.bodies) {
-    for (std::vector<Role>* roles :
-         {&body->constraints.contact_role, &body->constraints.limit_role})
-      std::replace(roles->begin(), roles->end(), Role::kComing, Role::kIfNear);
+    wait(body->constraints.contact_role, Role::kBeyond);
+    wait(body->constraints.limit_role, Role::kIfNear);
     ++body->located;
   }
 }

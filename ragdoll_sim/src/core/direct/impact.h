@@ -9,7 +9,7 @@ namespace ragdoll {
 /// The first thing that motions over h reach.
 struct Impact {
   double time = 0;       ///< [s]; more than h: nothing is reached
-  Role* role = nullptr;  ///< of what is reached; null: two bodies that reach each other
+  Role* role = nullptr;  ///< of what is reached
 };
 
 /// Time at which start + rate t + q t^2 = 0, with q from the value `end` at h.
@@ -30,7 +30,7 @@ bool reachesComing(const Island& island);
 
 Impact firstImpact(Island& island, double h);
 /// Two bodies that come to touch each other. They do not bounce.
-Impact firstPair(const Island& island, double h);
+Impact firstPair(Island& island, double h);
 
 /// Marks that one as hit, and whatever else was coming as usual.
 void takeImpact(Island& island, const Impact& impact);

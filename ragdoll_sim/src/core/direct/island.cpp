@@ -30,7 +30,7 @@ const Points& posesAfter(const Island& island) {
 void startPair(const Island& island, Contact& c, double h) {
   if (island.context.relaxed) c.give = {};
   c.found = c.offset;
-  c.before = c.isSoft() ? c.gap_start : c.gapAt(island.context.state.x);
+  c.before = c.isSoft() ? c.gap_start : gapBefore(c, c.gapAt(island.context.state.x));
   limitDepenetration(island, c, h);
 }
 
@@ -104,6 +104,19 @@ void findCandidates(Island& island, double h) {
                                   island.context.state.x, posesAfter(island),
                                   PairSearch::touches(kNearBody), pairs.contacts);
   for (Contact& c : pairs.contacts) startPair(island, c, h);
+  pairs.role.assign(pairs.contacts.size(), Role::kIfNear);
+}
+
+void turnContacts(Island& island, double h) {
+  for (Body* body : island.bodies) turnContacts(*body, h);
+  PairSet& pairs = island.pairs;
+  if (std::none_of(pairs.contacts.begin(), pairs.contacts.end(), hasTurned)) return;
+  pairs.missed.clear();
+  island.s.detector.appendBetween(island.context.model, island.context.state, island.s.all,
+                                  island.context.state.x, posesAfter(island),
+                                  PairSearch::touches(kNearBody), pairs.missed);
+  for (Contact& c : pairs.contacts)
+    if (turnAs(pairs.missed, c)) startPair(island, c, h);
 }
 
 bool findMissed(Island& island, double h) {
@@ -121,7 +134,7 @@ bool findMissed(Island& island, double h) {
     if (c.isSoft() && isKnown(pairs.contacts, known, c)) continue;  // its spring overlaps
     if (pairGapAfter(island, c) >= -kSlop) continue;
     pairs.contacts.push_back(c);
-    pairs.active.push_back(1);
+    pairs.role.push_back(Role::kActive);
     any = true;
   }
   return any;
@@ -134,7 +147,7 @@ bool activateViolated(Island& island) {
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
     if (pairs.row[i] >= 0) continue;
     if (pairGapAfter(island, pairs.contacts[i]) >= -island.bodies[0]->tolerances.contact) continue;
-    pairs.active[i] = 1;
+    pairs.role[i] = Role::kActive;
     any = true;
   }
   return any;
@@ -142,7 +155,7 @@ bool activateViolated(Island& island) {
 
 void activateAll(Island& island) {
   for (Body* body : island.bodies) activateAll(*body);
-  island.pairs.active.assign(island.pairs.contacts.size(), 1);
+  island.pairs.role.assign(island.pairs.contacts.size(), Role::kActive);
 }
 
 void save(Island& island) {

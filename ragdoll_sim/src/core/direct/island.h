@@ -20,15 +20,16 @@ namespace ragdoll {
 /// The contacts between the bodies of an island.
 struct PairSet {
   std::vector<Contact> contacts, missed;
-  std::vector<int> row;              ///< of each in the joint rows, or -1
-  std::vector<SpringRow> springs;    ///< of each
-  std::vector<std::uint8_t> active;  ///< a row in any case
-  std::vector<Contact> touching;     ///< at the motion's end
-  std::vector<double> warm;          ///< of their rows: the position stage's impulses over h
-  ImpulseCache cache, saved;         ///< saved: before the present substep
-  std::vector<BodyPair> pressing;    ///< in the last motion
-  std::vector<BodyPair> met;         ///< in an impact of the step
-  std::vector<BodyPair> pushed;      ///< by a row of any stage since the bodies were saved
+  std::vector<int> row;            ///< of each in the joint rows, or -1
+  std::vector<SpringRow> springs;  ///< of each
+  std::vector<Role> role;
+  std::vector<Contact> touching;   ///< at the motion's end
+  std::vector<std::uint8_t> hit;   ///< of these: Role::kHit
+  std::vector<double> warm;        ///< of their rows: the position stage's impulses over h
+  ImpulseCache cache, saved;       ///< saved: before the present substep
+  std::vector<BodyPair> pressing;  ///< in the last motion
+  std::vector<BodyPair> met;       ///< in an impact of the step
+  std::vector<BodyPair> pushed;    ///< by a row of any stage since the bodies were saved
 
   /// No contacts; nothing pressed yet.
   void clear() {
@@ -100,6 +101,7 @@ void limitDepenetration(const Island& island, Contact& pair, double h);
 /// All candidates of the bodies' motions over h: their own, and between them.
 void findCandidates(Island& island, double h);
 /// As those of a body, for all together.
+void turnContacts(Island& island, double h);
 bool findMissed(Island& island, double h);
 bool activateViolated(Island& island);
 void activateAll(Island& island);

@@ -24,7 +24,7 @@ Vec3 slipAfter(const Island& island, const Contact& c) {
 
 }  // namespace
 
-int addPairRows(Island& island, const Contact& c, int source) {
+int addPairRows(Island& island, const Contact& c, int source, bool smooth) {
   JointSchur& joint = island.s.joint;
   const int first = joint.size();
   const std::array<int, 2> place{island.placeOf(c.ragdoll), island.placeOf(c.other)};
@@ -34,6 +34,7 @@ int addPairRows(Island& island, const Contact& c, int source) {
     Schur& schur = island.bodies[place[side]]->memory->schur;
     row[side] = schur.size();
     schur.addContact(c, source, 2 * side, 2 * side + 2);
+    if (smooth) schur.smooth(row[side]);
   }
   joint.addShared(c, place[0], row[0], place[1], row[1]);
   return first;
@@ -50,8 +51,10 @@ void buildRows(Island& island, double h, bool leapfrog) {
   pairs.springs.assign(pairs.contacts.size(), {});
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
     const Contact& c = pairs.contacts[i];
-    if (pairs.active[i] || pairGapAfter(island, c) <= kClose || pairs.cache.find(c))
-      pairs.row[i] = addPairRows(island, leapfrog ? c.atStart() : c, static_cast<int>(i));
+    if (isOnlyNear(pairs.role[i]) && pairGapAfter(island, c) > kClose && !pairs.cache.find(c))
+      continue;
+    pairs.row[i] = addPairRows(island, leapfrog ? c.atStart() : c, static_cast<int>(i),
+                               isReached(pairs.role[i]));
   }
 }
 
@@ -120,7 +123,8 @@ void warmStart(Island& island, double h) {
     if (row < 0) continue;
     const CachedImpulse* last = pairs.cache.handOut(pairs.contacts[i]);
     if (!last) continue;
-    for (int d = 0; d < 3; ++d)
+    const int count = s.joint.row(row).friction > 0 ? 3 : 1;
+    for (int d = 0; d < count; ++d)
       s.p[row + d] = last->impulse.dot(s.joint.row(row + d).direction) * h * h;
     s.p[row] = std::max(0.0, s.p[row]);
   }

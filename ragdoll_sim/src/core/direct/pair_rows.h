@@ -9,12 +9,14 @@ namespace ragdoll {
 void buildRows(Island& island, double h, bool leapfrog);
 void evaluateGaps(Island& island, double h);
 bool soften(Island& island, double h, bool leapfrog);
-/// Whether a row is violated, or a spring presses at the motion's start: it does until it is let go.
+/// Whether a row is violated, or a spring presses at the motion's start: it does until it is let
+/// go.
 bool anyCloses(const Island& island);
 void warmStart(Island& island, double h);
 
 /// Adds a contact's rows to both bodies' complements and to the joint rows; returns the first.
-int addPairRows(Island& island, const Contact& contact, int source);
+/// smooth: without its friction.
+int addPairRows(Island& island, const Contact& contact, int source, bool smooth = false);
 
 /// pairs.cache <- what bodies press on each other with now.
 void rememberPairs(Island& island, double h);

@@ -13,6 +13,10 @@ double allowedPenetration(const Contact& pair, double over, double step) {
   return std::max(behind, more > 0 ? kSlop + more * std::exp(-over / kRecoveryTime) : overlap);
 }
 
+double gapBefore(const Contact& c, double plane) {
+  return c.touches_at_start ? c.gap_start : plane;
+}
+
 double recoverySpeed(const Contact& c) {
   return c.follows ? kFollowedRecoverySpeed : kRecoverySpeed;
 }

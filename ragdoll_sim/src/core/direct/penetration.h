@@ -17,6 +17,10 @@ struct MotionSpan {
 /// at the start, though they do not overlap there, come out over the whole step.
 double allowedPenetration(const Contact& pair, double over, double step);
 
+/// [m] The gap at the motion's start, where the plane of its end says `plane`: what touches all
+/// along has not sunk in, nor is it coming, where that has turned.
+double gapBefore(const Contact& contact, double plane);
+
 /// [m/s] at which an overlap with this obstacle opens.
 double recoverySpeed(const Contact& contact);
 

@@ -19,10 +19,11 @@ void buildContactRows(Body& body, bool leapfrog) {
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
     if (set.contact_role[i] == Role::kComing) continue;
-    if (set.contact_role[i] == Role::kIfNear && gapAfter(body, c) > kClose && !body.cache.find(c))
+    if (isOnlyNear(set.contact_role[i]) && gapAfter(body, c) > kClose && !body.cache.find(c))
       continue;
     set.contact_row[i] = schur.size();
     schur.addContact(leapfrog ? c.atStart() : c, static_cast<int>(i));
+    if (isReached(set.contact_role[i])) schur.smooth(set.contact_row[i]);
   }
 }
 
@@ -146,7 +147,7 @@ void warmStart(const Body& body, double h, Eigen::Ref<Eigen::VectorXd> p) {
   for (int i = 0; i < body.constraints.own_rows; ++i) {
     const Schur::Row& row = schur.row(i);
     if (row.kind != Kind::kTangent) last = body.cache.find(keyOfRow(body, row));
-    if (!last) continue;
+    if (!last || (row.kind == Kind::kTangent && row.friction == 0)) continue;
     if (row.kind == Kind::kLimit)
       p[i] = last->impulse.x() * h * h;
     else

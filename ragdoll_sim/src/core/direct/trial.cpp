@@ -45,10 +45,11 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
     bounce(island);
     return trial;
   }
+  trial.ok = freeMotions(island, impact.time);
+  turnContacts(island, h);
   for (Body* body : island.bodies) limitDepenetration(*body, impact.time, h);
   for (Contact& pair : island.pairs.contacts) limitDepenetration(island, pair, impact.time);
-  trial.ok =
-      freeMotions(island, impact.time) && solvePositions(island, impact.time, trial.contacts);
+  trial.ok = trial.ok && solvePositions(island, impact.time, trial.contacts);
   if (trial.ok) finishMotion(island, impact.time, true, Stage::kImpact, damping);
   return trial;
 }

@@ -70,6 +70,17 @@ void lockHit(Body& body) {
     }
 }
 
+/// The same of rows between bodies.
+void lockHitPairs(Island& island, int first) {
+  PairSet& pairs = island.pairs;
+  for (std::size_t i = 0; i < pairs.touching.size(); ++i) {
+    const Contact& c = pairs.touching[i];
+    if (c.isSoft() || (!pairs.hit[i] && c.before < island.bodies[0]->tolerances.touching)) continue;
+    island.s.joint.lock(first + 3 * static_cast<int>(i), true);
+    std::fill_n(pairs.warm.begin() + 3 * static_cast<std::ptrdiff_t>(i), 3, 0.0);
+  }
+}
+
 /// Locks the contacts that the motion ends just before: they have not pressed and come from afar,
 /// and the next substep has their impact.
 void lockComing(Body& body) {
@@ -157,6 +168,7 @@ void keepTouchingLimits(Body& body, double h) {
 void findTouchingPairs(Island& island, double h, bool leapfrog) {
   PairSet& pairs = island.pairs;
   pairs.touching.clear();
+  pairs.hit.clear();
   pairs.warm.clear();
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
     const Contact& c = pairs.contacts[i];
@@ -166,10 +178,12 @@ void findTouchingPairs(Island& island, double h, bool leapfrog) {
       if (!leapfrog || !(h > 0) || row < 0) continue;
       spring = springImpulse(c, pairs.springs[i], pairGapAfter(island, c), island.s.total, row, h);
       if (!(spring > 0)) continue;
-    } else if (pairGapAfter(island, c) >= island.bodies[0]->tolerances.touching) {
+    } else if (pairGapAfter(island, c) >= island.bodies[0]->tolerances.touching &&
+               pairs.role[i] != Role::kHit) {
       continue;
     }
     pairs.touching.push_back(c);
+    pairs.hit.push_back(pairs.role[i] == Role::kHit);
     Vec3 warm = warmOf(c, island.s.total, row, h, leapfrog);
     if (c.isSoft()) warm[0] = spring;
     for (int k = 0; k < 3; ++k) pairs.warm.push_back(warm[k]);
@@ -188,6 +202,7 @@ void evaluatePairRates(Island& island, int first, bool impact) {
   for (std::size_t i = 0; i < island.pairs.touching.size(); ++i) {
     const Contact& c = island.pairs.touching[i];
     const Vec3 rate = c.of(v);
+    if (impact) s.joint.lock(first + 3 * static_cast<int>(i), false);
     for (int d = 0; d < 3; ++d) {
       const int row = first + 3 * static_cast<int>(i) + d;
       s.b[row] = s.joint.row(row).direction.dot(rate);
@@ -321,6 +336,7 @@ void solveVelocities(Island& island, Stage stage, double h, double damping) {
         lockHit(*body);
       else if (h > 0)
         lockComing(*body);
+    if (stage == Stage::kImpact) lockHitPairs(island, first_pair);
     pushVelocities(island, first_pair, {false, h});
     if (stage == Stage::kImpact) keepPressed(island, first_pair, island.pairs.met);
     dampWithin(island, damping);

@@ -103,6 +103,11 @@ void JointSchur::give(int i) {
   bodies_[rows_[i].body[side]]->give(rows_[i].row[side]);
 }
 
+void JointSchur::lock(int i, bool locked) {
+  const int side = sideOf(i);
+  bodies_[rows_[i].body[side]]->lock(rows_[i].row[side], locked);
+}
+
 bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeps sweeps) {
   if (isOneBody()) return bodies_[0]->solve(b, p, sweeps);
   for (Schur* s : bodies_) s->clearRates();

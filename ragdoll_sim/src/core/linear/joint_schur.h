@@ -32,6 +32,7 @@ class JointSchur {
   double along(int i, const double* x, const std::vector<int>& at) const;
   void soften(int i, double compliance);
   void give(int i);
+  void lock(int i, bool locked);
 
   /// p from b, starting at p. Returns whether it settled.
   bool solve(const RowValues& b, RowValues& p, Sweeps sweeps = Sweeps::kToTheEnd);

@@ -84,6 +84,10 @@ class Schur {
   const Row& row(int i) const { return now_.rows[i]; }
   void lock(int i, bool locked = true) { now_.rows[i].locked = locked; }
   void give(int i) { now_.rows[i].given = true; }
+  /// Takes its friction from the contact that was added last, whose rows begin at i.
+  void smooth(int i) {
+    for (int k = i; k < size(); ++k) now_.rows[k].friction = 0;
+  }
   /// The row's compliance, once A is assembled: it may depend on how the row answers.
   void soften(int i, double compliance) {
     now_.A(i, i) += compliance - now_.rows[i].compliance;

@@ -1,0 +1,129 @@
+// Blows that come inside a step: what rubs where a limb digs in does so from the blow on, and what
+// pressed before the blow keeps what it has given until then. Against closed forms, and `rk` from
+// event to event.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/worlds.h"
+
+namespace ragdoll::test {
+namespace {
+
+constexpr double kG = 9.81;
+
+Points endOf(Scene scene, Method method, double h, double seconds) {
+  scene.solver.method = method;
+  scene.solver.events = method == Method::kRk;
+  scene.solver.sleep = false;
+  scene.solver.step = h;
+  World world(scene);
+  world.steps(static_cast<int>(std::lround(seconds / h)));
+  return world.state.x;
+}
+
+double largest(const Points& d) { return d.colwise().norm().maxCoeff(); }
+
+/// A rod, two equal masses, turns and digs a tip into a floor so rough that friction presses it on.
+/// The tip stops, the other end keeps its speed across the rod.
+TEST(Blow, ARodThatDigsInStopsByItsTip) {
+  const double start = std::acos(std::sqrt(2.0 / 3)), radius = 0.05, spin = 2;
+  const Vec3 velocity(-2, 0, -1);
+  Scene scene = sceneOf(oneStick(1, 1, radius));
+  scene.gravity.setZero();
+  scene.obstacles = {floorPlane(10)};
+  scene.ragdolls[0].pose.orientation = Quat(Eigen::AngleAxisd(-start, Vec3::UnitY()));
+  scene.ragdolls[0].velocity = velocity;
+  scene.ragdolls[0].angular_velocity = Vec3(0, -spin, 0);
+  scene.solver.method = Method::kShake;
+  for (const double rate : {60.0, 120.0, 240.0, 1000.0})
+    for (int i = 0; i < 20; ++i) {
+      const double drop = 0.1 + 0.0007 * i;
+      scene.ragdolls[0].pose.position = Vec3(0, 0, radius + drop);
+      scene.solver.step = 1 / rate;
+      World world(scene);
+      world.steps(static_cast<int>(std::ceil(0.1 * rate)));
+      double angle = start;
+      for (int k = 0; k < 50; ++k)  // drop - t = (sin(angle) - sin(start))/2 at t = angle/spin
+        angle = start + spin * (drop - 0.5 * (std::sin(angle) - std::sin(start)));
+      const Vec3 across(-std::sin(angle), 0, std::cos(angle));
+      const Vec3 other = (velocity.dot(across) + 0.5 * spin) * across;
+      const Vec3 drift = 0.5 * (world.v(0) + world.v(1));
+      ASSERT_LT((drift - 0.5 * other).norm(), 1e-4) << rate << ' ' << i;
+    }
+}
+
+/// Two humans in the air, of which a foot meets a shin.
+TEST(Blow, OfTwoHumansInTheAirIsTheSameAtAnyStep) {
+  const Scene scene = parseScene(R"(
+gravity: [0, 0, 0]
+ragdoll_collision: true
+ragdolls:
+  - {name: a, model: human, position: [0, 0, 1], velocity: [4, 0, 0]}
+  - {name: b, model: human, position: [2.2, 0.1, 1.2], rpy_deg: [20, 60, 40]}
+)");
+  const Points exact = endOf(scene, Method::kRk, 1e-3, 0.36);
+  for (const double rate : {250.0, 500.0, 1000.0})
+    EXPECT_LT(largest(endOf(scene, Method::kShake, 1 / rate, 0.36) - exact), 2.5 / (rate * rate))
+        << rate;
+}
+
+/// A ball that lies on the floor is hit from below by a smaller one, and leaves it: gravity has had
+/// no part in what the floor bore until then.
+TEST(Blow, ThatLiftsABallTakesNothingBackFromTheFloor) {
+  Scene scene = sceneOf(oneParticle(2, 0.1), Vec3(0, 0, 0.1));
+  scene.ragdolls.push_back(sceneOf(oneParticle(3, 0.02), Vec3(-0.3, 0.01, 0.02)).ragdolls[0]);
+  scene.ragdolls[1].name = "other";
+  scene.ragdolls[1].velocity = Vec3(3, 0, 0);
+  scene.gravity = Vec3(0, 0, -kG);
+  scene.ragdoll_collision = true;
+  scene.obstacles = {floorPlane()};
+  const Points exact = endOf(scene, Method::kRk, 1e-3, 0.1);
+  ASSERT_GT(exact(2, 0), 0.105) << "it was lifted";
+  for (const double rate : {100.0, 200.0, 400.0, 1000.0})
+    EXPECT_LT(largest(endOf(scene, Method::kShake, 1 / rate, 0.1) - exact), 0.1 / (rate * rate))
+        << rate;
+}
+
+/// A ball slides down a sphere until another hits it: where it presses has turned by then.
+TEST(Blow, OnABallThatSlidesDownASphereIsOfSecondOrder) {
+  Scene scene = sceneOf(oneParticle(2, 0.05), Vec3(0.1, 0, std::sqrt(0.25 * 0.25 - 0.1 * 0.1)));
+  scene.ragdolls[0].velocity = Vec3(0.5, 0, -0.5 * 0.1 / scene.ragdolls[0].pose.position.z());
+  scene.ragdolls.push_back(sceneOf(oneParticle(1, 0.05), Vec3(0.62, 0.02, 0.3)).ragdolls[0]);
+  scene.ragdolls[1].name = "other";
+  scene.ragdolls[1].velocity = Vec3(-3, 0, -0.5);
+  scene.gravity = Vec3(0, 0, -kG);
+  scene.ragdoll_collision = true;
+  ObstacleSpec sphere;
+  sphere.type = ObstacleSpec::Type::kSphere;
+  sphere.radius = 0.2;
+  scene.obstacles = {sphere};
+  const Points exact = endOf(scene, Method::kRk, 1e-3, 0.2);
+  for (const double rate : {100.0, 200.0, 400.0, 1000.0, 2000.0, 4000.0})
+    EXPECT_LT(largest(endOf(scene, Method::kShake, 1 / rate, 0.2) - exact), 0.5 / (rate * rate))
+        << rate;
+}
+
+/// A rod lands on a bar by its end and turns down onto it, so that the place where they touch runs
+/// along the rod from that end: nothing jumps there.
+TEST(Blow, ThatPassesFromTheEndOfARodOntoIt) {
+  Scene scene = sceneOf(oneStick(1, 2, 0.05), Vec3(0, 0, 0.35));
+  scene.ragdolls[0].pose.orientation = Quat(Eigen::AngleAxisd(-0.1, Vec3::UnitY()));
+  scene.ragdolls[0].velocity = Vec3(0, 0, -0.5);
+  scene.gravity = Vec3(0, 0, -kG);
+  ObstacleSpec bar;
+  bar.type = ObstacleSpec::Type::kCapsule;
+  bar.radius = 0.1;
+  bar.from = Vec3(-1, -0.2, 0.15);
+  bar.to = Vec3(1, 0.25, 0.15);
+  scene.obstacles = {bar};
+  const Points exact = endOf(scene, Method::kRk, 1e-3, 0.25);
+  for (const double rate : {500.0, 1000.0, 4000.0, 16000.0})
+    EXPECT_LT(largest(endOf(scene, Method::kShake, 1 / rate, 0.25) - exact), 2e-5) << rate;
+}
+
+}  // namespace
+}  // namespace ragdoll::test
