@@ -72,7 +72,7 @@ SmoothTrial stopAtImpact(Island& island, double h) {
   double until = impact.time;
   for (int i = 0; i < kRefinements && until > 0; ++i) {
     if (!integrate(body, until)) return {until, false};
-    limitDepenetration(body, until, h);  // the planes are where they are by then
+    if (body.driven) limitDepenetration(body, until, h);  // planes that move are where they are then
     const double better = std::min(impactAgain(body, until), h);
     if (i + 1 == kRefinements || std::abs(better - until) < kSnap * h) break;
     until = better;
