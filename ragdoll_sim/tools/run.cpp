@@ -61,6 +61,10 @@ class TickWriter {
 class ImuWriter {
  public:
   ImuWriter(const Model& model, const std::string& path) : model_(model), file_(path) {
+    if (!model.sensors.empty()) {  // they are right, or an error, whether they are wanted or not
+      checkSensorNames(model, FrameTracker(model));
+      Imus checked(model);
+    }
     if (!file_.wanted()) return;
     if (model.sensors.empty())
       throw Error("--imu", "the scene has no sensors; its key 'sensors' makes them");

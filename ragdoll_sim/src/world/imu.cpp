@@ -70,6 +70,18 @@ Quat middle(const Quat& a, const Quat& b) {
   return Quat(Eigen::Vector4d(a.coeffs() + sign * b.coeffs())).normalized();
 }
 
+Quat turnedBy(const Vec3& turn) {
+  const double angle = turn.norm();
+  return angle > 0 ? Quat(Eigen::AngleAxisd(angle, turn / angle)) : Quat::Identity();
+}
+
+/// [s] into a step of h at which the impulse per mass `push` acts that moves by `way` until the
+/// step's end: h/2 of an even force, any of an impact.
+double timeOf(const Vec3& push, const Vec3& way, double h) {
+  const double square = push.squaredNorm();
+  return square > 0 ? std::clamp(h - way.dot(push) / square, 0.0, h) : 0.5 * h;
+}
+
 void takeIn(Vec3& mean, const Vec3& value, std::uint64_t count) {
   mean += (value - mean) / static_cast<double>(count);
 }
@@ -90,6 +102,17 @@ SensorFrame sensorFrame(const Model& model, const FrameTracker& tracker, const S
             {restAnchor(s, segment) + sensor.position - origin, sensor.orientation}};
   }
   return {};
+}
+
+void checkSensorNames(const Model& model, const FrameTracker& tracker) {
+  for (const Sensor& s : model.sensors) {
+    const std::string own = s.name.substr(s.name.find('/') + 1);
+    if (tracker.tree(s.ragdoll).frame(own) < 0) continue;
+    throw Error(s.where + ".name", "'" + s.name +
+                                       "' is a frame of the body already; another name is right, "
+                                       "such as '" +
+                                       own + "_imu'");
+  }
 }
 
 Imus::Imus(const Model& model) : tracker_(model) {
@@ -141,19 +164,26 @@ Imus::Look Imus::look(const State& state, const Mount& m) const {
   }
   look.pose = {anchor + arm, look.part * m.sensor.orientation};
   look.velocity = velocity + spin.cross(arm);
+  look.spin = spin;
   return look;
 }
 
 /// Takes the step to the next look into the means.
 void Imus::add(const Model& model, const Look& next, Mount& m) {
   const double h = model.solver.step;
-  const Quat to_sensor = middle(m.now.pose.orientation, next.pose.orientation).conjugate();
+  const Pose &from = m.now.pose, &to = next.pose;
+  const Quat to_sensor = middle(from.orientation, to.orientation).conjugate();
+  const Vec3 push = next.velocity - m.now.velocity - h * model.gravity;
+  const Vec3 way = to.position - from.position - h * m.now.velocity - 0.5 * h * h * model.gravity;
+  const double t = timeOf(push, way, h);
+  // An impact changes the spin, too: until then it is the first, from then on the second.
+  const Quat at_push = middle(turnedBy(t * m.now.spin) * from.orientation,
+                              turnedBy((t - h) * next.spin) * to.orientation);
   const Vec3 turn = m.group
                         ? turnOf(next.part * m.now.part.conjugate())
                         : turnOf(smallestRotation(m.now.direction, next.direction, Vec3::UnitX()));
   ++m.steps;
-  takeIn(m.acceleration, to_sensor * ((next.velocity - m.now.velocity) / h - model.gravity),
-         m.steps);
+  takeIn(m.acceleration, at_push.conjugate() * (push / h), m.steps);
   takeIn(m.turn, to_sensor * (turn / h), m.steps);
   m.now = next;
 }

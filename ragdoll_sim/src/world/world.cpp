@@ -17,21 +17,10 @@ World::World(Scene scene, std::string source, const std::string& frame_prefix)
       start_pins_(model_->pins) {
   for (const ObstacleSpec& o : scene_->obstacles) checkForeign(o.where + ": frame", o.frame);
   for (const PinSpec& p : scene_->pins) checkForeign(p.where + ": frame", p.frame);
-  checkSensorNames();
+  checkSensorNames(*model_, tracker_);
   setPokes(model_->pokes);
   follow_.restart(*model_, state_);
   restart();
-}
-
-void World::checkSensorNames() const {
-  for (const Sensor& s : model_->sensors) {
-    const std::string own = s.name.substr(s.name.find('/') + 1);
-    if (tracker_.tree(s.ragdoll).frame(own) < 0) continue;
-    throw Error(s.where + ".name", "'" + s.name +
-                                       "' is a frame of the body already; another name is right, "
-                                       "such as '" +
-                                       own + "_imu'");
-  }
 }
 
 void World::advance() {

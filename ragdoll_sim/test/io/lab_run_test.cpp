@@ -210,12 +210,18 @@ TEST_F(LabRun, HelpEverywhere) {
 TEST_F(LabRun, BadInputEndsWithStatusTwoAndOneLine) {
   std::ofstream(folder / "bad.yaml") << "ragdolls:\n  - {model: human, postion: [0, 0, 1]}\n";
   const std::string bad = (folder / "bad.yaml").string();
+  std::ofstream(folder / "sensor.yaml")
+      << "ragdolls: [{model: human}]\nsensors:\n  - {name: head, type: imu, segment: head}\n";
+  const std::string sensor = (folder / "sensor.yaml").string();
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"", "subcommand"},
       {"walk", "walk"},
       {"run", "scene"},
       {"run nowhere", "stairs"},
       {"run " + bad, bad + ":2: ragdolls[0].postion: unknown key"},
+      {"run " + sensor, sensor + ":3: sensors[0].name: 'ragdoll/head' is a frame"},
+      {"run fall --imu /tmp/imu.csv", "--imu: the scene has no sensors"},
+      {"run fall --contacts /nowhere/run.csv", "/nowhere/run.csv"},
       {"run fall --set solver.step", "key=value"},
       {"run fall --set solver.step=no", "solver.step"},
       {"run fall --seconds -1", "--seconds"},

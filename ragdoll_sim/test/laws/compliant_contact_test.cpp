@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
@@ -126,7 +127,8 @@ TEST_P(CompliantContact, ThePeakForceOfStifferBlowsIsByTheFormulaAsTheStepShrink
   }
 }
 
-/// A damper that presses with the spring moves the peak towards the start of the blow, within a step.
+/// A damper that presses with the spring moves the peak towards the start of the blow, within a
+/// step.
 TEST_P(CompliantContact, ThePeakForceOfADampedBlowIsByTheFormulaAt120Hz) {
   for (const double lasts : {0.02, 0.035, 0.1})
     for (const double ratio : {0.1, 0.3, 0.6})
@@ -135,8 +137,9 @@ TEST_P(CompliantContact, ThePeakForceOfADampedBlowIsByTheFormulaAt120Hz) {
         const double k = w * w + a * a;
         double exact = 0;  // of k y + 2 a y', y = v / w exp(-a t) sin(w t)
         for (double t = 0; t < lasts; t += 1e-4 * lasts)
-          exact = std::max(exact, v * std::exp(-a * t) *
-                                      (2 * a * std::cos(w * t) + (k - 2 * a * a) / w * std::sin(w * t)));
+          exact = std::max(exact,
+                           v * std::exp(-a * t) *
+                               (2 * a * std::cos(w * t) + (k - 2 * a * a) / w * std::sin(w * t)));
         Ball ball({k, 2 * a}, 0.03 + 0.0017 * i, Vec3(0, 0, -v), 1.0 / 120, GetParam(), 0);
         ball.run(1);
         EXPECT_NEAR(ball.peak() / exact, 1, 0.03) << lasts << " s, " << ratio << ", " << i;
@@ -220,8 +223,8 @@ TEST_P(CompliantContact, FrictionIsOfTheSpringsForce) {
   }
 }
 
-/// Down a slope, on a spring and a damper that press all the way: mu times the normal impulse, which
-/// is the change of the normal velocity less gravity's.
+/// Down a slope, on a spring and a damper that press all the way: mu times the normal impulse,
+/// which is the change of the normal velocity less gravity's.
 TEST_P(CompliantContact, ABallSlidesDownASpringFloorByTheFormula) {
   constexpr double kSlope = 50 * M_PI / 180, kMu = 0.3, kTime = 0.2, kBegin = 1;
   constexpr double kStiffness = 2500, kDamping = 10, kIn = -0.05;
@@ -288,8 +291,8 @@ TEST_P(CompliantContact, ABallOffTheMiddleOfASoftSphereIsOfSecondOrder) {
   EXPECT_LT(error(2.5e-4), 5e-5);
 }
 
-/// A stick that meets a soft capsule crosswise, off the middle of both, turns on it and leaves: nothing
-/// takes its energy.
+/// A stick that meets a soft capsule crosswise, off the middle of both, turns on it and leaves:
+/// nothing takes its energy.
 TEST_P(CompliantContact, AStickLeavesASoftCapsuleWithItsEnergy) {
   Scene scene = parseScene(R"(
 gravity: [0, 0, 0]
@@ -313,9 +316,9 @@ obstacles:
   EXPECT_NEAR(kineticEnergy(world.model, world.state) / before, 1, 1e-5);
 }
 
-/// Sticks thrown at what is soft, as they come: where the deepest place passes from a stick onto its
-/// end no spring is added to that which is there (40 % of the energy came of it), and energy is that
-/// of all springs, not of those that a motion knew (up to 144 % at 120 Hz).
+/// Sticks thrown at what is soft, as they come: where the deepest place passes from a stick onto
+/// its end no spring is added to that which is there (40 % of the energy came of it), and energy is
+/// that of all springs, not of those that a motion knew (up to 144 % at 120 Hz).
 TEST(CompliantContactOfASmallBody, SticksThrownAtSoftThingsGainNothing) {
   const std::string things[] = {"type: capsule, from: [0, -1, -0.1], to: [0, 1, -0.1], radius: 0.1",
                                 "type: sphere, position: [0, 0, -0.2], radius: 0.2",
@@ -325,13 +328,17 @@ TEST(CompliantContactOfASmallBody, SticksThrownAtSoftThingsGainNothing) {
     return std::to_string(std::uniform_real_distribution<double>(-most, most)(random));
   };
   for (int i = 0; i < 90; ++i) {
-    Scene scene = parseScene(
-        "gravity: [0, 0, 0]\nragdolls:\n  - contact: compliant\n    position: [" + upTo(0.4) + ", " +
-        upTo(0.2) + ", 0.45]\n    rpy_deg: [0, " + upTo(60) + ", " + upTo(60) + "]\n    velocity: [" +
-        upTo(0.5) + ", " + upTo(0.5) + ", -2]\n    angular_velocity: [" + upTo(3) + ", " + upTo(3) + ", " +
-        upTo(3) + "]\n    model: {particles: {a: {position: [-0.2, 0, 0], radius: 0.05}, b: {position: [0.2, 0, 0], "
-        "radius: 0.05}}, sticks: [[a, b]], segments: {ab: {from: a, to: b, mass: 1, gyration: 0.289, contact: "
-        "{stiffness: 20000}}}}\nobstacles: [{" + things[i % 3] + ", friction: 0, stiffness: 20000}]\n");
+    Scene scene =
+        parseScene("gravity: [0, 0, 0]\nragdolls:\n  - contact: compliant\n    position: [" +
+                   upTo(0.4) + ", " + upTo(0.2) + ", 0.45]\n    rpy_deg: [0, " + upTo(60) + ", " +
+                   upTo(60) + "]\n    velocity: [" + upTo(0.5) + ", " + upTo(0.5) +
+                   ", -2]\n    angular_velocity: [" + upTo(3) + ", " + upTo(3) + ", " + upTo(3) +
+                   "]\n    model: {particles: {a: {position: [-0.2, 0, 0], radius: 0.05}, b: "
+                   "{position: [0.2, 0, 0], "
+                   "radius: 0.05}}, sticks: [[a, b]], segments: {ab: {from: a, to: b, mass: 1, "
+                   "gyration: 0.289, contact: "
+                   "{stiffness: 20000}}}}\nobstacles: [{" +
+                   things[i % 3] + ", friction: 0, stiffness: 20000}]\n");
     for (const double hz : {120, 1000}) {
       scene.solver.method = Method::kShake;
       scene.solver.step = 1 / hz;
@@ -347,8 +354,10 @@ TEST(CompliantContactOfASmallBody, SticksThrownAtSoftThingsGainNothing) {
 
 TEST(CompliantContactOfABody, SpringsAreInSeriesAndDampersLikewise) {
   const char* text =
-      "ragdolls: [{contact: compliant, position: [0, 0, 0.1], model: {particles: {p: {position: [0, 0, 0], "
-      "mass: 1, radius: 0.1}, q: {position: [0, 0, 1], mass: 1}}, sticks: [[q, p]], segments: {leg: "
+      "ragdolls: [{contact: compliant, position: [0, 0, 0.1], model: {particles: {p: {position: "
+      "[0, 0, 0], "
+      "mass: 1, radius: 0.1}, q: {position: [0, 0, 1], mass: 1}}, sticks: [[q, p]], segments: "
+      "{leg: "
       "{from: q, to: p, contact: {stiffness: 3000, damping: 90}}}}}]\n"
       "obstacles: [{type: plane, stiffness: 1500, damping: 45}]\n"
       "solver: {method: shake, step: 0.001, sleep: false}\n";
@@ -357,14 +366,55 @@ TEST(CompliantContactOfABody, SpringsAreInSeriesAndDampersLikewise) {
   EXPECT_NEAR(0.1 - world.x(0).z(), 2 * kGravity / 1000, 1e-6);
 }
 
+/// A bar of 2 kg that falls across a ball, at 2 m/s: [m] its height, and the peak force [N].
+std::pair<double, double> across(const std::string& region, const std::string& surface) {
+  Scene scene = parseScene(
+      "gravity: [0, 0, 0]\nragdolls: [{contact: " +
+      std::string(region.empty() ? "rigid" : "compliant") +
+      ", position: [0, 0, 0.1537], velocity: [0, 0, -2], model: {particles: {a: {position: [-0.2, "
+      "0, 0], radius: 0.1}, "
+      "b: {position: [0.2, 0, 0], radius: 0.1}}, sticks: [[a, b]], segments: {bar: {from: a, to: "
+      "b, mass: 2, "
+      "gyration: 0.289" +
+      (region.empty() ? "" : ", contact: {" + region + "}") +
+      "}}}}]\nobstacles: [{type: sphere, position: [0, 0, -0.2], radius: 0.2, friction: 0" +
+      (surface.empty() ? "" : ", " + surface) +
+      "}]\nsolver: {method: shake, step: 0.001, sleep: false}\n");
+  World world(scene);
+  Contacts contacts(world.model);
+  world.workspace.keepContacts(&contacts.log());
+  double peak = 0;
+  for (int i = 0; i < 100; ++i) {
+    contacts.begin(world.state);
+    world.steps(1);
+    contacts.end(world.model, world.inputs, world.state);
+    for (const Touch& t : contacts.take().touches) peak = std::max(peak, t.peak_force);
+  }
+  return {world.x(0).z(), peak};
+}
+
+/// 1/20000 = 1/30000 + 1/60000, 1/60 = 1/90 + 1/180. The peak of k y + d y' is 337.539 N.
+TEST(CompliantContactOfABody, ABlowOnTwoSpringsAndDampersIsThatOnTheirSeries) {
+  const auto two = across("stiffness: 60000, damping: 180", "stiffness: 30000, damping: 90");
+  const auto one = across("", "stiffness: 20000, damping: 60");
+  EXPECT_NEAR(two.first, one.first, 1e-12);
+  EXPECT_NEAR(two.second, one.second, 1e-6);
+  EXPECT_NEAR(one.second / 337.5386, 1, 5e-4);
+  const auto undamped = across("stiffness: 60000, damping: 180", "stiffness: 30000");
+  EXPECT_NEAR(undamped.second / (2 * std::sqrt(2 * 20000.0)), 1, 1e-9) << "one has no damper";
+  const auto region = across("stiffness: 20000, damping: 60", "");
+  EXPECT_NEAR(region.first, one.first, 1e-12) << "on what is rigid";
+}
+
 /// [N] on the head of a human dropped flat from 30 cm, and the most that energy rose.
 struct Drop {
   double head = 0, rise = 0;
 };
 
 Drop drop(double hz, const std::string& floor, const std::string& rpy = "0, 88, 0") {
-  Scene scene = parseScene("ragdolls: [{model: human, contact: compliant, position: [0, 0, 0.55], rpy_deg: [" +
-                           rpy + "]}]\nobstacles: [{" + floor + "}]\n");
+  Scene scene = parseScene(
+      "ragdolls: [{model: human, contact: compliant, position: [0, 0, 0.55], rpy_deg: [" + rpy +
+      "]}]\nobstacles: [{" + floor + "}]\n");
   scene.solver.method = Method::kShake;
   scene.solver.step = 1 / hz;
   scene.solver.sleep = false;
@@ -414,29 +464,36 @@ TEST(CompliantContactOfABody, WhatIsWrongSaysWhatWouldBeRight) {
     return std::string("nothing");
   };
   const std::string body = "ragdolls: [{model: human}]\nobstacles:\n  - {type: plane, ";
-  EXPECT_THAT(said(body + "stiffness: -5}\n"), testing::HasSubstr("bad.yaml:3: obstacles[0].stiffness"));
+  EXPECT_THAT(said(body + "stiffness: -5}\n"),
+              testing::HasSubstr("bad.yaml:3: obstacles[0].stiffness"));
   EXPECT_THAT(said(body + "stiffness: .inf}\n"), testing::HasSubstr("obstacles[0].stiffness"));
   EXPECT_THAT(said(body + "stiffness: .nan}\n"), testing::HasSubstr("obstacles[0].stiffness"));
   EXPECT_THAT(said(body + "stiffness: 1e-9}\n"), testing::HasSubstr("from 1 to 1e"));
-  EXPECT_THAT(said(body + "stiffness: 5, damping: -1}\n"), testing::HasSubstr("obstacles[0].damping"));
+  EXPECT_THAT(said(body + "stiffness: 5, damping: -1}\n"),
+              testing::HasSubstr("obstacles[0].damping"));
   EXPECT_THAT(said(body + "damping: 3}\n"), testing::HasSubstr("together with 'stiffness'"));
   for (const char* out_of_range : {"-5", "0", "0.5", "1e13"})
     EXPECT_THAT(said(body + "stiffness: " + out_of_range + "}\n"),
                 testing::HasSubstr("it must be from 1 to 1e+12 [N/m]; leave it out for rigid"));
   const auto region = [&](const std::string& contact) {
-    return said("ragdolls:\n  - model:\n      particles: {a: {position: [0, 0, 0], mass: 1}, b: {position: "
-                "[0, 0, 1], mass: 1}}\n      sticks: [[a, b]]\n      segments: {rod: {from: a, to: b, contact: " +
-                contact + "}}\n");
+    return said(
+        "ragdolls:\n  - model:\n      particles: {a: {position: [0, 0, 0], mass: 1}, b: {position: "
+        "[0, 0, 1], mass: 1}}\n      sticks: [[a, b]]\n      segments: {rod: {from: a, to: b, "
+        "contact: " +
+        contact + "}}\n");
   };
   const std::string where = "bad.yaml:5: ragdolls[0].model.segments.rod.contact";
   EXPECT_EQ(region("{stiffness: 100, damping: 1}"), "nothing");
-  EXPECT_THAT(region("{stiffness: -5}"), testing::StartsWith(where + ".stiffness: stiffness is -5; it must"));
+  EXPECT_THAT(region("{stiffness: -5}"),
+              testing::StartsWith(where + ".stiffness: stiffness is -5; it must"));
   EXPECT_THAT(region("{stiffness: .nan}"), testing::StartsWith(where + ".stiffness: is '.nan'"));
   EXPECT_THAT(region("{stiffness: 100, damping: -1}"),
               testing::StartsWith(where + ".damping: damping is -1; it must be from 0 to"));
-  EXPECT_THAT(region("{damping: 3}"), testing::StartsWith(where + ": the key 'stiffness' is missing"));
-  EXPECT_THAT(region("{stiffness: 100, dampin: 1}"),
-              testing::StartsWith(where + ".dampin: unknown key; the keys here are stiffness, damping"));
+  EXPECT_THAT(region("{damping: 3}"),
+              testing::StartsWith(where + ": the key 'stiffness' is missing"));
+  EXPECT_THAT(
+      region("{stiffness: 100, dampin: 1}"),
+      testing::StartsWith(where + ".dampin: unknown key; the keys here are stiffness, damping"));
   EXPECT_THAT(region("soft"), testing::StartsWith(where + ": is 'soft'; a mapping"));
   EXPECT_THAT(said("ragdolls: [{model: human, contact: soft}]\n"), testing::HasSubstr("compliant"));
   EXPECT_THAT(said("ragdolls: [{model: human_thesis, contact: compliant}]\n"),

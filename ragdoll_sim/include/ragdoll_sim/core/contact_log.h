@@ -1,5 +1,5 @@
 // What pressed on what in one step, as Workspace::keepContacts asks for it. Only what contacts
-// give: pins and fields are the balance's rest (world/wrenches.h).
+// give: pins and fields are the balance's rest (world/contacts.h).
 #pragma once
 
 #include <array>
@@ -40,8 +40,9 @@ struct PressedBefore {
 };
 
 /// What presses on the ragdolls whose `wanted` is set, as a state alone tells it: the contacts that
-/// its cached impulses are of, each times the step; of a ragdoll without any (relaxation keeps none)
-/// all that touch, without an impulse. before: what begins to press has its approach by that.
+/// its cached impulses are of, over a step of that force; of a ragdoll without any (relaxation
+/// keeps none) all that touch, without an impulse. before: what begins to press has its approach by
+/// that.
 void appendPressing(const Model& model, const State& state, const std::vector<std::uint8_t>& wanted,
                     std::vector<ContactImpulse>& out, const PressedBefore* before = nullptr);
 

@@ -1,11 +1,13 @@
 // Virtual inertial measurement units: what sensors on the bodies would say, from states alone.
 //
-// A sample is the mean over the steps that it spans, each turned into the sensor's frame as it
-// stands in the middle of the step:
+// A sample is the mean over the steps that it spans, in the sensor's frame:
 //   specific force    (v1 - v0) / h - g, with the sensor's own velocity v at the states: exact
-//                     through an impact, however short
-//   angular velocity  the turn between the states over h; of a bone the turn of its line, since two
-//                     particles do not tell how it turns about that
+//                     through an impact, however short. In the frame as it stands when the velocity
+//                     changes: where in the step that is follows from how far the sensor came
+//   angular velocity  the turn between the states over h, in the frame in the middle of the step;
+//   of
+//                     a bone the turn of its line, since two particles do not tell how it turns
+//                     about that
 // then noise, then saturation. A function of the sequence of states: the same run gives the same
 // bits, whoever listens; the noise depends on the sensor's name, its seed and the sample's number.
 // docs/body.md#virtual-imus.
@@ -55,6 +57,7 @@ class Imus {
     Quat part;                      ///< orientation of what it rides on
     Vec3 direction = Vec3::Zero();  ///< bone: unit
     Vec3 velocity = Vec3::Zero();   ///< [m/s] of the sensor
+    Vec3 spin = Vec3::Zero();       ///< [rad/s] of what it rides on
   };
   struct Mount {
     Sensor sensor;
@@ -86,6 +89,9 @@ struct SensorFrame {
   Pose local;
 };
 SensorFrame sensorFrame(const Model& model, const FrameTracker& tracker, const Sensor& sensor);
+
+/// Throws Error for a sensor whose frame would be one of the body's.
+void checkSensorNames(const Model& model, const FrameTracker& tracker);
 
 /// So many normally distributed numbers of mean 0 and deviation 1 as the stream's n-th draw: the
 /// same bits on every machine.

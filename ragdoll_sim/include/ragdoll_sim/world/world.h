@@ -137,7 +137,6 @@ class World {
     std::vector<Poke> pokes;
   };
 
-  void checkSensorNames() const;
   void restart();  ///< what is derived begins anew at the present state
   void endRun();   ///< tells what its streams have done; to be called before anything changes
   void beginRun(bool at_start);

@@ -9,6 +9,7 @@
 #include "core/direct/driving.h"
 #include "core/direct/error_control.h"
 #include "core/direct/motion.h"
+#include "core/direct/moving_obstacles.h"
 #include "core/direct/smooth_motion.h"
 #include "core/direct/step_island.h"
 #include "core/direct/workspace.h"
@@ -90,11 +91,6 @@ class Parts {
   const std::vector<int>&bodies_, &sleepers_;
   double error_ = 0;  ///< [m] of the last two halves
 };
-
-Pose between(const Pose& a, const Pose& b, double share) {
-  return {a.position + share * (b.position - a.position),
-          a.orientation.slerp(share, b.orientation)};
-}
 
 void Parts::lead(double from, double part) {
   const double start = from / whole_.h, end = std::min(1.0, (from + part) / whole_.h);

@@ -22,6 +22,7 @@ void Body::bind(const StepContext& c, int r) {
   pin_speed = 0;
   driven = pushed = damps_within = false;
   given = 0;
+  from = took = 0;
   located = 0;
   overlaps = OverlapPolicy::kResolve;
   constraints.overlap = 0;

@@ -4,6 +4,7 @@
 
 #include "core/contact/constants.h"
 #include "core/direct/constants.h"
+#include "core/direct/moving_obstacles.h"
 #include "core/direct/penetration.h"
 #include "core/direct/workspace.h"
 #include "core/limits/constants.h"
@@ -23,16 +24,17 @@ void setOffset(Body& body, Contact& c, const MotionSpan& span) {
   c.offset = std::min(c.offset, c.offset + gapAt(body, c, body.kept.data()));
 }
 
-void startContact(Body& body, Contact& c, double h) {
+/// over: [s] in which what it overlaps opens, h but for what was missed.
+void startContact(Body& body, Contact& c, double h, double over) {
   const double* dx = body.motion.dx.data();
   const double share = h / body.context->h;
+  scaleMotion(body, h, c);
   if (body.context->relaxed) c.give = {};  // relaxation's own contacts are rigid
   c.found = c.offset;
   c.before = gapBefore(
       c, gapAt(body, c, dx) - c.normal.dot(motionOf(body, c, dx) - share * c.surface_motion));
-  // A spring is as deep as it is, not as the plane at the end says.
-  if (c.isSoft() && (h == body.context->h || c.surface_motion.isZero(0))) c.before = c.gap_start;
-  setOffset(body, c, {h, h, body.context->h});
+  if (c.isSoft()) c.before = c.gap_start;  // as deep as it is, not as the plane at the end says
+  setOffset(body, c, {over, over, body.context->h});
 }
 
 void startLimit(Body& body, LimitAngles::Pose& before, LimitRow& limit, double h) {
@@ -43,12 +45,12 @@ void startLimit(Body& body, LimitAngles::Pose& before, LimitRow& limit, double h
     limit.opening = allowedViolation(limit, {h, h, body.context->h}, body.overlaps);
 }
 
-/// Contacts of the motion with obstacles and with the body itself.
-void appendNear(Body& body, std::vector<Contact>& contacts) {
+/// Contacts of the motion over h with obstacles and with the body itself.
+void appendNear(Body& body, double h, std::vector<Contact>& contacts) {
   const StepContext& step = *body.context;
   const Points& after = poseAfter(body);
   if (!step.ws.obstacles.empty())
-    appendContacts(step.model, step.ws.obstacles, step.state.x, after, body.index, kNearBody,
+    appendContacts(step.model, obstaclesOver(body, h), step.state.x, after, body.index, kNearBody,
                    contacts);
   if (step.model.self_collision)
     body.detector.appendSelf(step.model, step.state.x, after, body.index,
@@ -106,11 +108,11 @@ void findCandidates(Body& body, double h) {
   set.limit_role.clear();
   if (step.ws.obstacles.empty() && body.skeleton->joints.empty() && !step.model.self_collision)
     return;
-  appendNear(body, set.contacts);
+  appendNear(body, h, set.contacts);
   if (body.overlaps == OverlapPolicy::kPassThrough) passThrough(body);
   set.overlap = 0;
   for (Contact& c : set.contacts) {
-    startContact(body, c, h);
+    startContact(body, c, h, h);
     if (!c.isSoft()) set.overlap = std::max(set.overlap, -c.gap_start);
   }
   set.contact_role.assign(set.contacts.size(), Role::kIfNear);
@@ -135,13 +137,17 @@ bool turnAs(const std::vector<Contact>& found, Contact& c) {
   return nearest;
 }
 
-void turnContacts(Body& body, double h) {
+void turnContacts(Body& body, double over, double h) {
   ConstraintSet& set = body.constraints;
   if (std::none_of(set.contacts.begin(), set.contacts.end(), hasTurned)) return;
   set.missed.clear();
-  appendNear(body, set.missed);
-  for (Contact& c : set.contacts)
-    if (turnAs(set.missed, c)) startContact(body, c, h);
+  appendNear(body, over, set.missed);
+  for (Contact& c : set.contacts) {
+    if (!turnAs(set.missed, c)) continue;
+    startContact(body, c, over, over);
+    // Where its obstacle has it at the end of h, as those that have not turned.
+    c.found += (h - over) / body.context->h * c.normal.dot(c.surface_motion);
+  }
 }
 
 void limitDepenetration(Body& body, double h, double substep) {
@@ -180,9 +186,9 @@ bool findMissed(Body& body, double h) {
   bool any = limits && addLimits(body, -kGapResolution / kLever, step.h, Role::kActive);
   set.missed.clear();
   if (!step.ws.obstacles.empty()) {
-    appendContacts(step.model, step.ws.obstacles, step.state.x, after, body.index, 0, set.missed);
-    appendStickOverlaps(step.model, step.ws.obstacles, step.state.x, after, body.index, kSlop,
-                        set.missed);
+    const std::vector<SweptObstacle>& swept = obstaclesOver(body, h);
+    appendContacts(step.model, swept, step.state.x, after, body.index, 0, set.missed);
+    appendStickOverlaps(step.model, swept, step.state.x, after, body.index, kSlop, set.missed);
   }
   const std::size_t obstacles = set.missed.size(), known = set.contacts.size();
   if (step.model.self_collision)
@@ -193,7 +199,7 @@ bool findMissed(Body& body, double h) {
     if (isPassed(body, c)) continue;
     const bool rigid = step.relaxed || !c.isSoft();
     if (!rigid && isKnown(set.contacts, known, c)) continue;  // its spring overlaps
-    startContact(body, c, i < obstacles && rigid ? step.h : h);
+    startContact(body, c, h, i < obstacles && rigid ? step.h : h);
     if (i < obstacles && rigid)  // what overlaps opens in a part of a step by a part of it
       c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - recoverySpeed(c) * h));
     if (gapAfter(body, c) >= (i < obstacles ? -kGapResolution : -kSlop)) continue;

@@ -24,8 +24,8 @@ bool hasTurned(const Contact& contact);
 /// Has such a contact as it is among those that are found now, at the place nearest to its own;
 /// whether it is.
 bool turnAs(const std::vector<Contact>& found, Contact& contact);
-/// Has all such contacts as they are at the end of the motion, which is cut short of h.
-void turnContacts(Body& body, double h);
+/// Has all such contacts as they are at the end of the motion over `over`, cut short of h.
+void turnContacts(Body& body, double over, double h);
 
 /// What may stay of overlaps, anew: the motion is cut short to h of its substep.
 void limitDepenetration(Body& body, double h, double substep);

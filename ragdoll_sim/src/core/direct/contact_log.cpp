@@ -84,6 +84,14 @@ bool takeImpulse(const Island& island, const RowValues& p, int first, double sca
   return !impulse.isZero(0);
 }
 
+/// [s] that turn what the state has of a contact into the impulse of a step: packs of `fast` keep
+/// the force, the direct methods what their position stage gave per h^2, which is half of it.
+double timeOfKept(const Model& model) {
+  const bool packs =
+      model.solver.method == Method::kFast && !model.ragdoll_collision && !model.compliant;
+  return (packs ? 1 : 2) * model.solver.step;
+}
+
 /// What pressed and has left since: where its particles are.
 void addLeft(const Model& model, const State& state, const CachedImpulse& pressed,
              std::vector<ContactImpulse>& out) {
@@ -103,7 +111,7 @@ void addLeft(const Model& model, const State& state, const CachedImpulse& presse
   const int b = pressed.b < 0 ? pressed.a : pressed.b;
   e.point = 0.5 * (state.x.col(pressed.a) + state.x.col(b)) -
             0.5 * (model.radius[pressed.a] + model.radius[b]) * e.normal;
-  e.impulse = model.solver.step * pressed.impulse;
+  e.impulse = timeOfKept(model) * pressed.impulse;
   out.push_back(e);
 }
 
@@ -330,7 +338,7 @@ void appendPressing(const Model& model, const State& state, const std::vector<st
       c.found = c.offset;
       out.push_back(entryOf(model, state, c));
       if (!pressed) continue;
-      out.back().impulse = model.solver.step * pressed->impulse;
+      out.back().impulse = timeOfKept(model) * pressed->impulse;
       if (before && !hasPressed(*before, keyOf(c)))
         out.back().approach = std::max(0.0, -c.normal.dot(c.of(before->v)));
     }

@@ -42,6 +42,7 @@ void prepareDirect(const StepContext& context) {
   }
   if (static_cast<int>(state.multipliers.size()) != count) state.multipliers.assign(count, 0.0);
   sweepObstacles(model, state, context.inputs.obstacles, ws.obstacles);
+  for (WorkerScratch& scratch : ws.scratch) scratch.obstacles.reserve(ws.obstacles.size());
   ws.impulses.clear();
 }
 

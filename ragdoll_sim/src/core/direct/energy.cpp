@@ -6,6 +6,7 @@
 #include "core/contact/detect.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/moving_obstacles.h"
 #include "core/direct/workspace.h"
 #include "core/mechanics/energy_removal.h"
 
@@ -18,7 +19,7 @@ double storedAt(Body& body, const Points& pose, bool after) {
   const StepContext& step = *body.context;
   std::vector<Contact>& contacts = body.constraints.missed;
   contacts.clear();
-  appendContacts(step.model, step.ws.obstacles, pose, pose, body.index, 0, contacts);
+  appendContacts(step.model, obstaclesOver(body, body.took), pose, pose, body.index, 0, contacts);
   if (step.model.self_collision)
     body.detector.appendSelf(step.model, pose, pose, body.index, PairSearch::touches(0), contacts);
   double stored = 0;

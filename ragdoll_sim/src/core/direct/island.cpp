@@ -107,8 +107,8 @@ void findCandidates(Island& island, double h) {
   pairs.role.assign(pairs.contacts.size(), Role::kIfNear);
 }
 
-void turnContacts(Island& island, double h) {
-  for (Body* body : island.bodies) turnContacts(*body, h);
+void turnContacts(Island& island, double over, double h) {
+  for (Body* body : island.bodies) turnContacts(*body, over, h);
   PairSet& pairs = island.pairs;
   if (std::none_of(pairs.contacts.begin(), pairs.contacts.end(), hasTurned)) return;
   pairs.missed.clear();
@@ -116,7 +116,7 @@ void turnContacts(Island& island, double h) {
                                   island.context.state.x, posesAfter(island),
                                   PairSearch::touches(kNearBody), pairs.missed);
   for (Contact& c : pairs.contacts)
-    if (turnAs(pairs.missed, c)) startPair(island, c, h);
+    if (turnAs(pairs.missed, c)) startPair(island, c, over);
 }
 
 bool findMissed(Island& island, double h) {

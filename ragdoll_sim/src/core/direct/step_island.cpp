@@ -81,10 +81,21 @@ bool losesAngularMomentum(const Island& island, const Trial& trial, Way way) {
   return way == Way::kImplicit || (way == Way::kExplicit && !trial.exact && pressesItself(island));
 }
 
+/// Where in the step the present trial is.
+void setSpan(Island& island, double left, double took) {
+  for (Body* body : island.bodies) {
+    body->from = island.context.h - left;
+    body->took = took;
+  }
+}
+
 /// Explicit steps as they come, to measure what the guard costs.
 void stepUnguarded(Island& island) {
   double left = island.context.h;
-  while (left > kNothingLeft * island.context.h) left -= takeExplicitTrial(island, left, 0).took;
+  while (left > kNothingLeft * island.context.h) {
+    setSpan(island, left, left);
+    left -= takeExplicitTrial(island, left, 0).took;
+  }
 }
 
 }  // namespace
@@ -93,7 +104,9 @@ bool takeSubsteps(Island& island, double h, StepReport& report) {
   SubstepControl control(island, h);
   while (!control.done()) {
     save(island);
+    setSpan(island, control.left(), control.substep());
     const Trial trial = takeTrial(island, control, report);
+    setSpan(island, control.left(), trial.took);
     if (trial.ok && losesAngularMomentum(island, trial, control.way()))
       restoreAngularMomentum(island, trial.took);
     const Verdict verdict = judge(island, trial, control);

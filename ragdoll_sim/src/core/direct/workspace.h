@@ -1,5 +1,6 @@
-// Memory of the direct methods, sized by the first step. What it keeps from step to step (BodyMemory)
-// saves work only: a step from the same state has the same bits with a fresh workspace.
+// Memory of the direct methods, sized by the first step. What it keeps from step to step
+// (BodyMemory) saves work only: a step from the same state has the same bits with a fresh
+// workspace.
 #pragma once
 
 #include <deque>
@@ -17,9 +18,10 @@ namespace ragdoll {
 
 /// What one thread steps bodies in.
 struct WorkerScratch {
-  IslandScratch island, lone;  ///< lone: of bodies that an island gave up
-  Points poses;                ///< [m] 3 x N (posesOf)
-  std::vector<int> lone_body;  ///< an island of one
+  IslandScratch island, lone;            ///< lone: of bodies that an island gave up
+  Points poses;                          ///< [m] 3 x N (posesOf)
+  std::vector<int> lone_body;            ///< an island of one
+  std::vector<SweptObstacle> obstacles;  ///< over a part of a step
 };
 
 struct DirectWorkspace {
@@ -47,8 +49,8 @@ inline int threadsOf(const StepContext& context) {
   return solver.tolerance > 0 ? 1 : Workers::count(solver.threads);
 }
 
-/// part(context, k) for k = 0 ... count - 1, on the solver's threads, each with a context of its own:
-/// parts of a step that do not touch each other.
+/// part(context, k) for k = 0 ... count - 1, on the solver's threads, each with a context of its
+/// own: parts of a step that do not touch each other.
 template <class Part>
 void forEachPart(const StepContext& context, int count, const Part& part) {
   DirectWorkspace& ws = context.ws;

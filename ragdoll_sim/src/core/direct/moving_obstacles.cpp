@@ -1,0 +1,56 @@
+#include "core/direct/moving_obstacles.h"
+
+#include "core/direct/workspace.h"
+
+namespace ragdoll {
+namespace {
+
+constexpr double kEnd = 1e-12;  ///< of a step: less is left by rounding
+
+/// Where trials that take part of a step begin and end in it [1].
+struct Part {
+  double start = 0, end = 1;
+  bool isWhole() const { return start == 0 && end == 1; }
+};
+
+Part partOf(const Body& body, double h) {
+  const double step = body.context->h;
+  Part part{body.from / step, (body.from + h) / step};
+  if (part.start < kEnd) part.start = 0;
+  if (part.end > 1 - kEnd) part.end = 1;
+  return part;
+}
+
+}  // namespace
+
+Pose between(const Pose& a, const Pose& b, double share) {
+  if (share == 0) return a;
+  if (share == 1) return b;
+  return {a.position + share * (b.position - a.position),
+          a.orientation.slerp(share, b.orientation)};
+}
+
+const std::vector<SweptObstacle>& obstaclesOver(const Body& body, double h) {
+  const StepContext& step = *body.context;
+  const std::vector<Pose>& end = step.inputs.obstacles;
+  const Part part = partOf(body, h);
+  if (part.isWhole() || end.empty()) return step.ws.obstacles;
+  std::vector<SweptObstacle>& swept = scratchOf(step).obstacles;
+  swept = step.ws.obstacles;
+  for (std::size_t k = 0; k < swept.size(); ++k) {
+    SweptObstacle& m = swept[k];
+    if (m.p0 == m.p1 && m.R0 == m.R1) continue;
+    const Pose& from = step.state.obstacles[k];
+    const int index = m.index;
+    m = sweepObstacle(*m.obstacle, between(from, end[k], part.start),
+                      between(from, end[k], part.end));
+    m.index = index;
+  }
+  return swept;
+}
+
+void scaleMotion(const Body& body, double h, Contact& contact) {
+  if (h < body.context->h && contact.obstacle >= 0) contact.surface_motion *= body.context->h / h;
+}
+
+}  // namespace ragdoll
