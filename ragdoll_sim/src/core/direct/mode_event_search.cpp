@@ -34,6 +34,11 @@ double eventValue(Island& island, std::size_t i, Event event, const ModePoint& p
   if (!(row.friction > 0)) return kLasting;
   if (row.sticks)
     return row.friction * point.forces.normal[i] - point.forces.friction[i].norm() + none;
+  if (row.held) {
+    const Vec3& f = point.forces.friction[i];
+    const double across = (f - f.dot(row.slip) * row.slip).norm();
+    return kMostLean * row.friction * point.forces.normal[i] - across + none;
+  }
   const Contact c = placeOf(island, row, point.x.data(), point.v.data(), false).contact;
   return slipOf(island, c, point.v.data()).dot(row.slip) + kSlipNoise;
 }
