@@ -34,6 +34,7 @@ struct ModeRow {
   bool closed = false;   ///< gap and rate are zero; of what gives way: it presses
   bool presses = false;  ///< an equality; of what gives way: by its spring and damper
   bool sticks = false;   ///< presses: so are its tangents
+  bool held = false;     ///< does not stick, but others hold it (ModeBlock::held)
   bool moves = false;    ///< slips, in the direction:
   Vec3 slip = Vec3::Zero();
   std::array<int, 3> feature{};  ///< of the obstacle where it touches

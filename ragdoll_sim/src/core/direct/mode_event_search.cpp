@@ -34,6 +34,11 @@ double eventValue(Island& island, std::size_t i, Event event, const ModePoint& p
   if (!(row.friction > 0)) return kLasting;
   if (row.sticks)
     return row.friction * point.forces.normal[i] - point.forces.friction[i].norm() + none;
+  if (row.held) {
+    const Vec3& f = point.forces.friction[i];
+    const double across = (f - f.dot(row.slip) * row.slip).norm();
+    return kMostLean * row.friction * point.forces.normal[i] - across + none;
+  }
   const Contact c = placeOf(island, row, point.x.data(), point.v.data(), false).contact;
   return slipOf(island, c, point.v.data()).dot(row.slip) + kSlipNoise;
 }
@@ -46,10 +51,13 @@ bool eventsAt(Island& island, ModePoint& point, std::vector<double>& values) {
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
     for (int e = 0; e < kEventsOfRow; ++e)
       values[kEventsOfRow * i + e] = eventValue(island, i, static_cast<Event>(e), point);
-  // Beyond its place a row's forces are of a surface that is not there: it has left that first.
+  // Beyond its place a row's forces are of a surface that is not there, and so are all that answer
+  // to them: it has left that first.
+  bool any_left = false;
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
-    if (values[kEventsOfRow * i + kPlace] < 0)
-      values[kEventsOfRow * i + kForce] = values[kEventsOfRow * i + kFriction] = kLasting;
+    any_left = any_left || values[kEventsOfRow * i + kPlace] < 0;
+  for (std::size_t i = 0; any_left && i < mode.rows.size(); ++i)
+    values[kEventsOfRow * i + kForce] = values[kEventsOfRow * i + kFriction] = kLasting;
   return true;
 }
 

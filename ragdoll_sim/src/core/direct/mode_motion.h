@@ -38,11 +38,11 @@ bool projectPositions(Island& island, ModePoint& point);
 /// mode.stages. False: no motion was found.
 bool moveInMode(Island& island, double h, ModePoint& end);
 
-/// [m/s] of the motion over h that was last moved to mode.end, whose accelerations are known: by the
-/// embedded formula of fourth order.
+/// [m/s] of the motion over h that was last moved to mode.end, whose accelerations are known: by
+/// the embedded formula of fourth order.
 double errorOfPiece(Island& island, double h);
 
-/// x and v at a share of a motion over h, by the polynomial of degree 5 through both ends.
+/// x and v at a share of a motion over h, by polynomials of degree 5 and 3 through both ends.
 void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,
                  ModePoint& out);
 

@@ -22,6 +22,15 @@ void settleSpring(Island& island, ModeRow& row) {
   row.presses = row.closed = openingOf(island, row, ahead.x.data(), ahead.v.data()) < 0;
 }
 
+/// Whether it touches within its sticks, and goes on to: where it leaves over a stick's end, what
+/// is the end's takes its place, and rounding does not bring it back. mode.stage: a moment later.
+bool staysWithin(Island& island, const ModeRow& row, const RowPlace& place) {
+  if (!place.inside || !place.regular) return false;
+  if (row.kind != ModeRow::Kind::kStick && row.kind != ModeRow::Kind::kPair) return true;
+  const ModePoint& ahead = island.s.mode.stage;
+  return placeOf(island, row, ahead.x.data(), ahead.v.data(), false).inside;
+}
+
 /// What touches at mode.start; whether some of it approaches. pressed: what pressed in the last
 /// step may be a little off. leaves: what opens counts as closed, too; an impact may close it.
 void findClosed(Island& island, bool pressed, bool leaves, bool& impact) {
@@ -39,7 +48,7 @@ void findClosed(Island& island, bool pressed, bool leaves, bool& impact) {
     if (pressed && row.gap_start < kTouching / kLever) close = kTouching;
     if (row.gap_start >= close) continue;
     const RowPlace place = placeOf(island, row, mode.start.x.data(), mode.start.v.data(), false);
-    if (!place.inside || !place.regular) continue;
+    if (!staysWithin(island, row, place)) continue;
     if (pressed && row.gap_start >= kClosedGap) {
       const Tolerances& tolerances = island.bodies[0]->tolerances;
       const double touching = row.isContact() ? tolerances.touching : tolerances.touching_angle;
@@ -60,7 +69,7 @@ bool closeChatter(Island& island) {
   for (ModeRow& row : mode.rows) {
     if (row.closed || row.isSoft() || row.gap_start >= kClosedGap) continue;
     const RowPlace place = placeOf(island, row, now.x.data(), now.v.data(), true);
-    if (!place.inside || !place.regular) continue;
+    if (!staysWithin(island, row, place)) continue;
     const double rate = rateOf(island, row, place, now.v.data());
     const double back = -rateOf(island, row, place, now.a.data()) - place.curvature;
     if (!(back > 0) || rate * rate > 2 * kChatterGap * back) continue;

@@ -49,6 +49,12 @@ bool isFree(const Body& body) {
   return true;
 }
 
+/// Whether something pressed at the end of a motion from event to event. That sees a stick as near
+/// to its ends as it touches; candidates there are its ends, which may be clear of what it lies on.
+bool pressesInMode(const Body& body) {
+  return goesThroughEvents(*body.context) && !body.cache.impulses().empty();
+}
+
 void take(Body& body) {
   body.cache.clear();
   body.given += body.stages.work;
@@ -88,7 +94,7 @@ SmoothTrial moveSmoothly(Island& island, double h) {
   Body& body = *island.bodies[0];
   bool whole = integrate(body, h);
   findCandidates(body, h);
-  if (whole && isFree(body)) {
+  if (whole && isFree(body) && !pressesInMode(body)) {
     take(body);
     return {h, true};
   }

@@ -124,12 +124,12 @@ TEST(ModeMotion, ProjectionsTakeWhatIsAcrossTheModeAlone) {
   EXPECT_LT(ModeBody::of(ball.now().v, 0).norm(), 1e-15);
 }
 
-/// x, v, a of a motion whose coordinates are polynomials of degree 5.
-ModePoint quintic(double t) {
+/// x, v, a of a motion whose coordinates are polynomials.
+ModePoint polynomial(int degree, double t) {
   ModePoint p;
   p.x = p.v = p.a = Eigen::VectorXd::Zero(4);
   for (int i = 0; i < 4; ++i)
-    for (int k = 0; k <= 5; ++k) {
+    for (int k = 0; k <= degree; ++k) {
       const double c = std::cos(3.0 * i + 2 * k);  // any
       p.x[i] += c * std::pow(t, k);
       if (k > 0) p.v[i] += c * k * std::pow(t, k - 1);
@@ -138,16 +138,33 @@ ModePoint quintic(double t) {
   return p;
 }
 
-TEST(ModeMotion, IsInterpolatedExactlyUpToDegreeFive) {
+TEST(ModeMotion, IsInterpolatedExactlyUpToDegreeFiveAndThreeOfItsVelocities) {
   const double begin = 0.3, h = 1.7;
-  const ModePoint start = quintic(begin), end = quintic(begin + h);
-  ModePoint out;
-  for (const double share : {0.0, 0.1, 0.5, 0.8, 1.0}) {
-    interpolate(start, end, h, share, out);
-    const ModePoint exact = quintic(begin + share * h);
-    EXPECT_LT((out.x - exact.x).norm(), 1e-12) << share;
-    EXPECT_LT((out.v - exact.v).norm(), 1e-12) << share;
+  for (const int degree : {5, 4}) {
+    const ModePoint start = polynomial(degree, begin), end = polynomial(degree, begin + h);
+    ModePoint out;
+    for (const double share : {0.0, 0.1, 0.5, 0.8, 1.0}) {
+      interpolate(start, end, h, share, out);
+      const ModePoint exact = polynomial(degree, begin + share * h);
+      EXPECT_LT((out.x - exact.x).norm(), 1e-12) << share;
+      if (degree == 4) {
+        EXPECT_LT((out.v - exact.v).norm(), 1e-12) << share;
+      }
+    }
   }
+}
+
+/// Where slips begin pieces are as short as 1e-8 s.
+TEST(ModeMotion, IsInterpolatedWithoutRoundingInAShortPiece) {
+  const double h = 1e-8;
+  ModePoint start, end, out;
+  start.x = end.x = Eigen::VectorXd::Constant(3, 1.3);
+  start.v = Eigen::VectorXd::Zero(3);
+  start.a = end.a = Eigen::VectorXd::Constant(3, 2);
+  end.v = h * start.a;
+  end.x += 0.5 * h * end.v;
+  interpolate(start, end, h, 0.5, out);
+  EXPECT_LT((out.v - 0.5 * end.v).norm(), 1e-16);
 }
 
 }  // namespace

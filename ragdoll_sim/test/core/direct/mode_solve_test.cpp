@@ -162,5 +162,59 @@ TEST(ModeSolve, WhatIsFoundObeysCoulombsLaw) {
   EXPECT_GT(found, 190);
 }
 
+/// A block on feet that cannot move against each other: rows of each, of the same block.
+struct Block {
+  const double mass = 2;
+  ModeMatrix A;
+  ModeVector b;
+  std::vector<ModeBlock> blocks;
+
+  /// Feet at places along the first tangent, each with its friction; an acceleration along it.
+  Block(const std::vector<double>& places, const std::vector<double>& friction, double pull) {
+    const int feet = static_cast<int>(places.size());
+    A.resize(3 * feet, 3 * feet);
+    b.resize(3 * feet);
+    double inertia = 0;
+    for (const double x : places) inertia += mass / feet * x * x;
+    for (int i = 0; i < feet; ++i) {
+      for (int j = 0; j < feet; ++j) {
+        A.block<3, 3>(3 * i, 3 * j) = Eigen::Matrix3d::Identity() / mass;
+        A(3 * i, 3 * j) += places[i] * places[j] / inertia;
+        A(3 * i + 2, 3 * j + 2) += places[i] * places[j] / inertia;
+      }
+      b.segment<3>(3 * i) = Vec3(-kG, pull, 0);
+      blocks.push_back(contact(3 * i, friction[i]));
+    }
+  }
+  double normals(const ModeVector& p) const {
+    double sum = 0;
+    for (const ModeBlock& foot : blocks) sum += p[foot.row];
+    return sum;
+  }
+};
+
+TEST(ModeSolve, FeetThatShareALoadPressAsSpringsDo) {
+  Block block({-0.3, -0.1, 0.1, 0.3}, {0.5, 0.5, 0.5, 0.5}, 0);
+  ModeVector p = ModeVector::Zero(12);
+  ASSERT_TRUE(solveComplementarity(block.A, block.b, block.mass * kG, block.blocks, p));
+  EXPECT_NEAR(block.normals(p), block.mass * kG, 1e-12);
+  // Springs under a stiff block: forces are linear along it, by feet as stiff as their rows.
+  for (int i = 0; i < 4; ++i)
+    EXPECT_NEAR(p[3 * i] * block.A(3 * i, 3 * i), p[0] * block.A(0, 0), 1e-9);
+}
+
+TEST(ModeSolve, AFootWithoutFrictionEnoughIsHeldByAnother) {
+  const double pull = 0.3 * kG;
+  Block block({-0.1, 0.1}, {0.1, 1}, pull);
+  ModeVector p = ModeVector::Zero(6);
+  ASSERT_TRUE(solveComplementarity(block.A, block.b, block.mass * kG, block.blocks, p));
+  EXPECT_LT((block.b + block.A * p).norm(), 1e-9);
+  EXPECT_NEAR(block.normals(p), block.mass * kG, 1e-12);
+  EXPECT_FALSE(block.blocks[0].sticks);
+  EXPECT_TRUE(block.blocks[0].held && block.blocks[1].sticks);
+  EXPECT_NEAR(p[1], -0.1 * p[0], 1e-12);
+  EXPECT_NEAR(p[1] + p[4], -block.mass * pull, 1e-9);
+}
+
 }  // namespace
 }  // namespace ragdoll
