@@ -306,53 +306,68 @@ void dropDeeperEnds(std::size_t begin, std::vector<Contact>& contacts) {
                  contacts.end());
 }
 
+void particleAgainst(const Model& model, const Points& x0, const Points& x1, int index, int i,
+                     const SweptObstacle& m, double margin, std::vector<Contact>& contacts) {
+  const Ragdoll& r = model.ragdolls[index];
+  const Skeleton& s = model.skeletonOf(r);
+  const int at = r.first + i;
+  const Compliance give = giveOf(model, *m.obstacle, r, s.particle_contact, i);
+  Contact c;
+  bool found;
+  particleContact(m, x0.col(at), x1.col(at), model.radius[at], give, margin, c, found);
+  // Nothing pushes what a pin holds.
+  if (!found || model.systemOf(r).direct.W(i, i) == 0) return;
+  c.particle[0] = at;
+  c.weight[0] = 1;
+  c.count = 1;
+  c.ragdoll = index;
+  contacts.push_back(c);
+}
+
+/// Whether its contacts may give way.
+bool stickAgainst(const Model& model, const Points& x0, const Points& x1, int index, int j,
+                  const SweptObstacle& m, double margin, std::vector<Contact>& contacts) {
+  const Ragdoll& r = model.ragdolls[index];
+  const Skeleton& s = model.skeletonOf(r);
+  const int a = r.first + s.sticks[j].a, b = r.first + s.sticks[j].b;
+  const Capsule capsule{x0.col(a), x0.col(b),       x1.col(a),
+                        x1.col(b), model.radius[a], model.radius[b]};
+  double start = 0;
+  const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
+  const std::optional<Axis> axis = touching(m, capsule, margin, start);
+  if (!axis) return false;
+  const Axis at_start{*m.obstacle, m.toStart(capsule.a0), m.toStart(capsule.b0), capsule.ra,
+                      capsule.rb};
+  const Axis at_end{*m.obstacle, m.toEnd(capsule.a1), m.toEnd(capsule.b1), capsule.ra, capsule.rb};
+  // What is in touch all along gives way as it ends, however far that is.
+  const bool stays =
+      restsOnEnds(model, *m.obstacle, give) && start <= kResting && at_end.gap(nearest(at_end)) < 0;
+  stickContacts(model, m, {stays ? at_end : *axis, at_start, start, a, b, index, give}, contacts);
+  return m.obstacle->type == ObstacleSpec::Type::kBox ? restsOnEnds(model, *m.obstacle, give)
+                                                      : give.compliance > 0;
+}
+
 void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int index,
                     const SweptObstacle& m, double margin, std::vector<Contact>& contacts) {
   const Ragdoll& r = model.ragdolls[index];
   const Skeleton& s = model.skeletonOf(r);
-  const Eigen::MatrixXd& W = model.systemOf(r).direct.W;
   const std::size_t begin = contacts.size();
   bool any_soft = false;
-  Contact c;
-  bool found;
-  for (int i = r.first; i < r.first + s.named; ++i) {
-    if (passesBy(m, x0.col(i), x1.col(i), model.radius[i], margin)) continue;
-    const Compliance give = giveOf(model, *m.obstacle, r, s.particle_contact, i - r.first);
-    particleContact(m, x0.col(i), x1.col(i), model.radius[i], give, margin, c, found);
-    if (!found || W(i - r.first, i - r.first) == 0) continue;  // nothing pushes what a pin holds
-    c.particle[0] = i;
-    c.weight[0] = 1;
-    c.count = 1;
-    c.ragdoll = index;
-    contacts.push_back(c);
-  }
+  for (int i = 0; i < s.named; ++i)
+    if (!passesBy(m, x0.col(r.first + i), x1.col(r.first + i), model.radius[r.first + i], margin))
+      particleAgainst(model, x0, x1, index, i, m, margin, contacts);
   if (m.obstacle->type == ObstacleSpec::Type::kPlane) return;  // a capsule's lowest point is an end
   for (std::size_t j = 0; j < s.sticks.size(); ++j) {
     const Stick& k = s.sticks[j];
     if (k.a >= s.named || k.b >= s.named) continue;
     const int a = r.first + k.a, b = r.first + k.b;
-    const Capsule capsule{x0.col(a), x0.col(b),       x1.col(a),
-                          x1.col(b), model.radius[a], model.radius[b]};
-    const double pad = std::max(capsule.ra, capsule.rb);
-    const Bounds bounds{
-        capsule.a0.cwiseMin(capsule.b0).cwiseMin(capsule.a1).cwiseMin(capsule.b1).array() - pad,
-        capsule.a0.cwiseMax(capsule.b0).cwiseMax(capsule.a1).cwiseMax(capsule.b1).array() + pad};
+    const auto a0 = x0.col(a), b0 = x0.col(b), a1 = x1.col(a), b1 = x1.col(b);
+    const double pad = std::max(model.radius[a], model.radius[b]);
+    const Bounds bounds{a0.cwiseMin(b0).cwiseMin(a1).cwiseMin(b1).array() - pad,
+                        a0.cwiseMax(b0).cwiseMax(a1).cwiseMax(b1).array() + pad};
     if (!overlap(bounds, m.bounds, margin)) continue;
-    double start = 0;
-    const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
-    const std::optional<Axis> axis = touching(m, capsule, margin, start);
-    if (!axis) continue;
-    const Axis at_start{*m.obstacle, m.toStart(capsule.a0), m.toStart(capsule.b0), capsule.ra,
-                        capsule.rb};
-    const Axis at_end{*m.obstacle, m.toEnd(capsule.a1), m.toEnd(capsule.b1), capsule.ra,
-                      capsule.rb};
-    // What is in touch all along gives way as it ends, however far that is.
-    const bool stays = restsOnEnds(model, *m.obstacle, give) && start <= kResting &&
-                       at_end.gap(nearest(at_end)) < 0;
-    stickContacts(model, m, {stays ? at_end : *axis, at_start, start, a, b, index, give}, contacts);
-    any_soft = any_soft ||
-               (m.obstacle->type == ObstacleSpec::Type::kBox ? restsOnEnds(model, *m.obstacle, give)
-                                                             : give.compliance > 0);
+    any_soft =
+        stickAgainst(model, x0, x1, index, static_cast<int>(j), m, margin, contacts) || any_soft;
   }
   if (!any_soft) return;
   if (m.obstacle->type == ObstacleSpec::Type::kBox)
@@ -401,6 +416,18 @@ void appendContacts(const Model& model, const std::vector<SweptObstacle>& obstac
   for (const SweptObstacle& m : obstacles)
     if (m.obstacle->type == ObstacleSpec::Type::kPlane || overlap(bounds, m.bounds, margin))
       ragdollAgainst(model, x0, x1, ragdoll, m, margin, contacts);
+}
+
+void appendParticleContact(const Model& model, const SweptObstacle& obstacle, const Points& x0,
+                           const Points& x1, int ragdoll, int particle, double margin,
+                           std::vector<Contact>& contacts) {
+  particleAgainst(model, x0, x1, ragdoll, particle, obstacle, margin, contacts);
+}
+
+void appendStickContacts(const Model& model, const SweptObstacle& obstacle, const Points& x0,
+                         const Points& x1, int ragdoll, int stick, double margin,
+                         std::vector<Contact>& contacts) {
+  stickAgainst(model, x0, x1, ragdoll, stick, obstacle, margin, contacts);
 }
 
 void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& obstacles,

@@ -41,6 +41,15 @@ void appendContacts(const Model& model, const std::vector<SweptObstacle>& obstac
                     const Points& x0, const Points& x1, int ragdoll, double margin,
                     std::vector<Contact>& contacts);
 
+/// The same of one particle, or one stick of its skeleton, and one obstacle alone, however far they
+/// are from each other.
+void appendParticleContact(const Model& model, const SweptObstacle& obstacle, const Points& x0,
+                           const Points& x1, int ragdoll, int particle, double margin,
+                           std::vector<Contact>& contacts);
+void appendStickContacts(const Model& model, const SweptObstacle& obstacle, const Points& x0,
+                         const Points& x1, int ragdoll, int stick, double margin,
+                         std::vector<Contact>& contacts);
+
 /// Appends those of the sticks that are deeper than `depth` [m] in an obstacle at x1, whatever they
 /// touched on the way: a stick may turn over an edge after it has touched. Those whose axis is
 /// inside are left out: their way out is not known.

@@ -53,6 +53,7 @@ struct FastLimit {
 /// A particle, or a stick between two particles of one link (attach among them).
 struct Feature {
   int a = 0, b = -1;          ///< particles; b: -1 of a particle
+  int stick = -1;             ///< of the skeleton
   int link = -1;              ///< -1: the root particle itself
   int at[2] = {-1, -1};       ///< points of the link that a and b are; -1: its attach
   double radius[2] = {0, 0};  ///< [m]

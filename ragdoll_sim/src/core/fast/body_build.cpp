@@ -191,6 +191,7 @@ class BodyBuilder {
     Feature f;
     f.a = k.a;
     f.b = k.b;
+    f.stick = static_cast<int>(&k - s_.sticks.data());
     f.link = linkWith({k.a, k.b});
     if (f.link < 0) return;  // no stick of a tree
     // The second particle of a fold's axis is no point of the fold: one of the link that has it.

@@ -17,7 +17,7 @@ struct LaneContact {
   double weight = 0;  ///< of Feature::b; 0 of a particle
   double radius = 0;  ///< [m] of the body there
   double normal[3] = {0, 0, 1};
-  double offset = 0;  ///< [m] of the obstacle's surface along the normal
+  double offset = 0;  ///< [m] of the obstacle's surface along the normal, from the body's root
   double friction = 0, restitution = 0;
   double motion[3] = {0, 0, 0};   ///< [m] of the surface there during the step
   double impulse[3] = {0, 0, 0};  ///< [N] in the last step
@@ -28,25 +28,33 @@ struct LaneImpulse {
   double impulse[3] = {0, 0, 0};  ///< [N]
 };
 
+/// A particle or stick near a solid that a pack leaves to contact/detect.h.
+struct LeftOver {
+  int feature = 0, solid = 0;
+};
+
 /// One body of a pack.
 struct Lane {
-  const double* x = nullptr;      ///< [m] 3 n
-  const double* v = nullptr;      ///< [m/s] likewise
-  double* x1 = nullptr;           ///< [m] 3 n, out
-  double* v1 = nullptr;           ///< [m/s] likewise
-  double* predicted = nullptr;    ///< [m] 3 n, out: where the free motion leads; may be null
-  const double* force = nullptr;  ///< [N] 3 n of pokes; null: none
-  double pull = 1;                ///< of h^2 a: 1/2; 1 where v is the last step's mean
-  double pin[3] = {0, 0, 0};      ///< [m] motion of the pin
-  bool driven = false;            ///< pins or obstacles move: they may give it energy
-  const LaneContact* contacts = nullptr;
-  int contact_count = 0;
+  const double* x = nullptr;        ///< [m] 3 n
+  const double* v = nullptr;        ///< [m/s] likewise
+  double* x1 = nullptr;             ///< [m] 3 n, out
+  double* v1 = nullptr;             ///< [m/s] likewise
+  double* predicted = nullptr;      ///< [m] 3 n, out: where the free motion leads; may be null
+  const double* force = nullptr;    ///< [N] 3 n of pokes; null: none
+  double pull = 1;                  ///< of h^2 a: 1/2; 1 where v is the last step's mean
+  double pin[3] = {0, 0, 0};        ///< [m] motion of the pin
+  bool driven = false;              ///< pins or obstacles move: they may give it energy
+  LaneContact* contacts = nullptr;  ///< with solids; out of `predict`, in of `finish`
+  int contact_count = 0, contact_room = 0;
+  LeftOver* hard = nullptr;  ///< out of `predict`
+  int hard_count = 0, hard_room = 0;
   double* limit_impulse = nullptr;  ///< [N m] per limit, in and out
   LaneImpulse* impulses = nullptr;  ///< in: of the last step; out: room for impulse_room
   int impulse_count = 0;
   bool good = true;      ///< out: x and v are there
   bool pressed = false;  ///< out: an obstacle pressed
   bool limited = false;  ///< out: its energy was limited
+  bool deep = false;     ///< out: something may be deep in a solid
 };
 
 /// A plane that stands still.
@@ -57,6 +65,18 @@ struct StillPlane {
   double friction = 0, restitution = 0;
 };
 
+/// A box, sphere or capsule: what is within a radius of a core, which is a box (half: its halves),
+/// a point or a line (half: 0 square to it).
+struct Solid {
+  int obstacle = 0;
+  bool is_box = false, moves = false;
+  double half[3] = {0, 0, 0}, radius = 0;               ///< [m]
+  double place0[3] = {0, 0, 0}, place1[3] = {0, 0, 0};  ///< [m] at the step's start and end
+  double axes0[9], axes1[9];                            ///< likewise, one after the other
+  double extent[3] = {0, 0, 0};  ///< [m] half of its bounds over the step, about its mean place
+  double friction = 0, restitution = 0;
+};
+
 struct PackStep {
   double h = 0;  ///< [s]
   double gravity[3] = {0, 0, 0};
@@ -64,13 +84,16 @@ struct PackStep {
   double keep_inner = 1;  ///< of velocities against the rigid motion, joint damping
   const StillPlane* planes = nullptr;
   int plane_count = 0;
+  const Solid* solids = nullptr;
+  int solid_count = 0;
+  bool whole = true;  ///< `predicted` of all lanes is wanted; else of those with what is left over
 };
 
 /// For one instruction set, number and width. `memory` is aligned to 64 bytes.
 struct PackMethod {
   int lanes = 1;
   std::size_t (*memory)(const FastBody& body, int planes);  ///< [bytes]
-  /// Free motion: lanes' `predicted`.
+  /// Free motion: lanes' `predicted`, contacts with solids.
   void (*predict)(const FastBody& body, const PackStep& step, Lane* lanes, void* memory);
   /// The rest of that step: x, v, impulses.
   void (*finish)(const FastBody& body, const PackStep& step, Lane* lanes, void* memory);

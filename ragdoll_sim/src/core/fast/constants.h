@@ -24,6 +24,16 @@ constexpr double kTurnReach = 4;     ///< [rad/m] times what the fastest particl
 constexpr double kOwnTurn = 2;       ///< times what a link turns by, where no obstacle is near
 constexpr double kLeastSine = 0.2;   ///< of a limit's angle: nearer to a pole its cosine is flat
 
+// How solids are looked for in packs.
+constexpr double kOnCore = 1e-9;    ///< [m] nearer there is no direction; guards divisions
+constexpr double kInside = 1e-6;    ///< [m] a stick's axis nearer to a core runs through it
+constexpr double kTouching = 1e-4;  ///< [m] what is as near does not come to touch
+constexpr double kLocated = 2e-4;   ///< [m] a first touch is where the gap is less
+constexpr int kLocations = 5;       ///< tries at most
+constexpr double kTurned = 0.05;    ///< of the travel: a turning stick's gap is less convex by it
+constexpr double kFlat = 2e-3;      ///< [m] flat: a stick's gap over a face varies by less
+constexpr double kStickTip = 0.02;  ///< of a stick: nearer to an end the particle touches
+
 constexpr double kBounce = 4;  ///< [g h] slower approaches do not bounce: they are rest
 
 constexpr double kMostSine2 = 0.9;     ///< a link that turns by more in a step is not for a pack

@@ -17,15 +17,45 @@ namespace {
 
 bool moves(const SweptObstacle& o) { return o.p0 != o.p1 || o.R0 != o.R1; }
 
+Solid solidOf(const SweptObstacle& o) {
+  Solid solid;
+  solid.obstacle = o.index;
+  solid.is_box = o.obstacle->type == ObstacleSpec::Type::kBox;
+  solid.moves = moves(o);
+  solid.radius = o.obstacle->radius;
+  solid.friction = o.obstacle->friction;
+  solid.restitution = o.obstacle->restitution;
+  const Vec3 middle = 0.5 * (o.p0 + o.p1);
+  const Vec3 extent = (o.bounds.hi - middle).cwiseMax(middle - o.bounds.lo);
+  for (int c = 0; c < 3; ++c) {
+    solid.half[c] = o.obstacle->half[c];
+    solid.place0[c] = o.p0[c];
+    solid.place1[c] = o.p1[c];
+    solid.extent[c] = extent[c];
+    for (int k = 0; k < 3; ++k) {
+      solid.axes0[3 * k + c] = o.R0(c, k);
+      solid.axes1[3 * k + c] = o.R1(c, k);
+    }
+  }
+  return solid;
+}
+
 /// Obstacles as the packs want them.
 void sortObstacles(const std::vector<SweptObstacle>& all, FastScratch& s) {
   s.obstacles.clear();
+  s.solids.clear();
   s.planes.clear();
+  s.moving_planes.clear();
   s.driven = false;
   for (const SweptObstacle& o : all) {
     s.driven = s.driven || moves(o);
-    if (o.obstacle->type != ObstacleSpec::Type::kPlane || moves(o)) {
+    if (o.obstacle->type != ObstacleSpec::Type::kPlane) {
       s.obstacles.push_back(o);
+      s.solids.push_back(solidOf(o));
+      continue;
+    }
+    if (moves(o)) {
+      s.moving_planes.push_back(o);
       continue;
     }
     StillPlane plane;
@@ -70,7 +100,7 @@ class PackRun {
   void run() {
     prepare();
     method_.predict(body_, step_, lanes_, pack_.memory.data());
-    for (int l = 0; l < batch_.count; ++l) findContacts(l);
+    for (int l = 0; l < batch_.count; ++l) endSearch(l);
     method_.finish(body_, step_, lanes_, pack_.memory.data());
     for (int l = 0; l < batch_.count; ++l) keep(l);
   }
@@ -88,6 +118,9 @@ class PackRun {
     step_.keep_inner = solver.joint_damping > 0 ? std::exp(-solver.joint_damping * h_) : 1;
     step_.planes = scratch_.planes.data();
     step_.plane_count = static_cast<int>(scratch_.planes.size());
+    step_.solids = scratch_.solids.data();
+    step_.solid_count = static_cast<int>(scratch_.solids.size());
+    step_.whole = !scratch_.moving_planes.empty();
     const std::size_t bytes = method_.memory(body_, step_.plane_count) + 64;
     if (pack_.memory.size() < bytes) pack_.memory.resize(bytes);
     room_ = impulseRoom(body_, step_.plane_count);
@@ -95,14 +128,23 @@ class PackRun {
     pack_.limit_impulses.assign(kMaxLanes * limits + 1, 0.0);
     if (static_cast<int>(pack_.impulses.size()) < kMaxLanes * room_)
       pack_.impulses.resize(kMaxLanes * room_);
-    pack_.contacts.resize(kMaxLanes);
+    const int features = static_cast<int>(body_.features.size());
+    contact_room_ = features * kSlots;
+    const int hard = features * step_.solid_count;
+    if (static_cast<int>(pack_.contacts.size()) < kMaxLanes * contact_room_)
+      pack_.contacts.resize(kMaxLanes * contact_room_);
+    if (static_cast<int>(pack_.left_over.size()) < kMaxLanes * hard)
+      pack_.left_over.resize(kMaxLanes * hard);
     for (int l = 0; l < method_.lanes; ++l) {
       lanes_[l] = Lane();
-      pack_.contacts[l].clear();
       lanes_[l].limit_impulse = pack_.limit_impulses.data() + l * limits;
       lanes_[l].impulses = pack_.impulses.data() + l * room_;
       if (l < batch_.count) {
         fill(l);
+        lanes_[l].contacts = pack_.contacts.data() + l * contact_room_;
+        lanes_[l].contact_room = contact_room_;
+        lanes_[l].hard = pack_.left_over.data() + l * hard;
+        lanes_[l].hard_room = hard;
       } else {  // a lane for no body: the first one's again
         lanes_[l].x = lanes_[0].x;
         lanes_[l].v = lanes_[0].v;
@@ -119,7 +161,8 @@ class PackRun {
     lane.x = state_.x.data() + 3 * r.first;
     lane.v = state_.v.data() + 3 * r.first;
     lane.x1 = predicted_.data() + 3 * r.first;
-    if (!scratch_.obstacles.empty()) lane.predicted = predicted_.data() + 3 * r.first;
+    if (!scratch_.obstacles.empty() || step_.whole)
+      lane.predicted = predicted_.data() + 3 * r.first;
     if (force_) lane.force = force_->data() + 3 * r.first;
     lane.driven = scratch_.driven;
     for (int k = scratch_.first_impulse[index]; k < scratch_.first_impulse[index + 1]; ++k)
@@ -156,46 +199,74 @@ class PackRun {
     return -1;
   }
 
-  /// With all but planes that stand still.
-  void findContacts(int l) {
-    if (scratch_.obstacles.empty()) return;
+  /// What the pack has left over, and planes that move; then slots and last impulses of all.
+  void endSearch(int l) {
     const int index = ragdollOf(l);
-    const Ragdoll& r = model_.ragdolls[index];
     Lane& lane = lanes_[l];
-    std::vector<LaneContact>& contacts = pack_.contacts[l];
     pack_.found.clear();
-    const double speed = std::sqrt(
-        state_.v.middleCols(r.first, body_.tree.particles).colwise().squaredNorm().maxCoeff());
-    const double margin = std::min({kMargin, kAside * h_, kNear + kReach * h_ * speed});
-    appendContacts(model_, scratch_.obstacles, state_.x, predicted_, index, margin, pack_.found);
-    for (const Contact& c : pack_.found) {
-      LaneContact to;
-      to.feature = featureOf(c.particle[0] - r.first, c.count > 1 ? c.particle[1] - r.first : -1);
-      if (to.feature < 0) continue;
-      int nth = 0;  // of this feature's, and of them with this obstacle
-      to.slot = step_.plane_count;
-      for (const LaneContact& other : contacts) {
-        to.slot += other.feature == to.feature;
-        nth += other.feature == to.feature && other.obstacle == c.obstacle;
-      }
-      if (to.slot >= step_.plane_count + kSlots) continue;
-      to.obstacle = c.obstacle;
-      to.weight = c.count > 1 ? c.weight[1] : 0;
-      to.offset = c.offset;
-      to.friction = c.friction;
-      to.restitution = c.restitution;
-      for (int k = 0; k < 3; ++k) {
-        to.normal[k] = c.normal[k];
-        to.motion[k] = c.surface_motion[k];
-      }
-      for (int k = 0; k < lane.impulse_count; ++k)
-        if (lane.impulses[k].feature == to.feature && lane.impulses[k].obstacle == c.obstacle &&
-            nth-- == 0)
-          std::copy_n(lane.impulses[k].impulse, 3, to.impulse);
-      contacts.push_back(to);
+    const double margin = lane.hard_count > 0 || step_.whole ? searchMargin(index) : 0;
+    for (int k = 0; k < lane.hard_count; ++k) {
+      const Feature& f = body_.features[lane.hard[k].feature];
+      const SweptObstacle& m = scratch_.obstacles[lane.hard[k].solid];
+      if (f.b < 0)
+        appendParticleContact(model_, m, state_.x, predicted_, index, f.a, margin, pack_.found);
+      else
+        appendStickContacts(model_, m, state_.x, predicted_, index, f.stick, margin, pack_.found);
     }
-    lane.contacts = contacts.data();
-    lane.contact_count = static_cast<int>(contacts.size());
+    if (!scratch_.moving_planes.empty())
+      appendContacts(model_, scratch_.moving_planes, state_.x, predicted_, index, margin,
+                     pack_.found);
+    for (const Contact& c : pack_.found) addContact(c, model_.ragdolls[index].first, lane);
+    sortContacts(lane);
+  }
+
+  /// [m] As the packs' own.
+  double searchMargin(int index) const {
+    const int first = model_.ragdolls[index].first;
+    const double speed = std::sqrt(
+        state_.v.middleCols(first, body_.tree.particles).colwise().squaredNorm().maxCoeff());
+    return std::min({kMargin, kAside * h_, kNear + kReach * h_ * speed});
+  }
+
+  void addContact(const Contact& c, int first, Lane& lane) const {
+    LaneContact to;
+    to.feature = featureOf(c.particle[0] - first, c.count > 1 ? c.particle[1] - first : -1);
+    if (to.feature < 0 || lane.contact_count >= lane.contact_room) return;
+    to.obstacle = c.obstacle;
+    to.weight = c.count > 1 ? c.weight[1] : 0;
+    to.offset = c.offset - c.normal.dot(state_.x.col(first + body_.tree.roots[0].particle));
+    to.friction = c.friction;
+    to.restitution = c.restitution;
+    for (int k = 0; k < 3; ++k) {
+      to.normal[k] = c.normal[k];
+      to.motion[k] = c.surface_motion[k];
+    }
+    lane.contacts[lane.contact_count++] = to;
+  }
+
+  /// Slots of the contacts, and what the same ones pressed with in the last step: a feature's with
+  /// an obstacle in their order.
+  void sortContacts(Lane& lane) {
+    if (lane.contact_count == 0) return;
+    pack_.slots.assign(body_.features.size(), 0);
+    int kept = 0;
+    for (int i = 0; i < lane.contact_count; ++i) {
+      LaneContact& c = lane.contacts[kept];
+      c = lane.contacts[i];
+      int& used = pack_.slots[c.feature];
+      if (used >= kSlots) continue;
+      int nth = 0;
+      if (used > 0)
+        for (int k = 0; k < kept; ++k)
+          nth += lane.contacts[k].feature == c.feature && lane.contacts[k].obstacle == c.obstacle;
+      c.slot = step_.plane_count + used++;
+      for (int k = 0; k < lane.impulse_count; ++k)
+        if (lane.impulses[k].feature == c.feature && lane.impulses[k].obstacle == c.obstacle &&
+            nth-- == 0)
+          std::copy_n(lane.impulses[k].impulse, 3, c.impulse);
+      ++kept;
+    }
+    lane.contact_count = kept;
   }
 
   /// Of a stick, or one particle.
@@ -244,7 +315,6 @@ class PackRun {
 
   /// Whether something is deep in an obstacle that no row has kept out.
   bool sinks(int index) {
-    if (scratch_.obstacles.empty()) return false;
     const Ragdoll& r = model_.ragdolls[index];
     const Skeleton& s = model_.skeletonOf(r);
     Bounds all = boundsOf(s, r.first, 0, 0);
@@ -274,7 +344,7 @@ class PackRun {
   void keep(int l) {
     const Lane& lane = lanes_[l];
     const int index = ragdollOf(l);
-    if (!lane.good || sinks(index) || touchesItself(index)) {
+    if (!lane.good || (lane.deep && sinks(index)) || touchesItself(index)) {
       batch_.left.push_back(index);
       return;
     }
@@ -317,7 +387,7 @@ class PackRun {
   const PackMethod& method_;
   PackStep step_;
   Lane lanes_[kMaxLanes];
-  int room_ = 0;
+  int room_ = 0, contact_room_ = 0;
 };
 
 /// Awake bodies, system by system, in batches that a pack takes.

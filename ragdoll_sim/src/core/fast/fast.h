@@ -28,7 +28,9 @@ struct PackScratch {
   std::vector<double> spare;  ///< positions and velocities of lanes without a body
   std::vector<double> limit_impulses;
   std::vector<LaneImpulse> impulses;
-  std::vector<std::vector<LaneContact>> contacts;  ///< per lane
+  std::vector<LaneContact> contacts;
+  std::vector<LeftOver> left_over;
+  std::vector<int> slots;  ///< per feature: used ones
   std::vector<Contact> found;
   Points predicted;  ///< [m] 3 x N: where free motions lead; of the pack's bodies only
 };
@@ -49,7 +51,9 @@ struct FastScratch {
   std::vector<fast::FastBody> bodies;  ///< per system
   std::vector<int> order;              ///< awake ragdolls, system by system
   std::vector<fast::Batch> batches;
-  std::vector<SweptObstacle> obstacles;  ///< but still planes
+  std::vector<SweptObstacle> obstacles;  ///< but planes
+  std::vector<fast::Solid> solids;       ///< the same
+  std::vector<SweptObstacle> moving_planes;
   std::vector<fast::StillPlane> planes;
   std::vector<int> first_impulse;        ///< per ragdoll and one more: into `cached`
   std::vector<int> cached;               ///< of State::impulses, ragdoll by ragdoll

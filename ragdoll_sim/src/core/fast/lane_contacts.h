@@ -108,11 +108,10 @@ RAGDOLL_INLINE void setPlaneRows(const FastBody& b, const PackStep& step, L& w, 
 
 /// One lane's part of a row. share: of what it pressed with, [N] -> [kg m].
 template <class L>
-RAGDOLL_INLINE void setLaneContact(const LaneContact& c, int l, const L& w,
-                                   ContactRow<typename L::R>& row, double share) {
+RAGDOLL_INLINE void setLaneContact(const LaneContact& c, int l, ContactRow<typename L::R>& row,
+                                   double share) {
   using N = typename L::N;
   const double* n = c.normal;
-  const double offset = offsetFrom(w.origin[l], n, c.offset);
   setLane(row.axes[0].x, l, N(n[0]));
   setLane(row.axes[0].y, l, N(n[1]));
   setLane(row.axes[0].z, l, N(n[2]));
@@ -120,7 +119,7 @@ RAGDOLL_INLINE void setLaneContact(const LaneContact& c, int l, const L& w,
   setLane(row.motion.y, l, N(c.motion[1]));
   setLane(row.motion.z, l, N(c.motion[2]));
   setLane(row.weight, l, N(c.weight));
-  setLane(row.start, l, N(-offset - c.radius));
+  setLane(row.start, l, N(-c.offset - c.radius));
   setLane(row.friction, l, N(c.friction));
   setLane(row.restitution, l, N(c.restitution));
   setLane(row.inverse_normal, l, N(1));
@@ -191,7 +190,7 @@ RAGDOLL_SECTION void setContacts(const FastBody& b, const PackStep& step, const 
     for (int k = 0; k < lanes[l].contact_count; ++k) {
       const LaneContact& c = lanes[l].contacts[k];
       const int at = w.row_of[c.feature * w.slots + c.slot];
-      setLaneContact(c, l, w, w.contacts[at], lanes[l].pull * step.h * step.h);
+      setLaneContact<L>(c, l, w.contacts[at], lanes[l].pull * step.h * step.h);
       w.obstacle_of[at * L::W + l] = c.obstacle;
     }
   warmPlanes(step, lanes, w);

@@ -3,6 +3,7 @@
 
 #include "core/fast/lane_contacts.h"
 #include "core/fast/lane_limits.h"
+#include "core/fast/lane_search.h"
 
 namespace ragdoll::fast {
 
@@ -213,8 +214,9 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
     for (int k = 0; k < t.size; ++k) w.y[k] = w.goal[k];
   }
   moveOn(b, w);
+  findSolids(b, step, lanes, w);
   for (int l = 0; l < L::W; ++l)
-    if (lanes[l].predicted)
+    if (lanes[l].predicted && (step.whole || lanes[l].hard_count > 0))
       for (int i = 0; i < n; ++i) lanes[l].predicted[i] = lanes[l].x[i] + lane(w.dx[i], l);
 }
 
@@ -576,6 +578,7 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
   if (any_pressed) bound = energyBound(b, step, lanes, w, pressed, 1);
   endVelocities(b, step, w);
   if (any_pressed) limitVelocities(b, step, lanes, w, bound, touched);
+  findDeep(b, step, lanes, w);
   store(b, step, lanes, w);
   storePresses(b, step, lanes, w);
 }

@@ -67,8 +67,10 @@ struct LaneWork {
   R* goal;        ///< L^-T T^T times the momentum of the free motion and all impulses
   R* done;        ///< the same of the present coordinates
   R* row;         ///< scratch, per coordinate
-  R* last_press;  ///< [kg m^2] per limit: of the last step
-  R* offset;      ///< [m] per plane, from the lanes' origins
+  R *here, *there, *low, *high;  ///< [m] 3 per particle, in a solid's frame: at both ends of the
+                                 ///< step, and bounds
+  R* last_press;                 ///< [kg m^2] per limit: of the last step
+  R* offset;                     ///< [m] per plane, from the lanes' origins
   ContactRow<R>* contacts;
   LimitRow<R>* limits;
   R* z;  ///< room for the rows'
@@ -95,7 +97,7 @@ struct LaneWork {
     const std::size_t slots = kSlots + planes, rows = f * slots;
     const std::size_t z = (3 * rows + b.limits.size()) * b.longest_row;
     const std::size_t numbers =
-        tree::Work<R>::count(b.tree) + 5 * n + 6 * s + b.limits.size() + planes;
+        tree::Work<R>::count(b.tree) + 9 * n + 6 * s + b.limits.size() + planes;
     return sizeof(LaneWork) + 64 + sizeof(R) * (numbers + z) + sizeof(ContactRow<R>) * rows +
            sizeof(LimitRow<R>) * b.limits.size() +
            sizeof(int) * (2 * rows + rows * W + b.limits.size()) + 2048;
@@ -117,7 +119,9 @@ struct LaneWork {
     const std::size_t n = 3 * b.tree.particles, s = b.tree.size, f = b.features.size();
     w->slots = kSlots + planes;
     w->tree.take(b.tree, take<R>(at, tree::Work<R>::count(b.tree)));
-    for (R** p : {&w->x, &w->v, &w->dx, &w->force, &w->spare}) *p = take<R>(at, n);
+    for (R** p :
+         {&w->x, &w->v, &w->dx, &w->force, &w->spare, &w->here, &w->there, &w->low, &w->high})
+      *p = take<R>(at, n);
     for (R** p : {&w->q, &w->y, &w->total, &w->goal, &w->done, &w->row}) *p = take<R>(at, s);
     w->last_press = take<R>(at, b.limits.size());
     w->offset = take<R>(at, planes);
