@@ -33,8 +33,9 @@ Pose between(const Pose& a, const Pose& b, double share) {
 const std::vector<SweptObstacle>& obstaclesOver(const Body& body, double h) {
   const StepContext& step = *body.context;
   const std::vector<Pose>& end = step.inputs.obstacles;
+  if (!body.driven || end.empty()) return step.ws.obstacles;
   const Part part = partOf(body, h);
-  if (part.isWhole() || end.empty()) return step.ws.obstacles;
+  if (part.isWhole()) return step.ws.obstacles;
   std::vector<SweptObstacle>& swept = scratchOf(step).obstacles;
   swept = step.ws.obstacles;
   for (std::size_t k = 0; k < swept.size(); ++k) {

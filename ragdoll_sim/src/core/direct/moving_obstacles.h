@@ -16,7 +16,7 @@ Pose between(const Pose& a, const Pose& b, double share);
 /// thread's next call.
 const std::vector<SweptObstacle>& obstaclesOver(const Body& body, double h);
 
-/// A contact found with these tells how far its obstacle moves in the part: from then on in a step.
+/// Of a contact found with these: its surface_motion in the part becomes that of a whole step.
 void scaleMotion(const Body& body, double h, Contact& contact);
 
 }  // namespace ragdoll
