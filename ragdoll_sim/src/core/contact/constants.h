@@ -10,10 +10,10 @@ constexpr double kSpeculative = 0.25;  ///< of the relative travel in a step: so
 /// [m] Gaps are told apart to this; a sweep stops there. Half: depth x0.6; double: depth x2.5.
 constexpr double kGapResolution = 1e-4;
 constexpr double kNearBody = 0.005;  ///< [m] what comes this near may touch
-constexpr double kSameSide = 0.5;  ///< cosine of the most that a normal turns in a motion
+constexpr double kSameSide = 0.5;    ///< cosine of the most that a normal turns in a motion
 /// Of a stick: what moves farther in a motion is another contact.
 constexpr double kSamePlace = 0.1;
-constexpr double kAlong = 0.9;  ///< cosine: a normal along the stick cannot push it out
+constexpr double kAlong = 0.9;      ///< cosine: a normal along the stick cannot push it out
 constexpr double kParallel = 0.03;  ///< squared sine (10 degrees) below which axes may lie flat
 
 // --- Not tuned: made of others.
