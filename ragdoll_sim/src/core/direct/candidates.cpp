@@ -117,13 +117,18 @@ void findCandidates(Body& body, double h) {
   if (body.isWhole()) addLimits(body, kNearLimit, h, Role::kIfNear);
 }
 
-bool hasTurned(const Contact& c) {
+bool hasTurned(const Body& body, const Contact& c) {
   return c.touches_at_start && !c.isSoft() &&
-         (c.normal != c.start_normal || c.weight != c.start_weight);
+         kLever * (c.normal - c.start_normal).squaredNorm() > body.tolerances.contact;
 }
 
-bool turnAs(const std::vector<Contact>& found, Contact& c) {
-  if (!hasTurned(c)) return false;
+bool hasTurned(const Body& body, const std::vector<Contact>& contacts) {
+  return std::any_of(contacts.begin(), contacts.end(),
+                     [&body](const Contact& c) { return hasTurned(body, c); });
+}
+
+bool turnAs(const Body& body, const std::vector<Contact>& found, Contact& c) {
+  if (!hasTurned(body, c)) return false;
   const Contact* nearest = nullptr;
   const auto away = [&c](const Contact& other) { return std::abs(other.weight[1] - c.weight[1]); };
   for (const Contact& other : found) {
@@ -137,11 +142,11 @@ bool turnAs(const std::vector<Contact>& found, Contact& c) {
 
 void turnContacts(Body& body, double h) {
   ConstraintSet& set = body.constraints;
-  if (std::none_of(set.contacts.begin(), set.contacts.end(), hasTurned)) return;
+  if (!hasTurned(body, set.contacts)) return;
   set.missed.clear();
   appendNear(body, set.missed);
   for (Contact& c : set.contacts)
-    if (turnAs(set.missed, c)) startContact(body, c, h);
+    if (turnAs(body, set.missed, c)) startContact(body, c, h);
 }
 
 void limitDepenetration(Body& body, double h, double substep) {
