@@ -119,13 +119,18 @@ void findCandidates(Body& body, double h) {
   if (body.isWhole()) addLimits(body, kNearLimit, h, Role::kIfNear);
 }
 
-bool hasTurned(const Contact& c) {
+bool hasTurned(const Body& body, const Contact& c) {
   return c.touches_at_start && !c.isSoft() &&
-         (c.normal != c.start_normal || c.weight != c.start_weight);
+         kLever * (c.normal - c.start_normal).squaredNorm() > body.tolerances.contact;
 }
 
-bool turnAs(const std::vector<Contact>& found, Contact& c) {
-  if (!hasTurned(c)) return false;
+bool hasTurned(const Body& body, const std::vector<Contact>& contacts) {
+  return std::any_of(contacts.begin(), contacts.end(),
+                     [&body](const Contact& c) { return hasTurned(body, c); });
+}
+
+bool turnAs(const Body& body, const std::vector<Contact>& found, Contact& c) {
+  if (!hasTurned(body, c)) return false;
   const Contact* nearest = nullptr;
   const auto away = [&c](const Contact& other) { return std::abs(other.weight[1] - c.weight[1]); };
   for (const Contact& other : found) {
@@ -139,11 +144,11 @@ bool turnAs(const std::vector<Contact>& found, Contact& c) {
 
 void turnContacts(Body& body, double over, double h) {
   ConstraintSet& set = body.constraints;
-  if (std::none_of(set.contacts.begin(), set.contacts.end(), hasTurned)) return;
+  if (!hasTurned(body, set.contacts)) return;
   set.missed.clear();
   appendNear(body, over, set.missed);
   for (Contact& c : set.contacts) {
-    if (!turnAs(set.missed, c)) continue;
+    if (!turnAs(body, set.missed, c)) continue;
     startContact(body, c, over, over);
     // Where its obstacle has it at the end of h, as those that have not turned.
     c.found += (h - over) / body.context->h * c.normal.dot(c.surface_motion);

@@ -19,11 +19,12 @@ bool isKnown(const std::vector<Contact>& contacts, std::size_t count, const Cont
 /// All that the present motion over h comes near to, in place of what was known.
 void findCandidates(Body& body, double h);
 
-/// Whether what touches all along has turned on the way.
-bool hasTurned(const Contact& contact);
+/// Whether what touches all along has turned so far on the way that where it presses matters.
+bool hasTurned(const Body& body, const Contact& contact);
+bool hasTurned(const Body& body, const std::vector<Contact>& contacts);
 /// Has such a contact as it is among those that are found now, at the place nearest to its own;
 /// whether it is.
-bool turnAs(const std::vector<Contact>& found, Contact& contact);
+bool turnAs(const Body& body, const std::vector<Contact>& found, Contact& contact);
 /// Has all such contacts as they are at the end of the motion over `over`, cut short of h.
 void turnContacts(Body& body, double over, double h);
 

@@ -110,13 +110,14 @@ void findCandidates(Island& island, double h) {
 void turnContacts(Island& island, double over, double h) {
   for (Body* body : island.bodies) turnContacts(*body, over, h);
   PairSet& pairs = island.pairs;
-  if (std::none_of(pairs.contacts.begin(), pairs.contacts.end(), hasTurned)) return;
+  const Body& any = *island.bodies[0];
+  if (!hasTurned(any, pairs.contacts)) return;
   pairs.missed.clear();
   island.s.detector.appendBetween(island.context.model, island.context.state, island.s.all,
                                   island.context.state.x, posesAfter(island),
                                   PairSearch::touches(kNearBody), pairs.missed);
   for (Contact& c : pairs.contacts)
-    if (turnAs(pairs.missed, c)) startPair(island, c, over);
+    if (turnAs(any, pairs.missed, c)) startPair(island, c, over);
 }
 
 bool findMissed(Island& island, double h) {
