@@ -26,15 +26,12 @@ Vec3 alongSurface(const Island& island, int row, const Eigen::Vector2d& t) {
 }
 
 /// Unit direction in which a contact slips: of its velocity, turned into that of the piece's start,
-/// so that it stays what it was where the slip ends.
+/// so that it stays what it was where the slip ends; nearly still it passes into that smoothly.
 Eigen::Vector2d slipDirection(const Contact& c, const Vec3& slip, const Vec3& reference) {
   const std::array<Vec3, 3> directions = c.directions();
-  const auto of = [&](const Vec3& u) {
-    return Eigen::Vector2d(directions[1].dot(u), directions[2].dot(u));
-  };
-  Eigen::Vector2d now = of(slip);
-  if (now.norm() < kStill) now = of(reference);
-  if (slip.dot(reference) < 0 && slip.norm() >= kStill) now = -now;
+  const Vec3 turned = slip.dot(reference) < 0 ? Vec3(-slip) : slip;
+  const Vec3 u = turned + kBarelyMoves * reference;
+  const Eigen::Vector2d now(directions[1].dot(u), directions[2].dot(u));
   const double length = now.norm();
   return length > 0 ? Eigen::Vector2d(now / length) : Eigen::Vector2d(1, 0);
 }
