@@ -17,7 +17,7 @@ struct Crossed : DirectIsland {
   Crossed() : DirectIsland(scene()) {
     for (Body* body : island.bodies) body->motion.dx.setZero(3, 2);
     findCandidates(island, h);
-    island.pairs.active.assign(island.pairs.contacts.size(), 0);
+    island.pairs.role.assign(island.pairs.contacts.size(), Role::kIfNear);
     buildRows(island, h, true);
     for (Body* body : island.bodies) body->total.setZero(body->constraints.own_rows);
     evaluateGaps(island, h);
