@@ -5,9 +5,8 @@
 //                     through an impact, however short. In the frame as it stands when the velocity
 //                     changes: where in the step that is follows from how far the sensor came
 //   angular velocity  the turn between the states over h, in the frame in the middle of the step;
-//   of
-//                     a bone the turn of its line, since two particles do not tell how it turns
-//                     about that
+//                     of a bone the turn of its line, since two particles do not tell how it
+//                     turns about that
 // then noise, then saturation. A function of the sequence of states: the same run gives the same
 // bits, whoever listens; the noise depends on the sensor's name, its seed and the sample's number.
 // docs/body.md#virtual-imus.
