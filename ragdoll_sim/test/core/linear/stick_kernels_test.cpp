@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cstdlib>
 #include <vector>
 
@@ -118,18 +119,25 @@ TEST(StickKernels, spreadPushesIsASumOfRowsTimesForces) {
 }
 
 TEST(StickKernels, dotThreesIsASumOfDotProducts) {
-  for (int n = 1; n <= 30; ++n) {
-    const Pushes p(n);
-    Eigen::VectorXd expected = Eigen::VectorXd::Zero(p.columns);
-    for (int c = 0; c < 3 * n; ++c)
-      for (int k = 0; k < p.count(); ++k)
-        expected[c] += p.f.col(k).dot(Vec3(p.rows.block<3, 1>(3 * p.at[k], c)));
-    const Eigen::VectorXd sums = p.by(kernels::dotThrees);
-    EXPECT_LT((sums - expected).norm(), 1e-14) << n;
-    EXPECT_EQ(p.by([](auto... a) { kernels::body::dotThrees<2>(a...); }), sums) << n;
-    EXPECT_EQ(p.by([](auto... a) { kernels::body::dotThrees<4>(a...); }), sums) << n;
-    EXPECT_EQ(p.by([](auto... a) { kernels::body::dotThrees<8>(a...); }), sums) << n;
-  }
+  for (int n = 1; n <= 30; ++n)
+    for (const int wanted : {paddedWidth(n), paddedWidth(3 * n)}) {
+      const Pushes p(n);
+      Eigen::VectorXd expected = Eigen::VectorXd::Zero(wanted);
+      for (int c = 0; c < std::min(wanted, 3 * n); ++c)
+        for (int k = 0; k < p.count(); ++k)
+          expected[c] += p.f.col(k).dot(Vec3(p.rows.block<3, 1>(3 * p.at[k], c)));
+      const auto by = [&](auto dots) {
+        Eigen::VectorXd out = Eigen::VectorXd::Constant(p.columns, 7);
+        dots(p.rows.data(), p.columns, wanted, p.at.data(), p.f.data(), p.count(), out.data());
+        EXPECT_TRUE((out.tail(p.columns - wanted).array() == 7).all()) << n;  // left as they are
+        return Eigen::VectorXd(out.head(wanted));
+      };
+      const Eigen::VectorXd sums = by(kernels::dotThrees);
+      EXPECT_LT((sums - expected).norm(), 1e-14) << n;
+      EXPECT_EQ(by([](auto... a) { kernels::body::dotThrees<2>(a...); }), sums) << n;
+      EXPECT_EQ(by([](auto... a) { kernels::body::dotThrees<4>(a...); }), sums) << n;
+      EXPECT_EQ(by([](auto... a) { kernels::body::dotThrees<8>(a...); }), sums) << n;
+    }
 }
 
 TEST(StickKernels, sticksAreSpreadAndTheirRowsAddedUp) {
