@@ -211,7 +211,7 @@ TEST_F(LabRun, BadInputEndsWithStatusTwoAndOneLine) {
   std::ofstream(folder / "bad.yaml") << "ragdolls:\n  - {model: human, postion: [0, 0, 1]}\n";
   const std::string bad = (folder / "bad.yaml").string();
   std::ofstream(folder / "sensor.yaml")
-      << "ragdolls: [{model: human}]\nsensors:\n  - {name: head, type: imu, segment: head}\n";
+      << "ragdolls: [{model: human}]\nsensors:\n  - {name: torso, type: imu, segment: torso}\n";
   const std::string sensor = (folder / "sensor.yaml").string();
   const std::vector<std::pair<std::string, std::string>> cases = {
       {"", "subcommand"},

@@ -119,8 +119,9 @@ void findCandidates(Body& body, double h) {
   if (body.isWhole()) addLimits(body, kNearLimit, h, Role::kIfNear);
 }
 
+// What moves keeps its plane: found anew, one of 600 random driven scenes gained 1.1 % of energy.
 bool hasTurned(const Body& body, const Contact& c) {
-  return c.touches_at_start && !c.isSoft() &&
+  return c.touches_at_start && !c.isSoft() && c.surface_motion.isZero(0) &&
          kLever * (c.normal - c.start_normal).squaredNorm() > body.tolerances.contact;
 }
 
@@ -142,17 +143,13 @@ bool turnAs(const Body& body, const std::vector<Contact>& found, Contact& c) {
   return nearest;
 }
 
-void turnContacts(Body& body, double over, double h) {
+void turnContacts(Body& body, double over) {
   ConstraintSet& set = body.constraints;
   if (!hasTurned(body, set.contacts)) return;
   set.missed.clear();
   appendNear(body, over, set.missed);
-  for (Contact& c : set.contacts) {
-    if (!turnAs(body, set.missed, c)) continue;
-    startContact(body, c, over, over);
-    // Where its obstacle has it at the end of h, as those that have not turned.
-    c.found += (h - over) / body.context->h * c.normal.dot(c.surface_motion);
-  }
+  for (Contact& c : set.contacts)
+    if (turnAs(body, set.missed, c)) startContact(body, c, over, over);
 }
 
 void limitDepenetration(Body& body, double h, double substep) {

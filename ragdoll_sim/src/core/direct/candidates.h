@@ -19,14 +19,15 @@ bool isKnown(const std::vector<Contact>& contacts, std::size_t count, const Cont
 /// All that the present motion over h comes near to, in place of what was known.
 void findCandidates(Body& body, double h);
 
-/// Whether what touches all along has turned so far on the way that where it presses matters.
+/// Whether what touches all along an obstacle at rest, or a limb, has turned so far on the way that
+/// where it presses matters.
 bool hasTurned(const Body& body, const Contact& contact);
 bool hasTurned(const Body& body, const std::vector<Contact>& contacts);
 /// Has such a contact as it is among those that are found now, at the place nearest to its own;
 /// whether it is.
 bool turnAs(const Body& body, const std::vector<Contact>& found, Contact& contact);
-/// Has all such contacts as they are at the end of the motion over `over`, cut short of h.
-void turnContacts(Body& body, double over, double h);
+/// Has all such contacts as they are at the end of the motion over `over`, which is cut short.
+void turnContacts(Body& body, double over);
 
 /// What may stay of overlaps, anew: the motion is cut short to h of its substep.
 void limitDepenetration(Body& body, double h, double substep);

@@ -107,8 +107,8 @@ void findCandidates(Island& island, double h) {
   pairs.role.assign(pairs.contacts.size(), Role::kIfNear);
 }
 
-void turnContacts(Island& island, double over, double h) {
-  for (Body* body : island.bodies) turnContacts(*body, over, h);
+void turnContacts(Island& island, double over) {
+  for (Body* body : island.bodies) turnContacts(*body, over);
   PairSet& pairs = island.pairs;
   const Body& any = *island.bodies[0];
   if (!hasTurned(any, pairs.contacts)) return;

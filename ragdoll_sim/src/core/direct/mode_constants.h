@@ -5,20 +5,21 @@
 namespace ragdoll {
 
 // --- Pieces and events.
-constexpr double kGrowth = 3;           ///< of a piece over the one before, until the next event
-constexpr int kTryEvery = 16;           ///< [steps] where the last one was shake's
-constexpr int kMostPieces = 1000;       ///< of one step, those that were too long among them
-/// [m/s] By the embedded formula. A slip that begins or ends asks for pieces as short as the time in
-/// which it changes: friction follows its direction.
+constexpr double kGrowth = 3;      ///< of a piece over the one before, until the next event
+constexpr int kTryEvery = 16;      ///< [steps] where the last one was shake's
+constexpr int kMostPieces = 1000;  ///< of one step, those that were too long among them
+/// [m/s] By the embedded formula. A slip that begins or ends asks for pieces as short as the time
+/// in which it changes: friction follows its direction.
 constexpr double kPieceError = 1e-11;
-constexpr int kOrderOfPiece = 5;    ///< of that error
-constexpr double kPieceAim = 0.8;   ///< of the longest piece that keeps it
-constexpr double kHalfPiece = 0.5;  ///< of one that did not, at most
-constexpr int kMostSolutions = 100;  ///< of equalities, until the directions of slips are found
+constexpr int kOrderOfPiece = 5;        ///< of that error
+constexpr double kPieceAim = 0.8;       ///< of the longest piece that keeps it
+constexpr double kHalfPiece = 0.5;      ///< of one that did not, at most
+constexpr int kMostSolutions = 100;     ///< of equalities, until the directions of slips are found
 constexpr double kSpringPhase = 0.125;  ///< [rad] of what swings on a spring, in a piece
-constexpr double kMoment = 1e-7;        ///< [s] after which it is looked at whether a spring presses
-constexpr int kMaxEvents = 24;     ///< in one step; more crowd (Zeno, chatter): shake's steps
-constexpr int kMostModeRows = 96;  ///< of closed contacts and limits; what lies with more is at rest
+constexpr double kMoment = 1e-7;  ///< [s] after which it is looked at whether a spring presses
+constexpr int kMaxEvents = 24;    ///< in one step; more crowd (Zeno, chatter): shake's steps
+constexpr int kMostModeRows =
+    96;  ///< of closed contacts and limits; what lies with more is at rest
 /// [m] Along a motion, for second derivatives by differences of fourth order: 1e-12 of their size.
 constexpr double kDifference = 3e-4;
 constexpr double kFlatCurvature =
@@ -53,11 +54,11 @@ constexpr int kNewtonSteps = 60;
 constexpr int kNewtonHalvings = 8;        ///< of a step,
 constexpr double kNewtonGain = 1e-3;      ///< until it takes that share of itself off the error
 constexpr double kNewtonSettled = 1e-11;  ///< error, of all forces
-constexpr double kNoRate = 1e-6;    ///< of what a force does alone: slower does not slip, but is held
-constexpr double kMostLean = 0.01;  ///< of the cone: force across it of what others hold
-constexpr int kModeChanges = 60;               ///< until equalities and inequalities agree
-constexpr int kModeProjections = 8;            ///< onto sticks and rows in turn; 1 or 2 are usual
-constexpr double kProjected = 1e-13;           ///< [m], [rad] to which that converges
+constexpr double kNoRate = 1e-6;  ///< of what a force does alone: slower does not slip, but is held
+constexpr double kMostLean = 0.01;     ///< of the cone: force across it of what others hold
+constexpr int kModeChanges = 60;       ///< until equalities and inequalities agree
+constexpr int kModeProjections = 8;    ///< onto sticks and rows in turn; 1 or 2 are usual
+constexpr double kProjected = 1e-13;   ///< [m], [rad] to which that converges
 constexpr int kEventSamples = 4;       ///< in a piece, between which event functions are looked at
 constexpr int kEventRefinements = 12;  ///< of the time of an event, by motions that end there
 constexpr double kPlaceNoise = 1e-12;  ///< [m], and of a stick's length

@@ -78,7 +78,8 @@ SmoothTrial stopAtImpact(Island& island, double h) {
   double until = impact.time;
   for (int i = 0; i < kRefinements && until > 0; ++i) {
     if (!integrate(body, until)) return {until, false};
-    if (body.driven) limitDepenetration(body, until, h);  // planes that move are where they are then
+    if (body.driven)
+      limitDepenetration(body, until, h);  // planes that move are where they are then
     const double better = std::min(impactAgain(body, until), h);
     if (i + 1 == kRefinements || std::abs(better - until) < kSnap * h) break;
     until = better;
