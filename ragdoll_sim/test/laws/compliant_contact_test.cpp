@@ -15,6 +15,7 @@
 #include "ragdoll_sim/core/start_state.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/world/contacts.h"
+#include "support/peak_force.h"
 #include "support/worlds.h"
 
 namespace ragdoll::test {
@@ -381,15 +382,7 @@ std::pair<double, double> across(const std::string& region, const std::string& s
       (surface.empty() ? "" : ", " + surface) +
       "}]\nsolver: {method: shake, step: 0.001, sleep: false}\n");
   World world(scene);
-  Contacts contacts(world.model);
-  world.workspace.keepContacts(&contacts.log());
-  double peak = 0;
-  for (int i = 0; i < 100; ++i) {
-    contacts.begin(world.state);
-    world.steps(1);
-    contacts.end(world.model, world.inputs, world.state);
-    for (const Touch& t : contacts.take().touches) peak = std::max(peak, t.peak_force);
-  }
+  const double peak = peakForce(world);
   return {world.x(0).z(), peak};
 }
 

@@ -12,6 +12,7 @@
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/world/contacts.h"
+#include "support/peak_force.h"
 #include "support/worlds.h"
 
 namespace ragdoll::test {
@@ -60,21 +61,6 @@ TEST(CompliantPairs, BarsThatMeetSwapTheirVelocitiesByTheFormula) {
   EXPECT_NEAR(world.v(0).z(), -1, 1e-9);
   EXPECT_NEAR(world.v(2).z(), 0, 1e-9);
   EXPECT_NEAR(energy(world), before, 1e-9);
-}
-
-/// [N] largest of one contact in 100 steps.
-double peakForce(const Scene& scene) {
-  World world(scene);
-  Contacts contacts(world.model);
-  world.workspace.keepContacts(&contacts.log());
-  double peak = 0;
-  for (int i = 0; i < 100; ++i) {
-    contacts.begin(world.state);
-    world.steps(1);
-    contacts.end(world.model, world.inputs, world.state);
-    for (const Touch& t : contacts.take().touches) peak = std::max(peak, t.peak_force);
-  }
-  return peak;
 }
 
 TEST(CompliantPairs, ThePeakForceOfABlowIsThatOfTheReducedMass) {

@@ -272,20 +272,23 @@ TEST(Contacts, OfASleeperAreWhatTheyWereWhenItFellAsleep) {
       applySetting(at, "solver.method", method);
       World world(at);
       world.keepContacts(true);
-      ContactReport awake, asleep;
+      ContactReport last, awake, asleep;
       while (world.state().time < 20 && !world.state().asleep[0]) {
         world.advance();
+        last = awake;
         awake = *world.takeContacts();
       }
       ASSERT_TRUE(world.state().asleep[0]);
       world.advance();
       asleep = *world.takeContacts();
       ASSERT_EQ(asleep.touches.size(), awake.touches.size()) << scene << method;
+      ASSERT_EQ(last.touches.size(), awake.touches.size()) << scene << method;
       for (std::size_t i = 0; i < awake.touches.size(); ++i) {
         const ContactImpulse &before = awake.touches[i].contact, &now = asleep.touches[i].contact;
         EXPECT_EQ(now.particle, before.particle);
-        // Up to what contacts that share a load still hand over to each other.
-        EXPECT_LT((now.impulse - before.impulse).norm() / awake.interval, 1)
+        // But for what one more step would have changed.
+        const double changes = (before.impulse - last.touches[i].contact.impulse).norm();
+        EXPECT_LT((now.impulse - before.impulse).norm(), 1.1 * changes + 0.02 * awake.interval)
             << scene << method << i;
       }
     }
