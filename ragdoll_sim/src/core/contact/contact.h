@@ -71,13 +71,7 @@ struct Contact {
   }
   /// Components along its directions of an impulse with such components at the start: turned as the
   /// normal has.
-  Vec3 turned(const Vec3& at_start) const {
-    if (!touches_at_start) return at_start;
-    const std::array<Vec3, 3> from = atStart().directions(), to = directions();
-    const Vec3 tangential = Eigen::Quaterniond::FromTwoVectors(start_normal, normal) *
-                            (at_start[1] * from[1] + at_start[2] * from[2]);
-    return {at_start[0], tangential.dot(to[1]), tangential.dot(to[2])};
-  }
+  Vec3 turned(const Vec3& at_start) const;
   /// Whether it is of the same surfaces: of the same sticks of bodies, or of a stick and one of its
   /// ends, which share a spring, with the same obstacle.
   bool isOfSame(const Contact& c) const {
