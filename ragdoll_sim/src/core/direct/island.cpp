@@ -34,12 +34,12 @@ void startPair(const Island& island, Contact& c, double h) {
   limitDepenetration(island, c, h);
 }
 
-}  // namespace
-
-int Island::placeOf(int ragdoll) const {
-  const auto it = std::lower_bound(s.ragdolls.begin(), s.ragdolls.end(), ragdoll);
-  return it != s.ragdolls.end() && *it == ragdoll ? static_cast<int>(it - s.ragdolls.begin()) : -1;
+void setRagdolls(const StepContext& step, IslandScratch& s) {
+  s.place.resize(step.model.ragdolls.size());
+  for (std::size_t k = 0; k < s.ragdolls.size(); ++k) s.place[s.ragdolls[k]] = static_cast<int>(k);
 }
+
+}  // namespace
 
 void makePlaces(const Model& model, const std::vector<int>& bodies, IslandScratch& s) {
   s.places.resize(model.skeletons.size());
@@ -58,6 +58,7 @@ Body& takePlace(const Model& model, int ragdoll, IslandScratch& s) {
 void bindIsland(Island& island, const std::vector<int>& bodies, const std::vector<int>& others) {
   IslandScratch& s = island.s;
   s.ragdolls = bodies;
+  setRagdolls(island.context, s);
   s.all.resize(bodies.size() + others.size());
   std::merge(bodies.begin(), bodies.end(), others.begin(), others.end(), s.all.begin());
   makePlaces(island.context.model, bodies, s);
@@ -72,6 +73,7 @@ void bindIsland(Island& island, const std::vector<int>& bodies, const std::vecto
 void bindLone(Island& island, Body& body) {
   IslandScratch& s = island.s;
   s.ragdolls.assign(1, body.index);
+  setRagdolls(island.context, s);
   s.all = s.ragdolls;
   s.bodies.assign(1, &body);
   s.pairs.clear();

@@ -57,6 +57,7 @@ struct IslandScratch {
   std::size_t logged = 0;  ///< entries of the contact log before the present substep
   std::vector<RowValues> parts;
   std::vector<int> ragdolls;   ///< of the bodies
+  std::vector<int> place;      ///< of each ragdoll among them; of others: anything
   std::vector<int> used;       ///< places of each skeleton
   std::vector<int> group;      ///< of each body: those that pressed on each other
   std::vector<Body*> grouped;  ///< the bodies of a group
@@ -77,7 +78,11 @@ struct Island {
   /// in between), and a rigid motion as the last resort, before which an island is taken apart.
   bool isLone() const { return s.all.size() == 1; }
   /// Place of a ragdoll among the bodies; -1: it does not move.
-  int placeOf(int ragdoll) const;
+  int placeOf(int ragdoll) const {
+    if (ragdoll < 0) return -1;
+    const int place = s.place[ragdoll], count = static_cast<int>(s.ragdolls.size());
+    return place < count && s.ragdolls[place] == ragdoll ? place : -1;
+  }
 };
 
 /// Places for `bodies` are there afterwards, and none is taken: room for them all, as those that
