@@ -196,6 +196,22 @@ TEST(Fast, ComesToRestAndSleeps) {
   EXPECT_TRUE(world.state.asleep[0]);
 }
 
+/// As the direct methods do: who tells of forces or takes the body over need not know who pressed.
+TEST(Fast, KeepsHalfOfTheForceThatPresses) {
+  Scene scene = fastScene(
+      "ragdolls: [{model: {particles: {p: {position: [0, 0, 0.1], radius: 0.1, mass: 2}}}}]\n"
+      "obstacles: [{type: plane}]\n");
+  scene.solver.sleep = false;
+  for (const Method method : {Method::kFast, Method::kShake}) {
+    scene.solver.method = method;
+    World world(scene);
+    world.steps(30);
+    Vec3 kept = Vec3::Zero();
+    for (const CachedImpulse& last : world.state.impulses) kept += last.impulse;
+    EXPECT_NEAR(kept.z(), 0.5 * 2 * 9.81, 1e-6);
+  }
+}
+
 TEST(Fast, HandsOnWhatIsNotForIt) {
   SkeletonSpec square = oneParticle();
   square.particles = {particle("a", {0, 0, 0}), particle("b", {1, 0, 0}), particle("c", {1, 1, 0}),

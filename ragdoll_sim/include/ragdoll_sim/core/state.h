@@ -16,7 +16,7 @@ struct CachedImpulse {
   int a = 0, b = -1;                 ///< contact: its first two particles; limit: -1 - limit, joint
   int obstacle = -1;                 ///< of a contact
   std::array<int, 2> other{-1, -1};  ///< body on body: the second stick's particles
-  Vec3 impulse = Vec3::Zero();       ///< [N] contact, world; limit: x [N m]
+  Vec3 impulse = Vec3::Zero();       ///< [N] contact, world; limit: x [N m]; half the force
 };
 
 struct State {

@@ -123,6 +123,11 @@ AxisPoints nearestPoints(const CapsuleAxis& first, const CapsuleAxis& second) {
   return along(goldenSection(gap, 0, 1));
 }
 
+bool lieAlong(const CapsuleAxis& first, const CapsuleAxis& second) {
+  std::array<AxisPoints, 2> ends;
+  return flatEnds(first, second, ends);
+}
+
 double gapAt(const CapsuleAxis& first, const CapsuleAxis& second, const AxisPoints& at) {
   return (first.at(at.s) - second.at(at.t)).norm() - first.radius(at.s) - second.radius(at.t);
 }

@@ -32,6 +32,9 @@ AxisPoints closestPoints(const CapsuleAxis& first, const CapsuleAxis& second);
 /// Where the gap between the two surfaces is smallest.
 AxisPoints nearestPoints(const CapsuleAxis& first, const CapsuleAxis& second);
 
+/// Whether they lie along each other, and so touch at two places.
+bool lieAlong(const CapsuleAxis& first, const CapsuleAxis& second);
+
 /// [m] between the surfaces at these places; negative: overlap.
 double gapAt(const CapsuleAxis& first, const CapsuleAxis& second, const AxisPoints& at);
 

@@ -84,13 +84,8 @@ bool takeImpulse(const Island& island, const RowValues& p, int first, double sca
   return !impulse.isZero(0);
 }
 
-/// [s] that turn what the state has of a contact into the impulse of a step: packs of `fast` keep
-/// the force, the direct methods what their position stage gave per h^2, which is half of it.
-double timeOfKept(const Model& model) {
-  const bool packs =
-      model.solver.method == Method::kFast && !model.ragdoll_collision && !model.compliant;
-  return (packs ? 1 : 2) * model.solver.step;
-}
+/// [s] that turn what the state has of a contact, half its force, into the impulse of a step.
+double timeOfKept(const Model& model) { return 2 * model.solver.step; }
 
 /// What pressed and has left since: where its particles are.
 void addLeft(const Model& model, const State& state, const CachedImpulse& pressed,

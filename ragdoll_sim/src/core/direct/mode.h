@@ -23,7 +23,7 @@ struct ModeRow {
   int obstacle = -1;      ///< of the step's
   int limit = -1;         ///< of the skeleton
   double ra = 0, rb = 0;  ///< [m]
-  // kPair: particle or stick on particle or stick.
+  // kPair: particle or stick on particle or stick; of what gives way two whole capsules.
   int other = 0;          ///< place of the body of c and d
   int c = 0, d = 0;       ///< as a and b
   double rc = 0, rd = 0;  ///< [m]
@@ -37,12 +37,14 @@ struct ModeRow {
   bool held = false;     ///< does not stick, but others hold it (ModeBlock::held)
   bool moves = false;    ///< slips, in the direction:
   Vec3 slip = Vec3::Zero();
-  std::array<int, 3> feature{};  ///< of the obstacle where it touches
+  std::array<int, 3> feature{};  ///< where it touches, as RowPlace::feature
   double gap_start = 0;          ///< [m], [rad] at the start of the present piece
   double answer = 0;             ///< [1/kg] to a push along the normal: of springs that press
 
   bool isSoft() const { return give.compliance > 0; }
   bool isContact() const { return kind != Kind::kLimit; }
+  /// Two capsules press on each other at the ends, or between them, that `feature` says.
+  bool keepsToFeature() const { return kind == Kind::kPair && isSoft() && presses; }
   bool isShared() const { return kind == Kind::kPair && other != body; }
 };
 
@@ -54,7 +56,10 @@ struct RowPlace {
   bool regular = true;           ///< false: it has no such derivative here
   double at = 0;                 ///< of a stick: from a (0) to b (1)
   bool inside = true;            ///< likewise: between its ends
-  std::array<int, 3> feature{};  ///< -1, 0, 1: beyond which faces of the obstacle's core
+  /// -1, 0, 1: beyond which faces of the obstacle's core; of a pair that gives way at which end of
+  /// its first and second stick (0: between them), then at which end of their overlap (1, 2) if
+  /// they lie along each other.
+  std::array<int, 3> feature{};
   Contact contact;               ///< of all but kLimit
   LimitRow limit;                ///< kLimit
 };

@@ -25,6 +25,7 @@ constexpr double kDifference = 3e-4;
 constexpr double kFlatCurvature =
     1e-3;                           ///< [m] of a gap along a stick: flatter has no nearest place
 constexpr double kFlatPair = 1e-8;  ///< [m] the same between two sticks: they lie along each other
+constexpr double kBeyondEnd = 1;    ///< of a stick: a place is looked for so far beyond its end
 constexpr int kPlaceRefinements = 4;     ///< Newton iterations to the nearest places of two sticks
 constexpr double kReach = 3;             ///< of the present motion: what else may be met in a step
 constexpr double kClosedGap = 1e-9;      ///< [m], [rad] what an event leaves of a gap

@@ -77,7 +77,8 @@ void keepPressing(Island& island, int& contacts) {
     }
     ++contacts;
     if (row.isShared())
-      pairs.pressing.push_back({place.contact.ragdoll, place.contact.other, row.sticks, false});
+      pairs.pressing.push_back(
+          {place.contact.ragdoll, place.contact.other, row.sticks, row.isSoft()});
     else if (row.sticks && place.contact.obstacle >= 0)
       cache.setGripped();
     cache.add(keyOf(place.contact));

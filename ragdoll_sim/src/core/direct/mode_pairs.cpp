@@ -41,16 +41,14 @@ struct Along {
       : axis{Vec3(x.b - x.a), Vec3(x.c - x.d)},
         grows{row.rb - row.ra, row.rd - row.rc},
         free{row.a != row.b, row.c != row.d} {
+    if (row.keepsToFeature())
+      for (int k = 0; k < 2; ++k) free[k] = free[k] && row.feature[k] == 0;
     const Vec3 u = x.between(at);
     distance = u.norm();
     if (distance > 0) normal = u / distance;
   }
-  Eigen::Vector2d slope() const {
-    Eigen::Vector2d slope = Eigen::Vector2d::Zero();
-    for (int k = 0; k < 2; ++k)
-      if (free[k]) slope[k] = normal.dot(axis[k]) - grows[k];
-    return slope;
-  }
+  double slope(int k) const { return normal.dot(axis[k]) - grows[k]; }
+  Eigen::Vector2d slope() const { return {free[0] ? slope(0) : 0.0, free[1] ? slope(1) : 0.0}; }
   /// [m] Of what is no parameter: the identity.
   Eigen::Matrix2d curvature() const {
     Eigen::Matrix2d H = Eigen::Matrix2d::Identity();
@@ -71,18 +69,53 @@ double leastCurvature(const Eigen::Matrix2d& H) {
 
 bool isBetween(double s) { return s > 0 && s < 1; }
 
-/// Nearest places, by Newton's method to rounding where they lie within the sticks.
+CapsuleAxis firstOf(const ModeRow& row, const Ends& x) { return {x.a, x.b, row.ra, row.rb}; }
+CapsuleAxis secondOf(const ModeRow& row, const Ends& x) { return {x.c, x.d, row.rc, row.rd}; }
+
+/// Whether the row is that of one end of an overlap of two sticks along each other.
+bool isEndOfOverlap(const ModeRow& row) { return row.feature[2] != 0; }
+
+double footOn(const CapsuleAxis& axis, const Vec3& p) {
+  const Vec3 d = axis.b - axis.a;
+  return (p - axis.a).dot(d) / d.squaredNorm();
+}
+
+/// The places at that end, as capsule_pairs.cpp has them (flatEnds). beyond: as the feet lie, on or
+/// beyond the sticks.
+AxisPoints overlapEnd(const ModeRow& row, const Ends& x, AxisPoints& beyond) {
+  const CapsuleAxis first = firstOf(row, x), second = secondOf(row, x);
+  const auto onStick = [&](double s, int stick) {
+    if (!row.keepsToFeature()) return std::clamp(s, 0.0, 1.0);
+    return row.feature[stick] == 0 ? s : row.feature[stick] > 0 ? 1.0 : 0.0;
+  };
+  AxisPoints at;
+  beyond.s = footOn(first, row.feature[2] == 1 ? x.c : x.d);
+  at.s = onStick(beyond.s, 0);
+  beyond.t = footOn(second, first.at(at.s));
+  at.t = onStick(beyond.t, 1);
+  return at;
+}
+
+/// Nearest places, by Newton's method to rounding where they lie within the sticks; of what presses
+/// and gives way as its feature says, beyond the sticks, too.
 AxisPoints placesOf(const ModeRow& row, const Ends& x) {
-  AxisPoints at = nearestPoints({x.a, x.b, row.ra, row.rb}, {x.c, x.d, row.rc, row.rd});
+  AxisPoints beyond;
+  if (isEndOfOverlap(row)) return overlapEnd(row, x, beyond);
+  AxisPoints at = nearestPoints(firstOf(row, x), secondOf(row, x));
+  const bool keeps = row.keepsToFeature();
+  if (keeps && row.feature[0] != 0) at.s = row.feature[0] > 0 ? 1 : 0;
+  if (keeps && row.feature[1] != 0) at.t = row.feature[1] > 0 ? 1 : 0;
+  const double least = keeps ? -kBeyondEnd : 0, most = 1 - least;
   for (int k = 0; k < kPlaceRefinements; ++k) {
     const Along along(row, x, at);
-    if ((along.free[0] && !isBetween(at.s)) || (along.free[1] && !isBetween(at.t))) return at;
+    const bool within = (!along.free[0] || isBetween(at.s)) && (!along.free[1] || isBetween(at.t));
+    if (!within && !keeps) return at;
     if (!(along.distance > kMinLength)) return at;
     const Eigen::Matrix2d H = along.curvature();
     if (!(leastCurvature(H) > kFlatPair)) return at;
     const Eigen::Vector2d change = H.inverse() * along.slope();
-    const AxisPoints next{std::clamp(at.s - change[0], 0.0, 1.0),
-                          std::clamp(at.t - change[1], 0.0, 1.0)};
+    const AxisPoints next{std::clamp(at.s - change[0], least, most),
+                          std::clamp(at.t - change[1], least, most)};
     const bool settled = change.cwiseAbs().maxCoeff() < kPlaceNoise;
     at = next;
     if (settled) return at;
@@ -102,6 +135,49 @@ double gapAt(const ModeRow& row, const Ends& x, const AxisPoints& at) {
          (row.rc + at.t * (row.rd - row.rc)) - row.rest;
 }
 
+int endAt(double s) { return s <= 0 ? -1 : s >= 1 ? 1 : 0; }
+
+/// Of what gives way.
+std::array<int, 3> featureAt(const ModeRow& row, const AxisPoints& at) {
+  if (row.keepsToFeature()) return row.feature;
+  return {endAt(at.s), endAt(at.t), row.feature[2]};
+}
+
+/// How far what gives way is from leaving its feature.
+double roomOnFeature(const ModeRow& row, const Ends& x, const AxisPoints& at) {
+  const Along along(row, x, at);
+  const std::array<int, 3> feature = featureAt(row, at);
+  const std::array<double, 2> places{at.s, at.t};
+  AxisPoints foot;
+  if (isEndOfOverlap(row)) overlapEnd(row, x, foot);
+  const std::array<double, 2> feet{foot.s - 1, foot.t - 1};
+  double room = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 2; ++k) {
+    const double length = along.axis[k].norm();
+    if (!(length > 0)) continue;  // a particle
+    if (feature[k] == 0)
+      room = std::min({room, places[k], 1 - places[k]});
+    else if (isEndOfOverlap(row))
+      room = std::min(room, feature[k] > 0 ? feet[k] : -1 - feet[k]);
+    else
+      room = std::min(room, -feature[k] * along.slope(k) / length);
+  }
+  return room;
+}
+
+/// [1/s] How the places at an end of an overlap move: by differences, as they are nowhere least.
+Eigen::Vector2d shiftOfOverlap(const ModeRow& row, const Ends& x, const Ends& v) {
+  const double speed = std::max({v.a.norm(), v.b.norm(), v.c.norm(), v.d.norm()});
+  if (!(speed > 0)) return Eigen::Vector2d::Zero();
+  const double e = kDifference / speed;
+  const auto after = [&](double t) {
+    const AxisPoints at =
+        placesOf(row, {x.a + t * v.a, x.b + t * v.b, x.c + t * v.c, x.d + t * v.d});
+    return Eigen::Vector2d(at.s, at.t);
+  };
+  return (after(e) - after(-e)) / (2 * e);
+}
+
 /// The second derivative of the least gap, and how its places move: f_vv - f_pv H^-1 f_pv.
 void curve(const ModeRow& row, const Ends& x, const Ends& v, const AxisPoints& at,
            RowPlace& place) {
@@ -112,10 +188,27 @@ void curve(const ModeRow& row, const Ends& x, const Ends& v, const AxisPoints& a
     if (along.free[k])
       mixed[k] = (along.axis[k].dot(rate) - n.dot(along.axis[k]) * n.dot(rate)) / along.distance +
                  n.dot(turning.axis[k]);
-  const Eigen::Vector2d shift = -(along.curvature().inverse() * mixed);
+  const Eigen::Vector2d shift = isEndOfOverlap(row)
+                                    ? shiftOfOverlap(row, x, v)
+                                    : Eigen::Vector2d(-(along.curvature().inverse() * mixed));
   place.curvature =
       (rate.squaredNorm() - std::pow(n.dot(rate), 2)) / along.distance + mixed.dot(shift);
   place.turn = shift[0] * turning.axis[0] + shift[1] * turning.axis[1];
+  if (!row.isSoft()) return;
+  // What the turn of the normal takes, as the gap changes.
+  const Vec3 moves = rate + shift[0] * along.axis[0] + shift[1] * along.axis[1];
+  place.turn -= n.dot(rate) / along.distance * (moves - n.dot(moves) * n);
+}
+
+/// Whether two sticks along each other cross in between, so that one of their two springs is at
+/// neither end of their overlap.
+bool crossBetween(ModeRow row, const Ends& x) {
+  const CapsuleAxis first = firstOf(row, x), second = secondOf(row, x);
+  row.presses = false;
+  double least = std::numeric_limits<double>::infinity();
+  for (row.feature[2] = 1; row.feature[2] <= 2; ++row.feature[2])
+    least = std::min(least, gapAt(first, second, placesOf(row, x)));
+  return gapAt(first, second, nearestPoints(first, second)) < least - kGapResolution;
 }
 
 }  // namespace
@@ -127,8 +220,16 @@ RowPlace placeOfPair(const Island& island, const ModeRow& row, const double* x, 
   const Along along(row, ends, at);
   RowPlace place;
   place.gap = gapAt(row, ends, at);
-  place.inside = roomAt(row, at) > 0;
-  place.regular = along.distance > kMinLength && leastCurvature(along.curvature()) > kFlatPair;
+  place.regular = along.distance > kMinLength &&
+                  (isEndOfOverlap(row) || leastCurvature(along.curvature()) > kFlatPair);
+  if (row.isSoft()) {
+    place.inside = lieAlong(firstOf(row, ends), secondOf(row, ends)) == isEndOfOverlap(row);
+    place.regular =
+        place.regular && place.inside && !(isEndOfOverlap(row) && crossBetween(row, ends));
+    place.feature = featureAt(row, at);
+  } else {
+    place.inside = roomAt(row, at) > 0;
+  }
   Contact& c = place.contact;
   const Body &body = *island.bodies[row.body], &other = *island.bodies[row.other];
   c.particle = {body.first + row.a, body.first + row.b, other.first + row.c, other.first + row.d};
@@ -136,6 +237,7 @@ RowPlace placeOfPair(const Island& island, const ModeRow& row, const double* x, 
   c.count = 4;
   c.normal = along.normal;
   c.friction = row.friction;
+  c.give = row.give;
   c.ragdoll = body.index;
   c.other = row.isShared() ? other.index : -1;
   c.offset = c.found = along.distance - place.gap;
@@ -149,7 +251,9 @@ double gapOfPair(const Island& island, const ModeRow& row, const double* x) {
 }
 
 double roomOfPair(const Island& island, const ModeRow& row, const double* x) {
-  return roomAt(row, placesOf(row, endsOf(island, row, x)));
+  const Ends ends = endsOf(island, row, x);
+  const AxisPoints at = placesOf(row, ends);
+  return row.isSoft() ? roomOnFeature(row, ends, at) : roomAt(row, at);
 }
 
 bool pairHasPressed(const Island& island, const ModeRow& row) {
@@ -171,10 +275,10 @@ namespace {
 
 /// Whether the row is among those that begin at `first`.
 bool isListed(const std::vector<ModeRow>& rows, std::size_t first, const ModeRow& row) {
-  return std::any_of(rows.begin() + static_cast<std::ptrdiff_t>(first), rows.end(),
-                     [&](const ModeRow& r) {
-                       return r.a == row.a && r.b == row.b && r.c == row.c && r.d == row.d;
-                     });
+  return std::any_of(
+      rows.begin() + static_cast<std::ptrdiff_t>(first), rows.end(), [&](const ModeRow& r) {
+        return !r.isSoft() && r.a == row.a && r.b == row.b && r.c == row.c && r.d == row.d;
+      });
 }
 
 struct PairList {
@@ -200,13 +304,20 @@ struct PairList {
     row.rc = radius(other, c), row.rd = radius(other, d);
     const Ends x = endsAt(row);
     const double gap = gapAt(row, x, placesOf(row, x));
-    if (gap > reach || isListed(island.s.mode.rows, first, row)) return;
-    row.rest = gap < -kTouching ? gap : 0;
+    if (gap > reach || (!row.isSoft() && isListed(island.s.mode.rows, first, row))) return;
+    row.rest = gap < -kTouching && !row.isSoft() ? gap : 0;
     row.gap_start = gap - row.rest;
-    sound = sound && gap >= -kSlop;
+    sound = sound && (row.isSoft() || gap >= -kSlop);
     island.s.mode.rows.push_back(row);
   }
-  /// The rows of two capsules that a motion may bring together: themselves and their ends.
+  /// One where they are nearest, or two where they lie along each other.
+  void addSprings(ModeRow row, const Capsule& p, const Capsule& q) {
+    const int places = p.a != p.b && q.a != q.b ? 3 : 1;
+    for (row.feature[2] = 0; row.feature[2] < places; ++row.feature[2])
+      consider(row, p.a, p.b, q.a, q.b);
+  }
+  /// The rows of two capsules that a motion may bring together: themselves and, of what is rigid,
+  /// their ends.
   void add(const ModeRow& row, const Capsule& p, const Capsule& q) {
     const Body &body = *island.bodies[row.body], &other = *island.bodies[row.other];
     const auto at = [](const Body& of, int particle) { return Vec3(of.x().col(particle)); };
@@ -219,6 +330,7 @@ struct PairList {
       return std::max(r[of.first + c.a], r[of.first + c.b]);
     };
     if (apart - widest(body, p) - widest(other, q) > reach) return;
+    if (row.isSoft()) return addSprings(row, p, q);
     for (const int i : {p.a, p.b})
       for (const int j : {q.a, q.b}) consider(row, i, i, j, j);
     if (p.a != p.b)
@@ -229,10 +341,9 @@ struct PairList {
   }
 };
 
-bool givesWay(const Body& body, const Body& other, int i, int j) {
+Compliance giveBetween(const Body& body, const Body& other, int i, int j) {
   return inSeries(giveOf(*body.ragdoll, body.skeleton->capsule_contact, i),
-                  giveOf(*other.ragdoll, other.skeleton->capsule_contact, j))
-             .compliance > 0;
+                  giveOf(*other.ragdoll, other.skeleton->capsule_contact, j));
 }
 
 }  // namespace
@@ -248,9 +359,8 @@ bool listPairs(Island& island, int body, int other, double reach) {
   row.other = other;
   row.friction = kBodyFriction;
   const auto add = [&](int i, int j) {
-    const std::size_t known = island.s.mode.rows.size();
+    row.give = giveBetween(p, q, i, j);
     list.add(row, p.skeleton->capsules[i], q.skeleton->capsules[j]);
-    if (island.s.mode.rows.size() > known && givesWay(p, q, i, j)) list.sound = false;
   };
   if (body == other) {
     for (const CapsulePair& pair : p.skeleton->self_pairs) add(pair.first, pair.second);

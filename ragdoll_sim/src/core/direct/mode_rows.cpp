@@ -19,6 +19,8 @@ namespace {
 
 using Kind = ModeRow::Kind;
 
+constexpr double kElsewhere = 1;  ///< [m] the opening of what touches at other rows' places
+
 Eigen::Map<const Vec3> at(const double* x, int i) { return Eigen::Map<const Vec3>(x + 3 * i); }
 
 /// A point or an axis near an obstacle, in its frame: u leads from the obstacle's core to the
@@ -401,6 +403,7 @@ double openingOf(Island& island, const ModeRow& row, const double* x, const doub
   double opening = place.gap + give.compliance * give.damping * std::max(0.0, rate);
   if (row.kind == Kind::kStick) opening = std::max(opening, -roomOnStick(body, row, own, place.at));
   if (row.kind == Kind::kParticle) opening = std::max(opening, roomUnder(body, row, own));
+  if (row.kind == Kind::kPair && !place.inside) opening = std::max(opening, kElsewhere);
   return opening;
 }
 

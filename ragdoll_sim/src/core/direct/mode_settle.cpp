@@ -15,11 +15,16 @@ void lookAhead(Mode& mode) {
   mode.stage.x = mode.start.x + kMoment * mode.start.v;
 }
 
-/// Whether a spring presses from mode.start on: it does at mode.stage.
+/// Whether a spring presses from mode.start on, and between two sticks at which ends: it does so at
+/// mode.stage.
 void settleSpring(Island& island, ModeRow& row) {
   const ModePoint &now = island.s.mode.start, &ahead = island.s.mode.stage;
+  row.presses = false;
   row.gap_start = openingOf(island, row, now.x.data(), now.v.data());
-  row.presses = row.closed = openingOf(island, row, ahead.x.data(), ahead.v.data()) < 0;
+  row.closed = openingOf(island, row, ahead.x.data(), ahead.v.data()) < 0;
+  if (row.closed && row.kind == ModeRow::Kind::kPair)
+    row.feature = placeOf(island, row, ahead.x.data(), ahead.v.data(), false).feature;
+  row.presses = row.closed;
 }
 
 /// Whether it touches within its sticks, and goes on to: where it leaves over a stick's end, what

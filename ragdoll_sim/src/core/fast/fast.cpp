@@ -15,6 +15,10 @@ namespace ragdoll {
 namespace fast {
 namespace {
 
+/// Of a force, in the state: what the direct methods keep, whose position stage gives it over half
+/// a step. So a body that goes from one to the other starts with what pressed.
+constexpr double kKept = 0.5;
+
 bool moves(const SweptObstacle& o) { return o.p0 != o.p1 || o.R0 != o.R1; }
 
 Solid solidOf(const SweptObstacle& o) {
@@ -180,7 +184,7 @@ class PackRun {
   void takeImpulse(const CachedImpulse& last, const Ragdoll& r, Lane& lane) const {
     if (last.a < 0) {
       if (-1 - last.a < static_cast<int>(body_.limits.size()))
-        lane.limit_impulse[-1 - last.a] = last.impulse.x();
+        lane.limit_impulse[-1 - last.a] = last.impulse.x() / kKept;
       return;
     }
     if (last.obstacle < 0) return;
@@ -189,7 +193,7 @@ class PackRun {
     LaneImpulse& to = lane.impulses[lane.impulse_count++];
     to.feature = feature;
     to.obstacle = last.obstacle;
-    for (int c = 0; c < 3; ++c) to.impulse[c] = last.impulse[c];
+    for (int c = 0; c < 3; ++c) to.impulse[c] = last.impulse[c] / kKept;
   }
 
   int featureOf(int a, int b) const {
@@ -359,7 +363,7 @@ class PackRun {
       last.a = a;
       last.b = b;
       last.obstacle = obstacle;
-      last.impulse = impulse;
+      last.impulse = kKept * impulse;
     };
     for (int k = 0; k < lane.impulse_count; ++k) {
       const LaneImpulse& last = lane.impulses[k];
