@@ -1,5 +1,5 @@
 // Second order through contact: where the slip turns, where the normal turns, where bodies meet
-// between two steps, and where joints are damped beside an impact.
+// between two steps, and where joints are damped beside an impact or while something slides.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -109,6 +109,58 @@ TEST(ContactOrder, OfJointDampingBesideImpacts) {
   scene.obstacles = {floorPlane(0.3)};
   scene.solver.joint_damping = 2;
   expectSecondOrder(scene, 0.4, endOf(scene, Method::kShake, 15360, 0.4), 1e-5);
+}
+
+/// Two rods as an arch, whose feet slide apart while the top falls and joints are damped.
+struct Arch {
+  static constexpr double kLength = 0.5, kFriction = 0.3, kDamping = 2, kRadius = 0.05;
+
+  /// Of the angle of the rods to the floor and its rate: the push along a rod, from the top's and a
+  /// foot's equations, masses of 1 kg. The damping is of what differs from the common motion.
+  static Eigen::Vector2d rate(const Eigen::Vector2d& s) {
+    const double l = kLength, c = std::cos(s[0]), n = std::sin(s[0]), w = s[1];
+    const double falls = l * c * w;
+    Eigen::Matrix2d A;
+    A << l * c, -2 * n, l * n, c - kFriction * n;
+    const Eigen::Vector2d b(
+        l * n * w * w - kG - kDamping * 2 / 3 * falls,
+        kFriction * (kG - kDamping * falls / 3) - kDamping * l * n * w - l * c * w * w);
+    return {w, (A.inverse() * b)[0]};
+  }
+
+  /// [m] Height of the top after `time` from an angle and a rate on, by a method.
+  static double top(double angle, double rate, Method method, double steps, double time) {
+    const Vec3 foot(kLength * std::cos(angle), 0, 0), head(0, 0, kLength * std::sin(angle));
+    SkeletonSpec arch;
+    arch.particles = {particle("a", -foot, 1, kRadius), particle("b", head, 1, kRadius),
+                      particle("c", foot, 1, kRadius)};
+    arch.sticks = {stick("a", "b"), stick("b", "c")};
+    Scene scene = sceneOf(arch, Vec3(0, 0, kRadius));
+    scene.gravity = Vec3(0, 0, -kG);
+    scene.obstacles = {floorPlane(kFriction)};
+    scene.solver.method = method;
+    scene.solver.joint_damping = kDamping;
+    scene.solver.sleep = false;
+    scene.solver.step = 1 / steps;
+    World world(scene);
+    world.state.v.col(0) = rate * Vec3(head.z(), 0, 0);
+    world.state.v.col(1) = rate * Vec3(0, 0, foot.x());
+    world.state.v.col(2) = -world.state.v.col(0);
+    world.steps(static_cast<int>(std::lround(time * steps)));
+    return world.x(1).z() - kRadius;
+  }
+};
+
+TEST(ContactOrder, OfJointDampingOfWhatSlides) {
+  const double angle = 0.9, rate = -1, time = 0.1;
+  const Eigen::Vector2d end = integrate(Arch::rate, Eigen::Vector2d(angle, rate), time);
+  for (const Method method : {Method::kShake, Method::kRk}) {
+    const auto off = [&](double steps) {
+      return std::abs(Arch::top(angle, rate, method, steps, time) - Arch::kLength * std::sin(end[0]));
+    };
+    EXPECT_LT(off(480), 1e-6);
+    EXPECT_LT(off(1920), off(480) / 15.5);
+  }
 }
 
 }  // namespace

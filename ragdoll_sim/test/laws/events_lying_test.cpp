@@ -51,6 +51,10 @@ double apart(const char* scene, double from) {
 /// of them comes 1e-9 s later the body is elsewhere by as many metres.
 TEST(Events, OfABodyThatComesToLieAreTheSameForAnyStep) { EXPECT_LT(apart("fall", 0.8), 1e-9); }
 
+/// Three contacts begin to slip at once, one of them at a hundredth of what its friction could give,
+/// and a slip turns by a right angle while it all but ends.
+TEST(Events, OfABodyThatBeginsToSlideAreTheSameForAnyStep) { EXPECT_LT(apart("fall", 0.7), 5e-9); }
+
 /// Shins and feet slide over edges until an end of theirs lies on them.
 TEST(Events, OfABodyOnStairsAreTheSameForAnyStep) { EXPECT_LT(apart("stairs", 0.7), 1e-8); }
 

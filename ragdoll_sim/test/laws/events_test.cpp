@@ -71,6 +71,42 @@ TEST(Events, ABlockThatSlidesAcrossASlopeTurnsIntoTheLineOfFall) {
   EXPECT_LT((world.x(0) - AcrossSlope::end()).norm(), kNear);
 }
 
+/// Where a ball is after `time` that starts at `speed` up a slope, but for `aside` [rad], with the
+/// coordinates down the slope and across. With u = ln tan(angle to the line of fall / 2), s = g
+/// sin(slope) and k = friction/tan(slope): v = C exp(k u) cosh u, du/dt = -s/v.
+Eigen::Vector2d turningBack(double slope, double friction, double speed, double aside,
+                            double time) {
+  const double s = kG * std::sin(slope), k = friction / std::tan(slope);
+  const double start = std::log(std::tan(0.5 * (M_PI - aside)));
+  const double C = speed / (std::exp(k * start) * std::cosh(start));
+  const auto power = [](double exponent, double u) { return std::exp(exponent * u) / exponent; };
+  const auto when = [&](double u) { return C / (2 * s) * (power(k + 1, u) + power(k - 1, u)); };
+  double lo = -60, hi = start;
+  for (int i = 0; i < 100; ++i) {
+    const double u = 0.5 * (lo + hi);
+    (when(start) - when(u) > time ? lo : hi) = u;
+  }
+  const auto down = [&](double u) {
+    return -C * C / (4 * s) * (power(2 * k + 2, u) - power(2 * k - 2, u));
+  };
+  const auto across = [&](double u) {
+    return C * C / (2 * s) * (power(2 * k + 1, u) + power(2 * k - 1, u));
+  };
+  return {down(start) - down(lo), across(start) - across(lo)};
+}
+
+/// Friction turns by half a turn within a millisecond, while it slips at a millimetre per second.
+TEST(Events, ABallThatAllButStopsOnASlopeTurnsBack) {
+  const double angle = 0.5, friction = 0.4, aside = 1e-3, radius = 0.05, time = 0.5;
+  Scene scene = rkScene(oneParticle(1, radius), Vec3(0, 0, radius), floorPlane(friction));
+  scene.gravity = kG * Vec3(std::sin(angle), 0, -std::cos(angle));
+  scene.ragdolls[0].velocity = Vec3(-std::cos(aside), std::sin(aside), 0);
+  World world(scene);
+  EXPECT_EQ(world.steps(static_cast<int>(std::lround(time / kStep))).handed_over, 0);
+  const Eigen::Vector2d exact = turningBack(angle, friction, 1, aside, time);
+  EXPECT_LT((world.x(0).head<2>() - exact).norm(), 1e-10);
+}
+
 /// Height of a ball that is dropped and bounces.
 double bouncing(double height, double restitution, double time) {
   double speed = 0;

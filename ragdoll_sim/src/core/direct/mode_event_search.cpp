@@ -173,6 +173,8 @@ bool moveToModeEvent(Island& island, double h, const ModeEvent& found, double& t
     earlier = time;
     value_earlier = value;
     const double change = slope < 0 ? -value / slope : 0;
+    // Not zero, and not on the way there: a motion beyond what the piece can follow told of it.
+    if (!(slope < 0) && value > 0 && !(h < kEventNear)) return false;
     const bool settled = std::abs(change) < kEventTime || !(slope < 0);
     const bool last = k + 1 == kEventRefinements;
     if (settled || (last && std::abs(change) < kEventNear)) return !passedAnother(island);

@@ -172,6 +172,18 @@ bool takePiece(Island& island, double most, int& pieces, double& took, double& n
   return false;
 }
 
+/// What the next piece in the same mode refers to: gaps, and the directions of slips.
+void startPiece(Island& island) {
+  Mode& mode = island.s.mode;
+  const double *x = mode.start.x.data(), *v = mode.start.v.data();
+  for (ModeRow& row : mode.rows) {
+    row.gap_start = openingOf(island, row, x, v);
+    if (!row.presses || row.sticks || row.held || !row.isContact() || !(row.friction > 0)) continue;
+    const Vec3 slip = slipOf(island, placeOf(island, row, x, v, false).contact, v);
+    if (slip.norm() > kStill) row.slip = slip.normalized();
+  }
+}
+
 bool takePieces(Island& island, double h) {
   Mode& mode = island.s.mode;
   double left = h, most = h;
@@ -181,6 +193,7 @@ bool takePieces(Island& island, double h) {
     if (event && (++events > kMaxEvents || !settleMode(island, pressed))) return false;
     pressed = false;
     if (!(left > 0)) return true;
+    startPiece(island);
     double took = 0, next = 0;
     if (!takePiece(island, std::min({left, most, mode.longest}), pieces, took, next, event))
       return false;
@@ -191,10 +204,7 @@ bool takePieces(Island& island, double h) {
     left -= took;
     if (left < kNothingLeft * h) left = 0;
     if (!event && left == 0) return true;
-    if (event) continue;
-    --pieces;
-    for (ModeRow& row : mode.rows)
-      row.gap_start = openingOf(island, row, mode.start.x.data(), mode.start.v.data());
+    if (!event) --pieces;
   }
   return false;
 }

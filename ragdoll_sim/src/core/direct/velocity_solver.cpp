@@ -195,7 +195,7 @@ void addTouchingPair(Island& island, int i) {
   if (island.pairs.touching[i].isSoft()) island.s.joint.give(row);
 }
 
-/// island.s.b and .p for the pairs' rows, which begin at `first`.
+/// island.s.b for the pairs' rows, which begin at `first`.
 void evaluatePairRates(Island& island, int first, bool impact) {
   IslandScratch& s = island.s;
   const Points& v = island.context.state.v;
@@ -206,7 +206,6 @@ void evaluatePairRates(Island& island, int first, bool impact) {
     for (int d = 0; d < 3; ++d) {
       const int row = first + 3 * static_cast<int>(i) + d;
       s.b[row] = s.joint.row(row).direction.dot(rate);
-      if (!impact) s.p[row] = island.pairs.warm[3 * i + d];
     }
   }
 }
@@ -232,33 +231,70 @@ void keepPressed(Island& island, int first_pair, std::vector<BodyPair>& pressed)
   }
 }
 
-/// One solution of the rates and what it does to velocities.
-void pushVelocities(Island& island, int first_pair, const LoggedStage& at) {
+/// island.s.b <- the rates of all rows.
+void evaluateAllRates(Island& island, int first_pair, bool impact) {
   IslandScratch& s = island.s;
-  const bool impact = at.impact;
   s.b.resize(s.joint.size());
-  s.p.setZero(s.joint.size());
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Body& body = *island.bodies[k];
     if (impact)
       evaluateImpact(body);
     else
       evaluateRates(body);
-    const int first = s.joint.firstOf(static_cast<int>(k)), rows = body.constraints.own_rows;
-    s.b.segment(first, rows) = body.b;
-    if (!impact)
-      s.p.segment(first, rows) = Eigen::Map<const Eigen::VectorXd>(body.touching.warm.data(), rows);
+    s.b.segment(s.joint.firstOf(static_cast<int>(k)), body.constraints.own_rows) = body.b;
   }
   evaluatePairRates(island, first_pair, impact);
-  if (isLogged(island)) keepRates(island);
-  s.joint.solve(s.b, s.p, impact ? Sweeps::kToTheEnd : Sweeps::kAlongTheSlip);
-  keepPressed(island, first_pair, island.pairs.pushed);
-  s.joint.split(s.p, s.parts);
+}
+
+/// island.s.p <- what the rows pressed with.
+void startWarm(Island& island, int first_pair) {
+  IslandScratch& s = island.s;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Body& body = *island.bodies[k];
+    const int rows = body.constraints.own_rows;
+    s.p.segment(s.joint.firstOf(static_cast<int>(k)), rows) =
+        Eigen::Map<const Eigen::VectorXd>(body.touching.warm.data(), rows);
+  }
+  std::copy(island.pairs.warm.begin(), island.pairs.warm.end(), s.p.data() + first_pair);
+}
+
+/// The bodies' velocities <- with impulses p.
+void push(Island& island, const RowValues& p) {
+  IslandScratch& s = island.s;
+  s.joint.split(p, s.parts);
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Schur& schur = island.bodies[k]->memory->schur;
     if (!schur.empty()) schur.move(s.parts[k], island.bodies[k]->vData());
   }
+}
+
+/// Damps velocities in which what pressed has acted already: at the motion's start its impulses act
+/// after the damping, and the two halves mirror each other. island.s.b <- the rates then, but for
+/// those impulses, which become s.change.
+void dampPressed(Island& island, int first_pair, double damping) {
+  IslandScratch& s = island.s;
+  s.change = s.p;
+  push(island, s.change);
+  dampWithin(island, damping);
+  evaluateAllRates(island, first_pair, false);
+  s.joint.addAnswer(-1, s.parts, s.b);
+}
+
+/// One solution of the rates and what it does to velocities. damping: [s] of the motion within.
+void pushVelocities(Island& island, int first_pair, const LoggedStage& at, double damping = 0) {
+  IslandScratch& s = island.s;
+  s.p.setZero(s.joint.size());
+  evaluateAllRates(island, first_pair, at.impact);
+  if (!at.impact) startWarm(island, first_pair);
+  if (isLogged(island)) keepRates(island);
+  const bool damps = damping != 0 && island.context.model.solver.joint_damping > 0;
+  if (damps) dampPressed(island, first_pair, damping);
+  s.joint.solve(s.b, s.p, at.impact ? Sweeps::kToTheEnd : Sweeps::kAlongTheSlip);
+  keepPressed(island, first_pair, island.pairs.pushed);
+  if (damps) s.change = s.p - s.change;
+  push(island, damps ? s.change : s.p);
   if (isLogged(island)) logVelocities(island, s.rates, first_pair, at);
+  if (!damps) dampWithin(island, damping);
 }
 
 bool touches(const Island& island) {
@@ -337,9 +373,8 @@ void solveVelocities(Island& island, Stage stage, double h, double damping) {
       else if (h > 0)
         lockComing(*body);
     if (stage == Stage::kImpact) lockHitPairs(island, first_pair);
-    pushVelocities(island, first_pair, {false, h});
+    pushVelocities(island, first_pair, {false, h}, damping);
     if (stage == Stage::kImpact) keepPressed(island, first_pair, island.pairs.met);
-    dampWithin(island, damping);
   }
   if (stage == Stage::kMotion) return;
   pushVelocities(island, first_pair, {true, h});
