@@ -286,9 +286,10 @@ TEST(Contacts, OfASleeperAreWhatTheyWereWhenItFellAsleep) {
       for (std::size_t i = 0; i < awake.touches.size(); ++i) {
         const ContactImpulse &before = awake.touches[i].contact, &now = asleep.touches[i].contact;
         EXPECT_EQ(now.particle, before.particle);
-        // But for what one more step would have changed.
+        // But for what one more step would have changed, and for what damps the last motion within,
+        // which the second half of a step alone carries: half a newton at most.
         const double changes = (before.impulse - last.touches[i].contact.impulse).norm();
-        EXPECT_LT((now.impulse - before.impulse).norm(), 1.1 * changes + 0.02 * awake.interval)
+        EXPECT_LT((now.impulse - before.impulse).norm(), 1.1 * changes + 0.5 * awake.interval)
             << scene << method << i;
       }
     }
