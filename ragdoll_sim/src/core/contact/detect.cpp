@@ -85,6 +85,14 @@ struct Capsule {
   double ra, rb;
 };
 
+/// Whether a line is farther than `reach` [m] from the core of a solid along one of its frame's
+/// axes, by more than rounding.
+bool isBeside(const Obstacle& o, const Vec3& a, const Vec3& b, double reach) {
+  if (o.type == ObstacleSpec::Type::kPlane) return false;
+  const Vec3 gap = a.cwiseMin(b).cwiseMax(-a.cwiseMax(b)) - o.half;
+  return gap.maxCoeff() > reach + o.radius + kGapResolution;
+}
+
 /// The capsule at the instant of its first touch, or in the end; nothing if it stays clear.
 std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double margin,
                              double& start) {
@@ -98,6 +106,7 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double ma
     const Axis axis = axisAt(s);
     return axis.gap(nearest(axis));
   };
+  if (isBeside(o, a0, b0, std::max(k.ra, k.rb) + travel + margin)) return std::nullopt;
   start = gapAt(0);
   if (start > travel + margin) return std::nullopt;
   const double thin = std::min(k.ra, k.rb), end = gapAt(1);
@@ -254,7 +263,7 @@ Bounds sweptBounds(const Points& x0, const Points& x1, int first, int n, double 
 /// Whether a particle is too far from a solid that stands still to be in touch on its straight way.
 bool passesBy(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double radius,
               double margin) {
-  if (m.obstacle->type == ObstacleSpec::Type::kPlane || m.p0 != m.p1 || m.R0 != m.R1) return false;
+  if (m.obstacle->type == ObstacleSpec::Type::kPlane || m.moves) return false;
   const double pad = radius + kGapResolution;  // more than rounding
   return !overlap({x0.cwiseMin(x1).array() - pad, x0.cwiseMax(x1).array() + pad}, m.bounds, margin);
 }
@@ -385,7 +394,9 @@ SweptObstacle sweepObstacle(const Obstacle& o, const Pose& start, const Pose& en
                   end.orientation.toRotationMatrix(),
                   start.position,
                   end.position,
-                  {}};
+                  {},
+                  start.position != end.position ||
+                      start.orientation.coeffs() != end.orientation.coeffs()};
   if (o.type == ObstacleSpec::Type::kPlane) {
     m.bounds = {Vec3::Constant(-std::numeric_limits<double>::infinity()),
                 Vec3::Constant(std::numeric_limits<double>::infinity())};

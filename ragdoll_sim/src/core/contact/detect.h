@@ -23,6 +23,7 @@ struct SweptObstacle {
   Eigen::Matrix3d R0, R1;  ///< frame -> world at the step's start and end
   Vec3 p0, p1;
   Bounds bounds;  ///< world, over the step; planes: unbounded
+  bool moves;
 
   Vec3 toStart(const Vec3& x) const { return R0.transpose() * (x - p0); }
   Vec3 toEnd(const Vec3& x) const { return R1.transpose() * (x - p1); }

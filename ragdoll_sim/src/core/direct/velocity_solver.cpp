@@ -274,20 +274,21 @@ void push(Island& island, const RowValues& p) {
 void dampPressed(Island& island, int first_pair, double damping) {
   IslandScratch& s = island.s;
   s.change = s.p;
-  push(island, s.change);
+  const bool pressed = !s.p.isZero(0);
+  if (pressed) push(island, s.change);
   dampWithin(island, damping);
   evaluateAllRates(island, first_pair, false);
-  s.joint.addAnswer(-1, s.parts, s.b);
+  if (pressed) s.joint.addAnswer(-1, s.parts, s.b);
 }
 
 /// One solution of the rates and what it does to velocities. damping: [s] of the motion within.
 void pushVelocities(Island& island, int first_pair, const LoggedStage& at, double damping = 0) {
   IslandScratch& s = island.s;
+  const bool damps = damping != 0 && island.context.model.solver.joint_damping > 0;
   s.p.setZero(s.joint.size());
-  evaluateAllRates(island, first_pair, at.impact);
+  if (!damps || isLogged(island)) evaluateAllRates(island, first_pair, at.impact);
   if (!at.impact) startWarm(island, first_pair);
   if (isLogged(island)) keepRates(island);
-  const bool damps = damping != 0 && island.context.model.solver.joint_damping > 0;
   if (damps) dampPressed(island, first_pair, damping);
   s.joint.solve(s.b, s.p, at.impact ? Sweeps::kToTheEnd : Sweeps::kAlongTheSlip);
   keepPressed(island, first_pair, island.pairs.pushed);
