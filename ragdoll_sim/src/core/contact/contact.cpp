@@ -2,6 +2,12 @@
 
 namespace ragdoll {
 
+Vec3 Contact::slipOf(const Vec3& moved) const {
+  if (!isSoft() || !touches_at_start) return moved;
+  const Vec3 middle = (start_normal + normal).normalized();
+  return moved - middle.dot(moved) * middle;
+}
+
 Vec3 Contact::turned(const Vec3& at_start) const {
   if (!touches_at_start) return at_start;
   const std::array<Vec3, 3> from = atStart().directions(), to = directions();

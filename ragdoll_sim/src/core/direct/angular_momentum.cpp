@@ -74,15 +74,17 @@ Vec3 spinFor(const Rotation& now, const Vec3& wanted) {
   return spinOf(now.inertia, wanted - now.angular, true);
 }
 
-/// Turns the bodies together by an angle [rad].
-void turn(const std::vector<Body*>& bodies, const Vec3& centre, const Vec3& angle) {
+/// Turns the bodies and their motions together by an angle [rad], beside their common drift.
+void turn(const std::vector<Body*>& bodies, const RigidMotion& common, const Vec3& angle) {
   if (angle.isZero(0)) return;
   const Eigen::Matrix3d R = Eigen::AngleAxisd(angle.norm(), angle.normalized()).toRotationMatrix();
   for (Body* body : bodies) {
-    for (int i = 0; i < body->n; ++i) body->x().col(i) = centre + R * (body->x().col(i) - centre);
+    for (int i = 0; i < body->n; ++i) {
+      body->x().col(i) = common.centre + R * (body->x().col(i) - common.centre);
+      body->v().col(i) = common.drift + R * (body->v().col(i) - common.drift);
+    }
     BodyResponse& response = body->memory->response;
     response.setEnd(body->xData());
-    response.projectAtEnd(body->vData());
     response.endIsStart();
   }
 }
@@ -144,26 +146,99 @@ void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took)
   Rotation now = rotationOf(bodies, after, x1, v1);
   if ((wanted - now.angular).norm() <= kRounding * now.angular.norm()) return;
   if (metSoftly(island, bodies)) {
-    turn(bodies, after.centre, 0.5 * took * spinFor(now, wanted));
+    turn(bodies, after, 0.5 * took * spinFor(now, wanted));
     now = rotationOf(bodies, after, x1, v1);
   }
   giveSpin(island, bodies, after.centre, spinFor(now, wanted), now);
+}
+
+/// Joins the groups of two ragdolls; a sleeper's does not move.
+void join(const Island& island, int first, int second, std::vector<int>& group_of) {
+  const int a = island.placeOf(first), b = island.placeOf(second);
+  if (a < 0 || b < 0) return;
+  const int kept = std::min(group_of[a], group_of[b]), gone = std::max(group_of[a], group_of[b]);
+  std::replace(group_of.begin(), group_of.end(), gone, kept);
 }
 
 /// One number for bodies that pressed on each other.
 void findGroups(const Island& island, std::vector<int>& group_of) {
   group_of.resize(island.bodies.size());
   std::iota(group_of.begin(), group_of.end(), 0);
-  for (const BodyPair& pair : island.pairs.pushed) {
-    const int first = island.placeOf(pair.first), second = island.placeOf(pair.second);
-    if (first < 0 || second < 0) continue;
-    const int kept = std::min(group_of[first], group_of[second]);
-    const int gone = std::max(group_of[first], group_of[second]);
-    std::replace(group_of.begin(), group_of.end(), gone, kept);
+  for (const BodyPair& pair : island.pairs.pushed) join(island, pair.first, pair.second, group_of);
+}
+
+/// Whether a contact between two bodies presses in the present stage.
+bool pressesNow(const Island& island, std::size_t i, TurnOf of) {
+  const PairSet& pairs = island.pairs;
+  if (of == TurnOf::kVelocity) return true;  // of those that touch
+  const int row = pairs.row[i];
+  return row >= 0 && (island.s.total[row] > 0 || pairs.cache.find(pairs.contacts[i]));
+}
+
+bool pressesOnSleeper(const Island& island, const std::vector<Contact>& contacts, TurnOf of,
+                      const std::vector<Body*>& bodies) {
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const int a = island.placeOf(contacts[i].ragdoll), b = island.placeOf(contacts[i].other);
+    if ((a >= 0 && b >= 0) || !pressesNow(island, i, of)) continue;
+    const Body* awake = island.bodies[std::max(a, b)];
+    if (std::find(bodies.begin(), bodies.end(), awake) != bodies.end()) return true;
   }
+  return false;
+}
+
+/// Of bodies that press on each other.
+Vec3 turnOf(const std::vector<Body*>& bodies, TurnOf of) {
+  const auto spin = [&](const auto& x, const auto& v) {
+    const Rotation all = rotationOf(bodies, driftOf(bodies, x, v), x, v);
+    return spinOf(all.inertia, all.angular, true);
+  };
+  if (of == TurnOf::kVelocity)
+    return spin([](const Body& body) { return body.x(); },
+                [](const Body& body) { return body.v(); });
+  for (Body* body : bodies) body->moved = body->x() + 0.5 * body->motion.dx;
+  return spin([](const Body& body) -> const Points& { return body.moved; },
+              [](const Body& body) -> const Points& { return body.motion.dx; });
+}
+
+/// Whether something rubs on another body, or on its own.
+bool anyRubs(const Island& island, const std::vector<Contact>& pairs, TurnOf of) {
+  const auto rubs = [](const Contact& c) { return c.obstacle < 0 && c.friction > 0; };
+  return std::any_of(pairs.begin(), pairs.end(), rubs) ||
+         std::any_of(island.bodies.begin(), island.bodies.end(), [&](const Body* body) {
+           const std::vector<Contact>& own =
+               of == TurnOf::kMotion ? body->constraints.contacts : body->touching.contacts;
+           return std::any_of(own.begin(), own.end(), rubs);
+         });
 }
 
 }  // namespace
+
+void findTurns(Island& island, TurnOf of) {
+  const std::vector<Contact>& pairs =
+      of == TurnOf::kMotion ? island.pairs.contacts : island.pairs.touching;
+  for (Body* body : island.bodies) body->turn.setZero();
+  if (!anyRubs(island, pairs, of)) return;
+  std::vector<int>& group_of = island.s.group;
+  group_of.resize(island.bodies.size());
+  std::iota(group_of.begin(), group_of.end(), 0);
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (pressesNow(island, i, of)) join(island, pairs[i].ragdoll, pairs[i].other, group_of);
+  std::vector<Body*>& grouped = island.s.grouped;
+  for (std::size_t k = 0; k < group_of.size(); ++k) {
+    grouped.clear();
+    for (std::size_t i = k; i < group_of.size(); ++i)
+      if (group_of[i] == static_cast<int>(k)) grouped.push_back(island.bodies[i]);
+    if (grouped.empty() || isHeld(island, grouped) || pressesOnSleeper(island, pairs, of, grouped))
+      continue;
+    const Vec3 turn = turnOf(grouped, of);
+    for (Body* body : grouped) body->turn = turn;
+  }
+}
+
+bool turnTogether(const Island& island) {
+  return std::any_of(island.bodies.begin(), island.bodies.end(),
+                     [](const Body* body) { return !body->turn.isZero(0); });
+}
 
 bool pressesItself(const Island& island) {
   return !island.pairs.pushed.empty() || !island.pairs.touching.empty() ||

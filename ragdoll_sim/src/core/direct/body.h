@@ -108,6 +108,9 @@ struct Body {
   SavedBody saved;
   Points acceleration;     ///< [m/s^2] of gravity and pokes, without sticks
   Points v1, moved, kept;  ///< scratch of single stages
+  /// [rad] of the motion, or [rad/s]: as one with all that press on each other, nothing outside on
+  /// them; else none. Slip between and within bodies is measured against it (angular_momentum.h).
+  Vec3 turn = Vec3::Zero();
   EnergyScratch energy;
   PairDetector detector;  ///< of the body with itself
   RungeKuttaScratch stages;

@@ -53,6 +53,7 @@ struct RowPlace {
   double gap = 0;        ///< [m], [rad]
   double curvature = 0;  ///< second derivative of the gap along the motion, without accelerations
   Vec3 turn = Vec3::Zero();      ///< [m/s^2] along the surface: as place and normal move
+  Vec3 moves = Vec3::Zero();     ///< [m/s] of a pair: how the way between its places changes
   bool regular = true;           ///< false: it has no such derivative here
   double at = 0;                 ///< of a stick: from a (0) to b (1)
   bool inside = true;            ///< likewise: between its ends
@@ -82,6 +83,7 @@ struct ModePoint {
 struct ModeSpin {
   Vec3 centre = Vec3::Zero();                         ///< [m]
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< [kg m^2]
+  Vec3 rate = Vec3::Zero();  ///< [rad/s] of all as one; what slips is measured against it
 };
 
 struct Mode {
@@ -98,6 +100,7 @@ struct Mode {
   std::vector<int> spin_of;  ///< of each body; -1: held, or nothing presses on it
   std::vector<ModeSpin> spins;
   ModePoint start, end, sample, stage;
+  RowValues beside;  ///< positions near those of a point
   Growing<PaddedRows> slopes;
   std::vector<ModeForces> stages;
   std::vector<double> event, earlier;

@@ -39,8 +39,9 @@ double eventValue(Island& island, std::size_t i, Event event, const ModePoint& p
     const double across = (f - f.dot(row.slip) * row.slip).norm();
     return kMostLean * row.friction * point.forces.normal[i] - across + none;
   }
-  const Contact c = placeOf(island, row, point.x.data(), point.v.data(), false).contact;
-  return slipOf(island, c, point.v.data()).dot(row.slip) + kSlipNoise;
+  const double *x = point.x.data(), *v = point.v.data();
+  const RowPlace place = placeOf(island, row, x, v, false);
+  return slipOf(island, row, place, x, v).dot(row.slip) + kSlipNoise;
 }
 
 /// Functions at a point, whose accelerations are found if something presses.

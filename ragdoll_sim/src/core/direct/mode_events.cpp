@@ -179,7 +179,7 @@ void startPiece(Island& island) {
   for (ModeRow& row : mode.rows) {
     row.gap_start = openingOf(island, row, x, v);
     if (!row.presses || row.sticks || row.held || !row.isContact() || !(row.friction > 0)) continue;
-    const Vec3 slip = slipOf(island, placeOf(island, row, x, v, false).contact, v);
+    const Vec3 slip = slipOf(island, row, placeOf(island, row, x, v, false), x, v);
     if (slip.norm() > kStill) row.slip = slip.normalized();
   }
 }

@@ -98,6 +98,7 @@ void evaluateAccelerations(const Island& island, const ModePoint& point, ModeSys
       system.b[row + k] = joint.along(row + k, point.a.data(), mode.offset) +
                           joint.row(row + k).direction.dot(mode.place[i].turn);
   }
+  takeSpinAccelerations(island, point, system.b);
 }
 
 void keepForces(const Island& island, const ModeVector& p, ModeForces& forces) {
@@ -117,6 +118,7 @@ void keepForces(const Island& island, const ModeVector& p, ModeForces& forces) {
 void evaluateModeRates(const Island& island, const double* v, ModeSystem& system) {
   for (int i = 0; i < system.b.size(); ++i)
     system.b[i] = island.s.joint.along(i, v, island.s.mode.offset);
+  takeSpinRates(island, system.b);
 }
 
 double impulseScale(const ModeSystem& system) {
@@ -178,7 +180,7 @@ void addRow(Island& island, std::size_t i, const double* x, const double* v) {
   if (block.given && row.presses) block.force = springForce(island, row, place, x, v);
   if (row.isContact()) block.friction = row.friction;
   if (block.friction > 0 && !row.sticks)
-    block.slip = slipDirection(place.contact, slipOf(island, place.contact, v), row.slip);
+    block.slip = slipDirection(place.contact, slipOf(island, row, place, x, v), row.slip);
   mode.blocks.push_back(block);
 }
 
@@ -219,12 +221,6 @@ bool buildRows(Island& island, const double* x, const double* v, bool curvature)
   return true;
 }
 
-/// Friction's couples (mode_spin.h), where sticks press on each other.
-void couple(Island& island, const ModePoint& point, SpinOf which, ModeSystem& system) {
-  findSpins(island, point.x.data(), which);
-  coupleFriction(island, system.A);
-}
-
 /// How the island's bodies answer to impulses p, at x: added to motions `out`.
 void push(Island& island, const ModeVector& p, const double* x, double* out) {
   IslandScratch& s = island.s;
@@ -239,9 +235,10 @@ void push(Island& island, const ModeVector& p, const double* x, double* out) {
 
 }  // namespace
 
-Vec3 slipOf(const Island& island, const Contact& c, const double* v) {
-  const Vec3 rate = motionOf(island, c, v);
-  return rate - rate.dot(c.normal) * c.normal;
+Vec3 slipOf(const Island& island, const ModeRow& row, const RowPlace& place, const double* x,
+            const double* v) {
+  const Vec3 rate = motionOf(island, place.contact, v) - spinMotion(island, row, place, x, v);
+  return rate - rate.dot(place.contact.normal) * place.contact.normal;
 }
 
 bool buildModeSystem(Island& island, const double* x, const double* v, bool curvature,
@@ -270,9 +267,10 @@ bool buildModeSystem(Island& island, const double* x, const double* v, bool curv
 bool accelerateInMode(Island& island, ModePoint& point) {
   ModeSystem system;
   accelerateFreely(island, point);
+  findSpins(island, point.x.data(), point.v.data(), SpinOf::kPressing);
   if (!buildModeSystem(island, point.x.data(), point.v.data(), true, system)) return false;
   if (system.b.size() > 0) {
-    couple(island, point, SpinOf::kPressing, system);
+    coupleFriction(island, system.A);
     evaluateAccelerations(island, point, system);
     if (!solveEqualities(system.A, system.b, island.s.mode.blocks, system.p)) return false;
     push(island, system.p, point.x.data(), point.a.data());
@@ -285,12 +283,13 @@ namespace {
 
 /// What closed rows do at the point but press: whether they slip, and where to.
 void startModes(Island& island, const ModePoint& point) {
+  findSpins(island, point.x.data(), point.v.data(), SpinOf::kClosed);
   for (ModeRow& row : island.s.mode.rows) {
     row.sticks = row.held = row.moves = false;
     if (!row.isSoft()) row.presses = false;
     if (!row.closed || !row.isContact()) continue;
-    const Contact c = placeOf(island, row, point.x.data(), point.v.data(), false).contact;
-    const Vec3 slip = slipOf(island, c, point.v.data());
+    const double *x = point.x.data(), *v = point.v.data();
+    const Vec3 slip = slipOf(island, row, placeOf(island, row, x, v, false), x, v);
     row.moves = row.friction > 0 && slip.norm() > kStill;
     row.slip = row.moves ? Vec3(slip.normalized()) : Vec3(Vec3::Zero());
   }
@@ -313,15 +312,14 @@ void keepMode(Island& island) {
   }
 }
 
-/// Rows' states and point.a, from the accelerations without what presses. which: the rows by which
-/// bodies spin.
-bool findPressing(Island& island, ModePoint& point, SpinOf which) {
+/// Rows' states and point.a, from the accelerations without what presses.
+bool findPressing(Island& island, ModePoint& point) {
   Mode& mode = island.s.mode;
   ModeSystem system;
   if (!buildModeSystem(island, point.x.data(), point.v.data(), true, system)) return false;
   keepAnswers(mode, system);
   if (system.b.size() > 0) {
-    couple(island, point, which, system);
+    coupleFriction(island, system.A);
     evaluateAccelerations(island, point, system);
     mode.force_scale = forceScale(island, system);
     if (!solveComplementarity(system.A, system.b, mode.force_scale, mode.blocks, system.p))
@@ -338,13 +336,14 @@ bool findPressing(Island& island, ModePoint& point, SpinOf which) {
 bool findMode(Island& island, ModePoint& point) {
   accelerateFreely(island, point);
   startModes(island, point);
-  return findPressing(island, point, SpinOf::kClosed);
+  return findPressing(island, point);
 }
 
 bool takeModeImpact(Island& island, ModePoint& point) {
   Mode& mode = island.s.mode;
   ModeSystem system;
   for (ModeRow& row : mode.rows) row.presses = row.sticks = row.held = row.moves = false;
+  findSpins(island, point.x.data(), point.v.data(), SpinOf::kClosed);
   if (!buildModeSystem(island, point.x.data(), point.v.data(), false, system)) return false;
   evaluateModeRates(island, point.v.data(), system);
   const ModeVector rates = system.b;
@@ -356,7 +355,7 @@ bool takeModeImpact(Island& island, ModePoint& point) {
   if (!solveComplementarity(system.A, system.b, impulseScale(system), mode.blocks, system.p))
     return false;
   keepMode(island);
-  findSpins(island, point.x.data(), SpinOf::kPressing);  // after the impact, as of shake's
+  findSpins(island, point.x.data(), point.v.data(), SpinOf::kPressing);  // after the impact, as of shake's
   push(island, system.p, point.x.data(), point.v.data());
   logImpact(island, system, rates, point);
   keepMet(island, system.p);
@@ -370,9 +369,10 @@ bool projectVelocities(Island& island, ModePoint& point, bool begins) {
     response.setEnd(point.x.data() + island.s.mode.offset[k]);
     response.projectAtEnd(point.v.data() + island.s.mode.offset[k]);
   }
+  findSpins(island, point.x.data(), point.v.data(), SpinOf::kPressing);
   if (!buildModeSystem(island, point.x.data(), point.v.data(), false, system)) return false;
   if (system.b.size() == 0) return true;
-  couple(island, point, SpinOf::kPressing, system);
+  coupleFriction(island, system.A);
   evaluateModeRates(island, point.v.data(), system);
   for (ModeBlock& block : island.s.mode.blocks) {  // sliding contacts by the normal alone
     if (block.held || (begins && !block.slips)) block.sticks = block.friction > 0;

@@ -46,7 +46,9 @@ double errorOfPiece(Island& island, double h);
 void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,
                  ModePoint& out);
 
-/// [m/s] slip of a contact.
-Vec3 slipOf(const Island& island, const Contact& contact, const double* v);
+/// [m/s] Slip of a contact whose place is known, at x, v: beside the spin of its bodies as one
+/// (mode_spin.h).
+Vec3 slipOf(const Island& island, const ModeRow& row, const RowPlace& place, const double* x,
+            const double* v);
 
 }  // namespace ragdoll

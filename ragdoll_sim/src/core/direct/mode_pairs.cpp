@@ -194,10 +194,10 @@ void curve(const ModeRow& row, const Ends& x, const Ends& v, const AxisPoints& a
   place.curvature =
       (rate.squaredNorm() - std::pow(n.dot(rate), 2)) / along.distance + mixed.dot(shift);
   place.turn = shift[0] * turning.axis[0] + shift[1] * turning.axis[1];
+  place.moves = rate + shift[0] * along.axis[0] + shift[1] * along.axis[1];
   if (!row.isSoft()) return;
   // What the turn of the normal takes, as the gap changes.
-  const Vec3 moves = rate + shift[0] * along.axis[0] + shift[1] * along.axis[1];
-  place.turn -= n.dot(rate) / along.distance * (moves - n.dot(moves) * n);
+  place.turn -= n.dot(rate) / along.distance * (place.moves - n.dot(place.moves) * n);
 }
 
 /// Whether two sticks along each other cross in between, so that one of their two springs is at

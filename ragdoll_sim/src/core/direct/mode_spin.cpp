@@ -1,8 +1,8 @@
 #include "core/direct/mode_spin.h"
 
 #include <algorithm>
-#include <numeric>
 
+#include "core/direct/mode_constants.h"
 #include "core/mechanics/joint_damping.h"
 
 namespace ragdoll {
@@ -11,18 +11,23 @@ namespace {
 using Kind = ModeRow::Kind;
 
 /// Whether the row is one of two sticks of bodies that spin.
+bool spins(const Mode& mode, const ModeRow& row) {
+  return row.kind == Kind::kPair && row.friction > 0 && mode.spin_of[row.body] >= 0;
+}
 bool spins(const Mode& mode, std::size_t i) {
-  const ModeRow& row = mode.rows[i];
-  return mode.first[i] >= 0 && row.kind == Kind::kPair && row.friction > 0 &&
-         mode.spin_of[row.body] >= 0;
+  return mode.first[i] >= 0 && spins(mode, mode.rows[i]);
 }
 
-/// [m] From the second stick's place to the first's, times each tangent.
+/// [m] From the second stick's place to the first's.
+Vec3 between(const RowPlace& place) {
+  return (place.contact.found + place.gap) * place.contact.normal;
+}
+
+/// The same times each tangent.
 std::array<Vec3, 2> armsOf(const Mode& mode, std::size_t i) {
-  const Contact& c = mode.place[i].contact;
-  const std::array<Vec3, 3> directions = c.directions();
-  const Vec3 between = (c.found + mode.place[i].gap) * c.normal;
-  return {between.cross(directions[1]), between.cross(directions[2])};
+  const std::array<Vec3, 3> directions = mode.place[i].contact.directions();
+  const Vec3 arm = between(mode.place[i]);
+  return {arm.cross(directions[1]), arm.cross(directions[2])};
 }
 
 /// That has an angular momentum: exact but for the guard of bodies on a line.
@@ -55,38 +60,97 @@ void findGroups(const Island& island, SpinOf which, std::vector<int>& group) {
     if (!island.bodies[k]->pinned->pins.empty()) hold(group[k]);
 }
 
-/// Of the bodies of one group at x.
-ModeSpin spinOfGroup(const Island& island, const double* x, int group) {
+/// Of the bodies of one group at x, as they move by v.
+ModeSpin spinOfGroup(const Island& island, const double* x, const double* v, int group) {
   const Mode& mode = island.s.mode;
   ModeSpin spin;
   RigidMotion motion;
   double mass = 0;
   const auto forEach = [&](const auto& part) {
-    for (std::size_t k = 0; k < island.bodies.size(); ++k)
-      if (mode.spin_of[k] == group)
-        part(*island.bodies[k],
-             Eigen::Map<const Points>(x + mode.offset[k], 3, island.bodies[k]->n));
+    for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+      if (mode.spin_of[k] != group) continue;
+      Body& body = *island.bodies[k];
+      part(body, Eigen::Map<const Points>(x + mode.offset[k], 3, body.n),
+           Eigen::Map<const Points>(v + mode.offset[k], 3, body.n));
+    }
   };
-  forEach([&](Body& body, const Eigen::Map<const Points>& pose) {
+  using Of = Eigen::Map<const Points>;
+  forEach([&](Body& body, const Of& pose, const Of& moves) {
     spin.centre += pose.lazyProduct(body.rows->mass);
+    motion.drift += moves.lazyProduct(body.rows->mass);
     mass += body.rows->mass.sum();
   });
   motion.centre = spin.centre /= mass;
-  forEach([&](Body& body, const Eigen::Map<const Points>& pose) {
-    spin.inertia += rotationOf(massOf(body), pose, pose, motion).inertia;
+  motion.drift /= mass;
+  Rotation all;
+  forEach([&](Body& body, const Of& pose, const Of& moves) {
+    const Rotation own = rotationOf(massOf(body), pose, moves, motion);
+    all.inertia += own.inertia;
+    all.angular += own.angular;
   });
+  spin.inertia = all.inertia;
+  spin.rate = turnBy(spin, all.angular);
   return spin;
+}
+
+/// [rad/s^2] How the spin changes as its bodies move by point.v and accelerate by point.a: by what
+/// turns them, and by their inertia, which is of second order in their motion.
+Vec3 changeOfSpin(const Island& island, const ModePoint& point, int group) {
+  const Mode& mode = island.s.mode;
+  const double speed = point.v.cwiseAbs().maxCoeff();
+  const Vec3 turned = mode.spins[group].inertia *
+                      spinOfGroup(island, point.x.data(), point.a.data(), group).rate;
+  if (!(speed > 0)) return turnBy(mode.spins[group], turned);
+  const double e = kDifference / speed;
+  const auto inertiaAfter = [&](double time) -> Eigen::Matrix3d {
+    RowValues& x = island.s.mode.beside;
+    x = point.x + time * point.v;
+    return spinOfGroup(island, x.data(), point.v.data(), group).inertia;
+  };
+  const Eigen::Matrix3d change = (inertiaAfter(e) - inertiaAfter(-e)) / (2 * e);
+  return turnBy(mode.spins[group], turned - change * mode.spins[group].rate);
 }
 
 }  // namespace
 
-void findSpins(Island& island, const double* x, SpinOf which) {
+void findSpins(Island& island, const double* x, const double* v, SpinOf which) {
   Mode& mode = island.s.mode;
   findGroups(island, which, mode.spin_of);
   mode.spins.resize(island.bodies.size());
   for (std::size_t k = 0; k < island.bodies.size(); ++k)
     if (mode.spin_of[k] == static_cast<int>(k))
-      mode.spins[k] = spinOfGroup(island, x, static_cast<int>(k));
+      mode.spins[k] = spinOfGroup(island, x, v, static_cast<int>(k));
+}
+
+Vec3 spinMotion(const Island& island, const ModeRow& row, const RowPlace& place, const double* x,
+                const double* v) {
+  if (!spins(island.s.mode, row)) return Vec3::Zero();
+  const int group = island.s.mode.spin_of[row.body];
+  return spinOfGroup(island, x, v, group).rate.cross(between(place));
+}
+
+void takeSpinRates(const Island& island, ModeVector& rates) {
+  const Mode& mode = island.s.mode;
+  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+    if (!spins(mode, i)) continue;
+    const std::array<Vec3, 2> arms = armsOf(mode, i);
+    for (int k = 0; k < 2; ++k)
+      rates[mode.first[i] + 1 + k] -= arms[k].dot(mode.spins[mode.spin_of[mode.rows[i].body]].rate);
+  }
+}
+
+void takeSpinAccelerations(const Island& island, const ModePoint& point,
+                           ModeVector& accelerations) {
+  const Mode& mode = island.s.mode;
+  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+    if (!spins(mode, i)) continue;
+    const int group = mode.spin_of[mode.rows[i].body];
+    const Vec3 change = changeOfSpin(island, point, group);
+    const Vec3 lost = change.cross(between(mode.place[i])) +
+                      mode.spins[group].rate.cross(mode.place[i].moves);
+    const std::array<Vec3, 3> directions = mode.place[i].contact.directions();
+    for (int k = 1; k < 3; ++k) accelerations[mode.first[i] + k] -= directions[k].dot(lost);
+  }
 }
 
 void coupleFriction(const Island& island, ModeMatrix& A) {

@@ -1,6 +1,8 @@
 // Friction between two sticks acts on their axes, which are apart: two opposite forces that are a
 // couple. Of bodies on which nothing outside presses angular momentum stays: as in steps of shake
-// (angular_momentum.h) it comes back as a spin of all that press on each other, at once.
+// (angular_momentum.h) it comes back as a spin of all that press on each other, at once. The couple
+// does work on that spin, so that what slips is measured against it: bodies that turn together as
+// one do not slip on each other, and friction gives no energy.
 #pragma once
 
 #include "core/direct/island.h"
@@ -10,8 +12,18 @@ namespace ragdoll {
 /// Which rows count: those that press, or all that are closed.
 enum class SpinOf { kPressing, kClosed };
 
-/// Mode::spins <- of the bodies at x, by the rows of contacts between sticks.
-void findSpins(Island& island, const double* x, SpinOf which);
+/// Mode::spins <- of the bodies at x that move by v, by the rows of contacts between sticks.
+void findSpins(Island& island, const double* x, const double* v, SpinOf which);
+
+/// [m/s] Of a row's places against each other, as the spin at x, v of its bodies has it: no slip.
+Vec3 spinMotion(const Island& island, const ModeRow& row, const RowPlace& place, const double* x,
+                const double* v);
+
+/// Takes it, and how it changes at the point, from rates and accelerations along the tangents
+/// of the rows.
+void takeSpinRates(const Island& island, ModeVector& rates);
+void takeSpinAccelerations(const Island& island, const ModePoint& point,
+                           ModeVector& accelerations);
 
 /// Takes from A what friction does to friction by these couples; mode.place and .first are known.
 void coupleFriction(const Island& island, ModeMatrix& A);

@@ -3,21 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/direct/angular_momentum.h"
 #include "core/direct/constants.h"
 #include "core/direct/rows.h"
 
 namespace ragdoll {
 namespace {
 
-/// How the bodies' motions move the two sides of a contact along each other.
+/// How the bodies' motions move the two sides of a contact along each other, beside their turn.
 Vec3 slipAfter(const Island& island, const Contact& c) {
   Vec3 slip = Vec3::Zero();
   for (int side = 0; side < 2; ++side) {
     const int place = island.placeOf(side == 0 ? c.ragdoll : c.other);
     if (place < 0) continue;
     const Body& body = *island.bodies[place];
-    for (int k = 2 * side; k < 2 * side + 2; ++k)
-      slip += c.middleWeight(k) * body.motion.dx.col(c.particle[k] - body.first);
+    for (int k = 2 * side; k < 2 * side + 2; ++k) {
+      const int own = c.particle[k] - body.first;
+      const Vec3 dx = body.motion.dx.col(own);
+      slip += c.middleWeight(k) * (dx - body.turn.cross(Vec3(body.x().col(own) + 0.5 * dx)));
+    }
   }
   return slip;
 }
@@ -60,6 +64,7 @@ void buildRows(Island& island, double h, bool leapfrog) {
 
 void evaluateGaps(Island& island, double h) {
   IslandScratch& s = island.s;
+  findTurns(island, TurnOf::kMotion);
   s.b.resize(s.joint.size());
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Body& body = *island.bodies[k];
@@ -73,7 +78,7 @@ void evaluateGaps(Island& island, double h) {
     s.b[row] = pairGapAfter(island, c);
     if (c.isSoft())
       s.b[row] += island.pairs.springs[i].offset + s.joint.row(row).compliance * s.total[row];
-    const Vec3 slip = slipAfter(island, c);
+    const Vec3 slip = c.slipOf(slipAfter(island, c));
     for (int k = 1; k < 3; ++k) s.b[row + k] = s.joint.row(row + k).direction.dot(slip);
   }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/direct/angular_momentum.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/impact.h"
@@ -53,14 +54,10 @@ struct Round {
   bool on_and_on = false;  ///< sweeps that do not settle are accelerated
 };
 
-/// Solves the rows, whose gaps and first impulses are given, and moves the bodies. False: sticks
-/// cannot follow, or there is no way out.
-bool solveRound(Island& island, const Round& round) {
-  const auto [fresh, at_start, on_and_on] = round;
+/// Moves the bodies by what the impulses s.p are beyond s.total, which they become. False: sticks
+/// cannot follow.
+bool press(Island& island, bool at_start) {
   IslandScratch& s = island.s;
-  if (!fresh) s.joint.addAnswer(-1, s.parts, s.b);
-  const bool settled = s.joint.solve(s.b, s.p) || (on_and_on && s.joint.solveOn(s.b, s.p));
-  if (!settled && island.isLone() && hasNoWayOut(*island.bodies[0])) return false;
   s.change = s.p - s.total;
   s.joint.split(s.change, s.parts);
   s.total = s.p;
@@ -77,6 +74,17 @@ bool solveRound(Island& island, const Round& round) {
   return whole;
 }
 
+/// Solves the rows, whose gaps and first impulses are given, and moves the bodies. False: sticks
+/// cannot follow, or there is no way out.
+bool solveRound(Island& island, const Round& round) {
+  const auto [fresh, at_start, on_and_on] = round;
+  IslandScratch& s = island.s;
+  if (!fresh) s.joint.addAnswer(-1, s.parts, s.b);
+  const bool settled = s.joint.solve(s.b, s.p) || (on_and_on && s.joint.solveOn(s.b, s.p));
+  if (!settled && island.isLone() && hasNoWayOut(*island.bodies[0])) return false;
+  return press(island, at_start);
+}
+
 /// Solves for the candidates that are rows.
 bool solveRows(Island& island, double h) {
   IslandScratch& s = island.s;
@@ -88,13 +96,16 @@ bool solveRows(Island& island, double h) {
   assemble(island, false);
   if (soften(island, h, true)) evaluateGaps(island, h);
   warmStart(island, h);
+  const bool pressed = turnTogether(island);  // their turn by friction is in no row's answer
+  if (pressed && !press(island, true)) return false;
   double violation = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    if (round > 0) {
+    const bool fresh = round == 0 && !pressed;
+    if (!fresh) {
       evaluateGaps(island, h);
       s.p = s.total;
     }
-    if (!solveRound(island, {round == 0, true, false})) return false;
+    if (!solveRound(island, {fresh, true, false})) return false;
     const double now = worst(island);
     if (now < island.bodies[0]->tolerances.contact) return true;
     if (round > 1 && now > kSlop && now > kProgress * violation) return true;

@@ -64,12 +64,15 @@ bool grips(const Body& body, int i) {
          isInsideCone(c.friction, body.total[i], std::hypot(body.total[i + 1], body.total[i + 2]));
 }
 
-/// How the motion moves the body's surface at a contact.
+/// How the motion moves the body's surface at a contact; of two of its sticks, beside its turn.
 Vec3 slipOf(const Body& body, const Contact& c) {
-  Vec3 slip = Vec3::Zero();
-  for (int k = 0; k < c.count; ++k)
-    slip += c.middleWeight(k) * body.motion.dx.col(c.particle[k] - body.first);
-  return slip;
+  Vec3 slip = Vec3::Zero(), apart = Vec3::Zero();
+  for (int k = 0; k < c.count; ++k) {
+    const int own = c.particle[k] - body.first;
+    slip += c.middleWeight(k) * body.motion.dx.col(own);
+    apart += c.middleWeight(k) * (body.x().col(own) + 0.5 * body.motion.dx.col(own));
+  }
+  return c.obstacle < 0 ? Vec3(slip - body.turn.cross(apart)) : slip;
 }
 
 }  // namespace
@@ -99,7 +102,7 @@ void evaluateGaps(Body& body, double h) {
         body.b[i] += set.springs[row.source].offset + row.compliance * body.total[i];
     } else {
       const Contact& c = set.contacts[row.source];
-      body.b[i] = row.direction.dot(slipOf(body, c) - share * c.surface_motion);
+      body.b[i] = row.direction.dot(c.slipOf(slipOf(body, c) - share * c.surface_motion));
     }
   }
 }

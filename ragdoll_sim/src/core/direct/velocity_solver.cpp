@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/direct/angular_momentum.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/contact_log.h"
@@ -42,9 +43,11 @@ void evaluateRates(Body& body) {
   for (int i = 0; i < body.constraints.own_rows; ++i) {
     const Schur::Row& row = schur.row(i);
     body.b[i] = schur.along(i, body.vData());
-    if (row.kind != Kind::kLimit)
-      body.b[i] -=
-          row.direction.dot(body.touching.contacts[row.source].surface_motion) / body.context->h;
+    if (row.kind == Kind::kLimit) continue;
+    const Contact& c = body.touching.contacts[row.source];
+    body.b[i] -= row.direction.dot(c.surface_motion) / body.context->h;
+    if (row.kind == Kind::kTangent && c.obstacle < 0)
+      body.b[i] -= row.direction.dot(body.turn.cross(c.of(body.context->state.x)));
   }
 }
 
@@ -201,7 +204,8 @@ void evaluatePairRates(Island& island, int first, bool impact) {
   const Points& v = island.context.state.v;
   for (std::size_t i = 0; i < island.pairs.touching.size(); ++i) {
     const Contact& c = island.pairs.touching[i];
-    const Vec3 rate = c.of(v);
+    const int place = std::max(island.placeOf(c.ragdoll), island.placeOf(c.other));
+    const Vec3 rate = c.of(v) - island.bodies[place]->turn.cross(c.of(island.context.state.x));
     if (impact) s.joint.lock(first + 3 * static_cast<int>(i), false);
     for (int d = 0; d < 3; ++d) {
       const int row = first + 3 * static_cast<int>(i) + d;
@@ -235,6 +239,7 @@ void keepPressed(Island& island, int first_pair, std::vector<BodyPair>& pressed)
 void evaluateAllRates(Island& island, int first_pair, bool impact) {
   IslandScratch& s = island.s;
   s.b.resize(s.joint.size());
+  findTurns(island, TurnOf::kVelocity);
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Body& body = *island.bodies[k];
     if (impact)
@@ -269,9 +274,9 @@ void push(Island& island, const RowValues& p) {
 }
 
 /// Damps velocities in which what pressed has acted already: at the motion's start its impulses act
-/// after the damping, and the two halves mirror each other. island.s.b <- the rates then, but for
-/// those impulses, which become s.change.
-void dampPressed(Island& island, int first_pair, double damping) {
+/// after the damping, and the two halves mirror each other. So has what turns bodies together, which
+/// is in no row's answer. island.s.b <- the rates then, but for those impulses, which become s.change.
+void pressAndDamp(Island& island, int first_pair, double damping) {
   IslandScratch& s = island.s;
   s.change = s.p;
   const bool pressed = !s.p.isZero(0);
@@ -289,11 +294,12 @@ void pushVelocities(Island& island, int first_pair, const LoggedStage& at, doubl
   if (!damps || isLogged(island)) evaluateAllRates(island, first_pair, at.impact);
   if (!at.impact) startWarm(island, first_pair);
   if (isLogged(island)) keepRates(island);
-  if (damps) dampPressed(island, first_pair, damping);
+  const bool pressed = damps || (!at.impact && turnTogether(island));
+  if (pressed) pressAndDamp(island, first_pair, damps ? damping : 0);
   s.joint.solve(s.b, s.p, at.impact ? Sweeps::kToTheEnd : Sweeps::kAlongTheSlip);
   keepPressed(island, first_pair, island.pairs.pushed);
-  if (damps) s.change = s.p - s.change;
-  push(island, damps ? s.change : s.p);
+  if (pressed) s.change = s.p - s.change;
+  push(island, pressed ? s.change : s.p);
   if (isLogged(island)) logVelocities(island, s.rates, first_pair, at);
   if (!damps) dampWithin(island, damping);
 }

@@ -130,6 +130,36 @@ RAGDOLL_SECTION void dampInside(const FastBody& b, typename L::N keep, L& w) {
   }
 }
 
+/// The sum of the particles' momenta, of motions or velocities.
+template <class L>
+RAGDOLL_INLINE V3<typename L::R> wholeOf(const FastBody& b, const typename L::R* dx) {
+  V3<typename L::R> sum{};
+  for (int i = 0; i < b.tree.particles; ++i)
+    sum = sum + typename L::N(b.tree.mass[i]) * load3(dx + 3 * i);
+  return sum;
+}
+
+/// w.whole of the free motion, which stands in w.spare.
+template <class L>
+RAGDOLL_SECTION void setWhole(const FastBody& b, L& w) {
+  w.whole = wholeOf<L>(b, w.spare);
+  if (w.forced)
+    for (int i = 0; i < 3 * b.tree.particles; i += 3) w.whole = w.whole + load3(w.force + i);
+}
+
+/// What nothing holds has the momentum of the free motion, whatever the rounds have left: shifts
+/// w.dx as a whole.
+template <class L>
+RAGDOLL_SECTION void keepWhole(const FastBody& b, L& w, const typename L::R& held) {
+  using R = typename L::R;
+  using N = typename L::N;
+  double mass = 0;
+  for (int i = 0; i < b.tree.particles; ++i) mass += b.tree.mass[i];
+  const R share = select(less(R{}, held), R{}, R{} + N(1 / mass));
+  const V3<R> shift = share * (w.whole - wholeOf<L>(b, w.dx));
+  for (int i = 0; i < 3 * b.tree.particles; i += 3) store3(load3(w.dx + i) + shift, w.dx + i);
+}
+
 /// w.goal of the free motion, which stands in w.spare.
 template <class L>
 RAGDOLL_SECTION void setGoal(const FastBody& b, L& w) {
@@ -205,6 +235,7 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
   const V3<R> fall = w.pull * spread3<L>(step.gravity);
   const N h = N(step.h), h2 = N(step.h * step.h);
   for (int i = 0; i < n; i += 3) store3(h * load3(w.v + i) + h2 * fall, w.spare + i);
+  setWhole(b, w);
   setGoal(b, w);
   for (int k = 0; k < t.size; ++k) w.q[k] = w.total[k] = R{};
   if (t.roots[0].pinned) {
@@ -573,6 +604,7 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
     w.before = energyOf<L>(b, w.v, 1.0);
     limitMotion(b, step, lanes, w, held);
   }
+  keepWhole(b, w, held);
   tree::place(b.tree, w.tree, w.x, w.dx, w.x);  // the new positions
   R bound{};
   if (any_pressed) bound = energyBound(b, step, lanes, w, pressed, 1);

@@ -81,6 +81,7 @@ struct LaneWork {
   int pressing_contacts = 0, pressing_limits = 0;
   int contact_count = 0, limit_count = 0, slots = 0;
   V3<R> shift;              ///< [m] of the pin
+  V3<R> whole;              ///< [kg m] h times the momentum of the free motion
   R off;                    ///< largest squared sine; stretch at the start
   R pull;                   ///< Lane::pull
   R travel, margin;         ///< [m] of the fastest particle in the step; contacts nearer take part
