@@ -31,6 +31,7 @@ constexpr double kReach = 3;             ///< of the present motion: what else m
 constexpr double kClosedGap = 1e-9;      ///< [m], [rad] what an event leaves of a gap
 constexpr double kGapNoise = 1e-11;      ///< [m], [rad] of a gap that is closed
 constexpr double kStill = 1e-8;          ///< [m/s] of a slip that has ended
+constexpr double kHeldStill = 2e-8;      ///< [m/s] what was held and slips faster is not
 constexpr double kBarelyMoves = 1e-9;    ///< [m/s] what slips slower keeps its direction
 constexpr double kLeaving = 1e-9;        ///< [m/s], [rad/s] what opens faster does not rest
 constexpr double kRestApproach = 1e-5;   ///< [m/s] slower does not bounce: 5e-12 m high

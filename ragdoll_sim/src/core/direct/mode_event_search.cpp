@@ -12,7 +12,7 @@ namespace ragdoll {
 namespace {
 
 /// What a row may do that ends a piece: each a function that is not negative until then.
-enum Event { kGap, kForce, kFriction, kPlace, kEventsOfRow };
+enum Event { kGap, kForce, kFriction, kMotion, kPlace, kEventsOfRow };
 
 constexpr double kLasting = 1;  ///< of what does not end the mode
 
@@ -31,7 +31,12 @@ double eventValue(Island& island, std::size_t i, Event event, const ModePoint& p
   if (event == kForce) return point.forces.normal[i] + none;
   if (event == kPlace)
     return std::min(kLasting, roomOf(island, row, point.x.data(), row.feature) + kPlaceNoise);
-  if (!(row.friction > 0)) return kLasting;
+  if (!(row.friction > 0) || (event == kMotion && !row.held)) return kLasting;
+  const auto slip = [&] {
+    const double *x = point.x.data(), *v = point.v.data();
+    return slipOf(island, row, placeOf(island, row, x, v, false), x, v).dot(row.slip);
+  };
+  if (event == kMotion) return kHeldStill - slip();
   if (row.sticks)
     return row.friction * point.forces.normal[i] - point.forces.friction[i].norm() + none;
   if (row.held) {
@@ -39,9 +44,7 @@ double eventValue(Island& island, std::size_t i, Event event, const ModePoint& p
     const double across = (f - f.dot(row.slip) * row.slip).norm();
     return kMostLean * row.friction * point.forces.normal[i] - across + none;
   }
-  const double *x = point.x.data(), *v = point.v.data();
-  const RowPlace place = placeOf(island, row, x, v, false);
-  return slipOf(island, row, place, x, v).dot(row.slip) + kSlipNoise;
+  return slip() + kSlipNoise;
 }
 
 /// Functions at a point, whose accelerations are found if something presses.
@@ -58,7 +61,8 @@ bool eventsAt(Island& island, ModePoint& point, std::vector<double>& values) {
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
     any_left = any_left || values[kEventsOfRow * i + kPlace] < 0;
   for (std::size_t i = 0; any_left && i < mode.rows.size(); ++i)
-    values[kEventsOfRow * i + kForce] = values[kEventsOfRow * i + kFriction] = kLasting;
+    for (const Event event : {kForce, kFriction, kMotion})
+      values[kEventsOfRow * i + event] = kLasting;
   return true;
 }
 

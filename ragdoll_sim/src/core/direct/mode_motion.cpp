@@ -375,9 +375,11 @@ bool projectVelocities(Island& island, ModePoint& point, bool begins) {
   coupleFriction(island, system.A);
   evaluateModeRates(island, point.v.data(), system);
   for (ModeBlock& block : island.s.mode.blocks) {  // sliding contacts by the normal alone
-    if (block.held || (begins && !block.slips)) block.sticks = block.friction > 0;
-    block.held = false;
-    if (!block.sticks) block.slip.setZero();
+    if (begins && !block.slips) {
+      block.sticks = block.friction > 0;
+      block.held = false;
+    }
+    if (!block.sticks && !block.held) block.slip.setZero();
     block.force = 0;
   }
   if (!solveEqualities(system.A, system.b, island.s.mode.blocks, system.p)) return false;
