@@ -74,17 +74,20 @@ Vec3 spinFor(const Rotation& now, const Vec3& wanted) {
   return spinOf(now.inertia, wanted - now.angular, true);
 }
 
-/// Turns the bodies and their motions together by an angle [rad], beside their common drift.
+/// Turns the bodies together by an angle [rad], beside their common drift: by which a spin that has
+/// grown evenly over the motion has. It has pushed at the arms half way, where those at the end are
+/// shorter by half of the motion; so their velocities turn back by as much before the spin is given.
 void turn(const std::vector<Body*>& bodies, const RigidMotion& common, const Vec3& angle) {
   if (angle.isZero(0)) return;
   const Eigen::Matrix3d R = Eigen::AngleAxisd(angle.norm(), angle.normalized()).toRotationMatrix();
   for (Body* body : bodies) {
     for (int i = 0; i < body->n; ++i) {
       body->x().col(i) = common.centre + R * (body->x().col(i) - common.centre);
-      body->v().col(i) = common.drift + R * (body->v().col(i) - common.drift);
+      body->v().col(i) = common.drift + R.transpose() * (body->v().col(i) - common.drift);
     }
     BodyResponse& response = body->memory->response;
     response.setEnd(body->xData());
+    response.projectAtEnd(body->vData());
     response.endIsStart();
   }
 }
@@ -172,7 +175,8 @@ bool pressesNow(const Island& island, std::size_t i, TurnOf of) {
   const PairSet& pairs = island.pairs;
   if (of == TurnOf::kVelocity) return true;  // of those that touch
   const int row = pairs.row[i];
-  return row >= 0 && (island.s.total[row] > 0 || pairs.cache.find(pairs.contacts[i]));
+  const bool now = row >= 0 && row < island.s.total.size() && island.s.total[row] > 0;
+  return now || (row >= 0 && pairs.cache.find(pairs.contacts[i]));
 }
 
 bool pressesOnSleeper(const Island& island, const std::vector<Contact>& contacts, TurnOf of,

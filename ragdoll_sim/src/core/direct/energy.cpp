@@ -71,10 +71,9 @@ double storedBetween(Island& island, const std::vector<Body*>& bodies, const Poi
   return stored;
 }
 
-/// [J] that these gave to the motion.
-double releasedByPairs(Island& island, const std::vector<Body*>& bodies) {
+/// [J] in them at the motion's start.
+double storedBetweenBefore(Island& island, const std::vector<Body*>& bodies) {
   const StepContext& step = island.context;
-  if (island.isLone() || !step.model.compliant || step.relaxed) return 0;
   Points& before = posesOf(step);
   for (const int i : island.s.all) {  // of sleepers it stays; others may move at the same time
     const Ragdoll& r = step.model.ragdolls[i];
@@ -82,7 +81,14 @@ double releasedByPairs(Island& island, const std::vector<Body*>& bodies) {
     before.middleCols(r.first, n) = step.state.x.middleCols(r.first, n);
   }
   for (const Body* body : island.bodies) before.middleCols(body->first, body->n) = body->saved.x;
-  const double stored = storedBetween(island, bodies, before);
+  return storedBetween(island, bodies, before);
+}
+
+/// [J] that these gave to the motion.
+double releasedByPairs(Island& island, const std::vector<Body*>& bodies) {
+  const StepContext& step = island.context;
+  if (island.isLone() || !step.model.compliant || step.relaxed) return 0;
+  const double stored = storedBetweenBefore(island, bodies);
   return stored - storedBetween(island, bodies, step.state.x);
 }
 
@@ -215,6 +221,7 @@ bool removeEnergy(Island& island, double gain) {
   // Springs may have held it all.
   for (Body* body : island.bodies)
     before += kineticEnergy(*body->rows, body->saved.v, body->energy) + storedBefore(*body);
+  if (!island.isLone()) before += storedBetweenBefore(island, island.bodies);
   return left <= kRedoGain * before;
 }
 
