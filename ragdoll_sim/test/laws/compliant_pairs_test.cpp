@@ -184,13 +184,16 @@ TEST(CompliantPairs, ABarRestsOnTwoByItsWeight) {
   world.workspace.keepContacts(&contacts.log());
   world.steps(5000);
   EXPECT_NEAR(0.1 - world.x(4).z(), 0.5 * 9.81 / (0.5 * kStiffness), 1e-7);
-  contacts.begin(world.state);
-  contacts.log().impulses.clear();
-  world.steps(1);
-  contacts.end(world.model, world.inputs, world.state);
-  double weight = 0;
-  for (const Touch& t : contacts.take().touches) weight += std::abs(t.contact.impulse.z()) / scene.solver.step;
-  EXPECT_NEAR(weight, 9.81, 1e-6);
+  for (int i = 0; i < 500; ++i) {  // the guard took their forces away for a step in each 80
+    contacts.begin(world.state);
+    contacts.log().impulses.clear();
+    world.steps(1);
+    contacts.end(world.model, world.inputs, world.state);
+    double weight = 0;
+    for (const Touch& t : contacts.take().touches)
+      weight += std::abs(t.contact.impulse.z()) / scene.solver.step;
+    ASSERT_NEAR(weight, 9.81, 1e-6) << i;
+  }
 }
 
 /// Soft humans thrown onto each other, with themselves in the way.

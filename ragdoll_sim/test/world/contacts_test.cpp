@@ -314,7 +314,8 @@ solver: {joint_damping: 2}
     expectWeights(world, 20, std::string("sleep ") + sleep);
     world.advance();
     double between = 0;  // [N] upwards, by al on ben
-    for (const Touch& touch : world.takeContacts()->touches) {
+    const auto report = world.takeContacts();
+    for (const Touch& touch : report->touches) {
       const ContactImpulse& c = touch.contact;
       if (c.obstacle < 0 && c.other >= 0 && c.other != c.ragdoll)
         between += (c.ragdoll == 1 ? 1 : -1) * c.impulse.z() / world.stepLength();

@@ -175,8 +175,9 @@ bool pressesNow(const Island& island, std::size_t i, TurnOf of) {
   const PairSet& pairs = island.pairs;
   if (of == TurnOf::kVelocity) return true;  // of those that touch
   const int row = pairs.row[i];
-  const bool now = row >= 0 && row < island.s.total.size() && island.s.total[row] > 0;
-  return now || (row >= 0 && pairs.cache.find(pairs.contacts[i]));
+  if (row < 0) return false;
+  const bool pushed = row < island.s.total.size() && island.s.total[row] > 0;
+  return pushed || !isOnlyNear(pairs.role[i]) || pairs.cache.find(pairs.contacts[i]);
 }
 
 bool pressesOnSleeper(const Island& island, const std::vector<Contact>& contacts, TurnOf of,
@@ -237,6 +238,13 @@ void findTurns(Island& island, TurnOf of) {
     const Vec3 turn = turnOf(grouped, of);
     for (Body* body : grouped) body->turn = turn;
   }
+}
+
+Vec3 commonTurn(const Island& island, const Contact& pair) {
+  const int a = island.placeOf(pair.ragdoll), b = island.placeOf(pair.other);
+  const std::vector<int>& group_of = island.s.group;
+  if (a < 0 || b < 0 || std::max(a, b) >= static_cast<int>(group_of.size())) return Vec3::Zero();
+  return group_of[a] == group_of[b] ? island.bodies[a]->turn : Vec3(Vec3::Zero());
 }
 
 bool turnTogether(const Island& island) {

@@ -22,6 +22,8 @@ bool pressesItself(const Island& island);
 /// Body::turn <- of the bodies' motions (dx), or of their velocities.
 enum class TurnOf { kMotion, kVelocity };
 void findTurns(Island& island, TurnOf of);
+/// That of both sides of a contact between bodies; none where they do not press on each other.
+Vec3 commonTurn(const Island& island, const Contact& pair);
 /// Whether some have one.
 bool turnTogether(const Island& island);
 

@@ -13,6 +13,7 @@ namespace {
 /// How the bodies' motions move the two sides of a contact along each other, beside their turn.
 Vec3 slipAfter(const Island& island, const Contact& c) {
   Vec3 slip = Vec3::Zero();
+  const Vec3 turn = commonTurn(island, c);
   for (int side = 0; side < 2; ++side) {
     const int place = island.placeOf(side == 0 ? c.ragdoll : c.other);
     if (place < 0) continue;
@@ -20,7 +21,7 @@ Vec3 slipAfter(const Island& island, const Contact& c) {
     for (int k = 2 * side; k < 2 * side + 2; ++k) {
       const int own = c.particle[k] - body.first;
       const Vec3 dx = body.motion.dx.col(own);
-      slip += c.middleWeight(k) * (dx - body.turn.cross(Vec3(body.x().col(own) + 0.5 * dx)));
+      slip += c.middleWeight(k) * (dx - turn.cross(Vec3(body.x().col(own) + 0.5 * dx)));
     }
   }
   return slip;

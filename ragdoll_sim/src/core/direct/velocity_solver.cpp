@@ -204,8 +204,7 @@ void evaluatePairRates(Island& island, int first, bool impact) {
   const Points& v = island.context.state.v;
   for (std::size_t i = 0; i < island.pairs.touching.size(); ++i) {
     const Contact& c = island.pairs.touching[i];
-    const int place = std::max(island.placeOf(c.ragdoll), island.placeOf(c.other));
-    const Vec3 rate = c.of(v) - island.bodies[place]->turn.cross(c.of(island.context.state.x));
+    const Vec3 rate = c.of(v) - commonTurn(island, c).cross(c.of(island.context.state.x));
     if (impact) s.joint.lock(first + 3 * static_cast<int>(i), false);
     for (int d = 0; d < 3; ++d) {
       const int row = first + 3 * static_cast<int>(i) + d;
