@@ -121,8 +121,9 @@ TEST(CompliantPairs, BarsThatMeetAnyhowNeitherGainEnergyNorMomentum) {
       EXPECT_LT(least, 0.999 * before) << "they meet";
       EXPECT_LT((momentum(world.model, world.state) - p).norm(), 1e-11);
       // In coarse steps along each other what would give it back would give energy, too.
-      if (hz >= 500 || start == starts[3])
+      if (hz >= 500 || start == starts[3]) {
         EXPECT_LT((angularMomentum(world.model, world.state) - l).norm(), 1e-10) << start << hz;
+      }
     }
 }
 
