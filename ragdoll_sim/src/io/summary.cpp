@@ -71,7 +71,8 @@ WatchedRun::WatchedRun(const Model& model) : model_(model) {
 double WatchedRun::time() const { return static_cast<double>(state_.step) * model_.solver.step; }
 
 double WatchedRun::energy() const {
-  return kineticEnergy(model_, state_) + potentialEnergy(model_, state_);
+  const double moving = kineticEnergy(model_, state_) + potentialEnergy(model_, state_);
+  return model_.compliant ? moving + springEnergy(model_, state_) : moving;
 }
 
 void WatchedRun::step() {

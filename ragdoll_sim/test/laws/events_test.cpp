@@ -242,5 +242,78 @@ TEST(Events, ARodTopplesLandsAndRocks) {
   EXPECT_EQ(handed_over, 0);
 }
 
+/// Two balls of equal mass on a stick, of which the lower one stands: it sticks while the upper one
+/// falls over, until it slides back. x, u: of the lower one.
+struct Toppling {
+  using State = Eigen::Vector4d;  ///< angle from upright, its rate, x, u
+  double length, friction;
+  bool slides = false;
+
+  /// Rates of the state; push and pressure: on the floor, per mass of one ball.
+  State rates(const State& s, double& push, double& pressure) const {
+    const double c = std::cos(s[0]), d = std::sin(s[0]), w2 = length * s[1] * s[1];
+    // Of the upper ball across the stick: a c + L angle'' = g d. Of both: 2 a + L (c angle'' - d rate^2)
+    // = push, 2 g - L (d angle'' + c rate^2) = pressure; sliding back: push = mu pressure.
+    const double a = slides ? (friction * (2 * kG - d * d * kG - c * w2) - c * d * kG + d * w2) /
+                                  (2 - c * c - friction * c * d)
+                            : 0;
+    const double turn = kG * d - a * c;  // L angle''
+    push = 2 * a + c * turn - d * w2;
+    pressure = 2 * kG - d * turn - c * w2;
+    return {s[1], turn / length, s[3], a};
+  }
+  double grip(const State& s) const {
+    double push = 0, pressure = 0;
+    rates(s, push, pressure);
+    return friction * pressure - push;
+  }
+  State after(const State& s, double h) const {
+    double push = 0, pressure = 0;
+    const State k1 = rates(s, push, pressure), k2 = rates(s + 0.5 * h * k1, push, pressure),
+                k3 = rates(s + 0.5 * h * k2, push, pressure), k4 = rates(s + h * k3, push, pressure);
+    return s + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  }
+  /// Over `time` [s]; when it begins to slide.
+  State move(State s, double time, double& began) {
+    const double h = 2e-5;
+    for (double t = 0; t < time - 1e-12;) {
+      double step = std::min(h, time - t);
+      if (!slides && grip(after(s, step)) < 0) {
+        double lo = 0, hi = step;
+        for (int i = 0; i < 60; ++i) (grip(after(s, 0.5 * (lo + hi))) > 0 ? lo : hi) = 0.5 * (lo + hi);
+        s = after(s, lo);
+        t += lo;
+        began = t;
+        slides = true;
+        continue;
+      }
+      s = after(s, step);
+      t += step;
+    }
+    return s;
+  }
+};
+
+/// What begins to slip within a step goes on doing so: it was held where it stood until the step ended.
+TEST(Events, ARodThatTopplesBeginsToSlideWhereFrictionEnds) {
+  const double radius = 0.05, angle = 0.3, time = 0.4;
+  Toppling exact{1, 0.2};
+  double began = 0;
+  const Toppling::State end = exact.move({angle, 0, 0, 0}, time, began);
+  ASSERT_TRUE(began > 0.1 && began < 0.35) << began;
+  ASSERT_LT(end[2], -1e-4) << "it slides back";
+  for (const double hz : {100, 300}) {
+    Scene scene = rkScene(oneStick(1, 1, radius), Vec3(0, 0, radius), floorPlane(exact.friction));
+    scene.ragdolls[0].pose.orientation =
+        Quat(Eigen::AngleAxisd(angle - 0.5 * M_PI, Vec3::UnitY()));
+    scene.solver.step = 1 / hz;
+    World world(scene);
+    EXPECT_EQ(world.steps(static_cast<int>(std::lround(time * hz))).handed_over, 0);
+    EXPECT_NEAR(world.x(0).x(), end[2], kNear) << hz;
+    EXPECT_NEAR(world.x(1).x(), end[2] + exact.length * std::sin(end[0]), kNear) << hz;
+    EXPECT_NEAR(world.v(0).x(), end[3], 1e-8) << hz;
+  }
+}
+
 }  // namespace
 }  // namespace ragdoll::test
