@@ -62,6 +62,16 @@ bool isInner(const ContactImpulse& c) { return c.obstacle < 0 && partnerOf(c) < 
 
 Contacts::Contacts(const Model& model) {
   for (const Ragdoll& r : model.ragdolls) masses_.push_back(pointMasses(model.skeletonOf(r)));
+  restart(model);
+}
+
+void Contacts::restart(const Model& model) {
+  const std::vector<ImpactReport> impacts = std::move(report_.impacts);
+  report_ = {};
+  report_.impacts = impacts;
+  step_.clear();
+  pins_.assign(model.pins.size(), Vec3::Zero());
+  report_.on_pins = pins_;
   report_.on_obstacles.assign(model.obstacles.size(), Vec3::Zero());
   report_.moments = report_.on_obstacles;
 }

@@ -51,7 +51,7 @@ void World::changePins(const std::vector<Pin>& pins) {
   state_.multipliers.clear();  // those were of the sticks that could move
   wakeAll(state_);
   workspace_ = Workspace();
-  keepContacts(keepsContacts());
+  if (contacts_) contacts_->restart(*model_);
   inputs_.pins.clear();
   inputs_.obstacles.clear();
   follow_.setPins(*model_);

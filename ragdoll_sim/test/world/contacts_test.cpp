@@ -558,6 +558,26 @@ TEST(Contacts, ImpactOfABallThatStaysDownIsOverATenthOfASecondLater) {
   EXPECT_NEAR(end.peak_force, 2 * v / h, 2 * kG);
 }
 
+/// Something is taken hold of meanwhile; its end was never told, and numbers began again at 1.
+TEST(Contacts, ImpactGoesOnWhilePinsChange) {
+  World world(parseScene("ragdolls:\n  - {name: one, position: [0, 0, 1.1], model: {particles: {p: {position: [0, 0, 0], "
+                         "radius: 0.1, mass: 2}}}}\n  - {name: two, position: [5, 0, 9], model: {particles: {p: "
+                         "{position: [0, 0, 0], radius: 0.1, mass: 2}}}}\nobstacles: [{type: plane, restitution: 0}]\n"));
+  world.keepContacts(true);
+  std::vector<ImpactReport> impacts;
+  for (int i = 0; i < 240 && impacts.size() < 2; ++i) {
+    world.advance();
+    const auto report = world.takeContacts();
+    impacts.insert(impacts.end(), report->impacts.begin(), report->impacts.end());
+    if (impacts.size() == 1 && world.model()->pins.empty()) world.attach("two/p", "gripper");
+  }
+  ASSERT_EQ(impacts.size(), 2U);
+  EXPECT_FALSE(world.model()->pins.empty());
+  EXPECT_FALSE(impacts[0].over);
+  EXPECT_TRUE(impacts[1].over);
+  EXPECT_EQ(impacts[1].id, impacts[0].id);
+}
+
 TEST(Contacts, SpringTellsItsDepthAndHowLongABlowLasts) {
   const double m = 2, k = 20000, h = 0.001;
   const std::string floor = "obstacles: [{type: plane, stiffness: 20000, damping: ";

@@ -72,6 +72,9 @@ class Contacts {
 
   ContactReport take();
 
+  /// Pins have changed, and velocities with them: the interval begins anew. Impacts go on.
+  void restart(const Model& model);
+
  private:
   struct Open {
     ImpactReport report;
