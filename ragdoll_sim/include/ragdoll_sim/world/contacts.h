@@ -72,7 +72,7 @@ class Contacts {
 
   ContactReport take();
 
-  /// Pins have changed, and velocities with them: the interval begins anew. Impacts go on.
+  /// Where pins have changed, and velocities with them: the interval begins anew. Impacts go on.
   void restart(const Model& model);
 
  private:

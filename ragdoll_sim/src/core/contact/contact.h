@@ -69,8 +69,8 @@ struct Contact {
         normal.cross(std::abs(normal.x()) < 0.6 ? Vec3::UnitX() : Vec3::UnitY()).normalized();
     return {normal, t1, normal.cross(t1)};
   }
-  /// Of how the middle place moves in a motion, what slips: along the surface half way, as what gives
-  /// way closes or opens meanwhile.
+  /// Of how the middle place moves in a motion, what slips: along the surface half way, as what
+  /// gives way closes or opens meanwhile.
   Vec3 slipOf(const Vec3& moved) const;
   /// Components along its directions of an impulse with such components at the start: turned as the
   /// normal has.

@@ -76,7 +76,7 @@ Vec3 spinFor(const Rotation& now, const Vec3& wanted) {
 
 /// Turns the bodies together by an angle [rad], beside their common drift: by which a spin that has
 /// grown evenly over the motion has. It has pushed at the arms half way, where those at the end are
-/// shorter by half of the motion; so their velocities turn back by as much before the spin is given.
+/// shorter by half of the motion; so velocities turn back by as much before the spin is given.
 void turn(const std::vector<Body*>& bodies, const RigidMotion& common, const Vec3& angle) {
   if (angle.isZero(0)) return;
   const Eigen::Matrix3d R = Eigen::AngleAxisd(angle.norm(), angle.normalized()).toRotationMatrix();

@@ -6,10 +6,10 @@
 // two capsules acts on their axes, as bones take no moment about their own: two opposite forces
 // that are as far apart as the radii together, in place of one point of both surfaces. What they
 // take comes back as a spin of all bodies that pressed on each other together, which changes no
-// distance and no speed between them; who only came near gets none of it. The couple of friction does
-// work on that spin. So what slips is measured against it, and bodies that turn together as one do
-// not slip: then friction gives no energy. What the other two stages need is taken out of the motion
-// within them.
+// distance and no speed between them; who only came near gets none of it. The couple of friction
+// does work on that spin. So what slips is measured against it, and bodies that turn together as one
+// do not slip: then friction gives no energy. What the other two stages need is taken out of the
+// motion within them.
 #pragma once
 
 #include "core/direct/island.h"

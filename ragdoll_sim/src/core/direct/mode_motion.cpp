@@ -355,7 +355,7 @@ bool takeModeImpact(Island& island, ModePoint& point) {
   if (!solveComplementarity(system.A, system.b, impulseScale(system), mode.blocks, system.p))
     return false;
   keepMode(island);
-  findSpins(island, point.x.data(), point.v.data(), SpinOf::kPressing);  // after the impact, as of shake's
+  findSpins(island, point.x.data(), point.v.data(), SpinOf::kPressing);  // after it, as shake
   push(island, system.p, point.x.data(), point.v.data());
   logImpact(island, system, rates, point);
   keepMet(island, system.p);

@@ -67,12 +67,14 @@ bool grips(const Body& body, int i) {
 /// How the motion moves the body's surface at a contact; of two of its sticks, beside its turn.
 Vec3 slipOf(const Body& body, const Contact& c) {
   Vec3 slip = Vec3::Zero(), apart = Vec3::Zero();
+  for (int k = 0; k < c.count; ++k)
+    slip += c.middleWeight(k) * body.motion.dx.col(c.particle[k] - body.first);
+  if (c.obstacle >= 0) return slip;
   for (int k = 0; k < c.count; ++k) {
     const int own = c.particle[k] - body.first;
-    slip += c.middleWeight(k) * body.motion.dx.col(own);
     apart += c.middleWeight(k) * (body.x().col(own) + 0.5 * body.motion.dx.col(own));
   }
-  return c.obstacle < 0 ? Vec3(slip - body.turn.cross(apart)) : slip;
+  return slip - body.turn.cross(apart);
 }
 
 }  // namespace

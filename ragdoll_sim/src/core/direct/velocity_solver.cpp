@@ -273,8 +273,9 @@ void push(Island& island, const RowValues& p) {
 }
 
 /// Damps velocities in which what pressed has acted already: at the motion's start its impulses act
-/// after the damping, and the two halves mirror each other. So has what turns bodies together, which
-/// is in no row's answer. island.s.b <- the rates then, but for those impulses, which become s.change.
+/// after the damping, and the two halves mirror each other. So has what turns bodies together,
+/// which is in no row's answer. island.s.b <- the rates then, but for those impulses, which become
+/// s.change.
 void pressAndDamp(Island& island, int first_pair, double damping) {
   IslandScratch& s = island.s;
   s.change = s.p;
