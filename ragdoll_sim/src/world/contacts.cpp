@@ -4,6 +4,7 @@
 #include <cmath>
 #include <tuple>
 
+#include "cone_balance.h"
 #include "pin_impulses.h"
 #include "ragdoll_sim/core/findings.h"
 
@@ -15,7 +16,6 @@ constexpr double kLeastShare = 1e-6;  ///< of the strongest contact: what any co
 constexpr double kUnknown = 1e4;     ///< likewise: sleepers' contacts with each other take the rest
 constexpr double kPressing = 1e-5;   ///< [m] of those a gap up to this presses
 constexpr double kNoForce = 1e-12;   ///< of the weight: no contact
-constexpr double kFloating = 1e-14;  ///< of a weight: keeps bodies without ground solvable
 
 auto keyOf(const ContactImpulse& c) {
   return std::tie(c.ragdoll, c.obstacle, c.other, c.particle, c.other_particle);
@@ -23,7 +23,7 @@ auto keyOf(const ContactImpulse& c) {
 
 bool isBefore(const ContactImpulse& a, const ContactImpulse& b) { return keyOf(a) < keyOf(b); }
 
-/// Of two parts, by how much each pressed: about it friction stays within its cone.
+/// Of two parts, by how much each pressed.
 Vec3 meanNormal(const ContactImpulse& a, const ContactImpulse& b) {
   const Vec3 sum = std::max(0.0, a.impulse.dot(a.normal)) * a.normal +
                    std::max(0.0, b.impulse.dot(b.normal)) * b.normal;
@@ -38,13 +38,16 @@ void addTo(ContactImpulse& sum, const ContactImpulse& next) {
   const double mass = next.effective_mass > 0 ? next.effective_mass : sum.effective_mass;
   const double slip = next.effective_mass > 0 ? next.slip : sum.slip;
   const double peak = std::max(sum.peak, next.peak);
+  const double friction = std::max(sum.friction, next.friction);
   sum = next;
+  sum.friction = friction;
   sum.normal = normal;
   sum.peak = peak;
   sum.impulse = impulse;
   sum.approach = approach;
   sum.effective_mass = mass;
   sum.slip = slip;
+  sum.normal = turnedIntoCone(sum);
 }
 
 bool isPinned(const Model& model, int ragdoll) {
@@ -156,51 +159,38 @@ void Contacts::balance(const Model& model, const Inputs& inputs, const State& st
               step_.end());
 }
 
-/// Changes w_c (mu_i - mu_j) of the impulses, with weights w by their size, so that every body's
-/// sum is right: a Laplacian with the ground at 0. What sleepers give each other no state has: it
-/// is what is left of their weight when what obstacles give stays as it is.
+/// Over the contacts, with weights by their size. What sleepers give each other no state has: it is
+/// what is left of their weight when what obstacles give stays as it is.
 void Contacts::spread(const Model& model, const std::vector<Vec3>& rest) {
-  std::vector<int> place(rest.size(), -1), bodies;
-  const auto use = [&](int ragdoll) {
-    if (ragdoll < 0 || place[ragdoll] >= 0 || isPinned(model, ragdoll)) return;
-    place[ragdoll] = static_cast<int>(bodies.size());
-    bodies.push_back(ragdoll);
-  };
   double strongest = 0;
-  for (const ContactImpulse& c : step_) {
-    if (isInner(c)) continue;
-    use(c.ragdoll);
-    use(partnerOf(c));
-    strongest = std::max(strongest, c.impulse.norm());
-  }
-  if (bodies.empty()) return;
+  for (const ContactImpulse& c : step_)
+    if (!isInner(c)) strongest = std::max(strongest, c.impulse.norm());
   const auto weight = [&](const ContactImpulse& c) {
     const bool unknown =
         c.impulse.isZero(0) && partnerOf(c) >= 0 && slept_[c.ragdoll] && slept_[partnerOf(c)];
     if (unknown && strongest > 0) return kUnknown * (c.depth > -kPressing ? 1 : kLeastShare);
     return strongest > 0 ? c.impulse.norm() / strongest + kLeastShare : 1;
   };
-  const int n = static_cast<int>(bodies.size());
-  Eigen::MatrixXd laplacian = Eigen::MatrixXd::Identity(n, n) * kFloating;
-  Eigen::MatrixXd wanted(n, 3);
-  for (int i = 0; i < n; ++i) wanted.row(i) = rest[bodies[i]].transpose();
+  std::vector<int> place(rest.size(), -1);
+  std::vector<Vec3> wanted;
+  const auto placeOf = [&](int ragdoll) {
+    if (ragdoll < 0 || isPinned(model, ragdoll)) return -1;
+    if (place[ragdoll] < 0) {
+      place[ragdoll] = static_cast<int>(wanted.size());
+      wanted.push_back(rest[ragdoll]);
+    }
+    return place[ragdoll];
+  };
+  std::vector<SharedImpulse> shared;
   for (const ContactImpulse& c : step_) {
     if (isInner(c)) continue;
-    const int i = place[c.ragdoll], j = partnerOf(c) < 0 ? -1 : place[partnerOf(c)];
-    if (i >= 0) laplacian(i, i) += weight(c);
-    if (j >= 0) laplacian(j, j) += weight(c);
-    if (i >= 0 && j >= 0) laplacian(i, j) = laplacian(j, i) -= weight(c);
+    const int first = placeOf(c.ragdoll), second = placeOf(partnerOf(c));
+    shared.push_back({first, second, weight(c), c.friction, c.normal, c.impulse});
   }
-  const Eigen::MatrixXd mu = laplacian.ldlt().solve(wanted);
-  if (!mu.allFinite()) return;
-  for (ContactImpulse& c : step_) {
-    if (isInner(c)) continue;
-    const int i = place[c.ragdoll], j = partnerOf(c) < 0 ? -1 : place[partnerOf(c)];
-    Vec3 change = Vec3::Zero();
-    if (i >= 0) change += mu.row(i).transpose();
-    if (j >= 0) change -= mu.row(j).transpose();
-    c.impulse += weight(c) * change;
-  }
+  spreadWithinCones(wanted, shared);
+  auto next = shared.begin();
+  for (ContactImpulse& c : step_)
+    if (!isInner(c)) c.impulse = (next++)->impulse;
 }
 
 /// What is left for those of each body that has any.

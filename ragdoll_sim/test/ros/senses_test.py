@@ -156,6 +156,18 @@ class SensesTest(unittest.TestCase):
         self.assertAlmostEqual(began.approach_speed, (2 * G * 0.5) ** 0.5, 1)
         self.assertGreater(began.effective_mass, 0.9)
 
+        def ids(over):
+            return {m.id for m in impacts.all() if m.over == over}
+        impacts.first(lambda m: m.over and m.id == began.id, 'its end')
+        wait_for(lambda: ids(True) == ids(False), 'the ends of all')
+        ends = [m for m in impacts.all() if m.over]
+        duration = max(m.duration for m in ends)
+        self.assertAlmostEqual(duration, 0.1, delta=0.02)
+        # Together they stopped the plate and carried it since.
+        self.assertAlmostEqual(sum(m.impulse for m in ends), 4 * began.approach_speed + 4 * G * duration, delta=0.5)
+        for end in ends:
+            self.assertGreater(end.peak_force, end.impulse / end.duration)
+
 
 if __name__ == '__main__':
     rospy.init_node('senses_test')

@@ -34,7 +34,8 @@ def options_of(entry):
     options = []
     for i, word in enumerate(words):
         if word in WITH_VALUE:
-            options += [word, words[i + 1]]
+            if not words[i + 1].endswith('cmake_pch.hxx'):  # gcc's own COMMON
+                options += [word, words[i + 1]]
         elif word.startswith(KEPT) and word not in WITH_VALUE:
             options.append(word)
     return options

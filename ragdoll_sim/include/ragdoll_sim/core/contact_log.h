@@ -22,12 +22,17 @@ struct ContactImpulse {
   Vec3 point = Vec3::Zero();    ///< [m] of the first body's surface
   Vec3 normal = Vec3::Zero();   ///< unit, towards the first body
   Vec3 impulse = Vec3::Zero();  ///< [N s] on the first body
+  double friction = 0;          ///< coefficient; 0 also of what has left since it pressed
   double depth = 0;             ///< [m] of the overlap
   double slip = 0;              ///< [m/s] along the surface, afterwards
   double approach = 0;          ///< [m/s] of an impact, before it
   double effective_mass = 0;    ///< [kg] that a push along the normal meets
   double peak = 0;  ///< [N] of a contact that gives way, also within a step; 0: not known
 };
+
+/// Its normal, turned towards its impulse as far as friction's cone needs: of an impulse that came
+/// along several normals, or along that of an earlier pose.
+Vec3 turnedIntoCone(const ContactImpulse& contact);
 
 struct ContactLog {
   std::vector<ContactImpulse> impulses;

@@ -4,9 +4,10 @@
 // The step tells what its contacts gave (core/contact_log.h). What a body's momentum changed by
 // beyond that, gravity and pokes (energy that the step guard took out; all of it where a method
 // keeps no account of its own) is spread over its contacts, the smallest change where each gives by
-// its share: so the sum of forces is exact. A body with pins has that rest on its pins. A sleeper
-// is told what its state has of when it fell asleep, from other sleepers what is left of its weight,
-// and its sum carries its weight. A function of states and inputs: the same whenever one begins to
+// its share and stays within friction's cone (cone_balance.h): so the sum of forces is exact. A
+// body with pins has that rest on its pins. A sleeper is told what its state has of when it fell
+// asleep, from other sleepers what is left of its weight, and its sum carries its weight. A
+// function of states and inputs: the same whenever one begins to
 // listen. docs/body.md#forces.
 #pragma once
 

@@ -38,6 +38,7 @@ ContactImpulse entryOf(const Model& model, const State& state, const Contact& c)
     radius += c.weight[k] * model.radius[c.particle[k]];
   }
   e.normal = c.normal;
+  e.friction = c.friction;
   e.point -= radius * c.normal;
   e.depth = c.found - along;
   return e;
@@ -216,6 +217,15 @@ void logImpulse(const Island& island, const Contact& c, const LoggedImpact& impa
   step.log->impulses.push_back(e);
 }
 
+Vec3 turnedIntoCone(const ContactImpulse& c) {
+  const double normal = c.impulse.dot(c.normal), size = c.impulse.norm();
+  const Vec3 tangential = c.impulse - normal * c.normal;
+  if (!(size > 0) || tangential.norm() <= c.friction * normal) return c.normal;
+  const Vec3 along = c.impulse / size, across = c.normal - c.normal.dot(along) * along;
+  if (!(across.norm() > 0)) return along;
+  return (along + c.friction * across.normalized()).normalized();
+}
+
 bool isLogged(const Island& island) { return island.context.log != nullptr; }
 
 std::size_t logSize(const Island& island) {
@@ -334,6 +344,7 @@ void appendPressing(const Model& model, const State& state, const std::vector<st
       out.push_back(entryOf(model, state, c));
       if (!pressed) continue;
       out.back().impulse = timeOfKept(model) * pressed->impulse;
+      out.back().normal = turnedIntoCone(out.back());
       if (before && !hasPressed(*before, keyOf(c)))
         out.back().approach = std::max(0.0, -c.normal.dot(c.of(before->v)));
     }
