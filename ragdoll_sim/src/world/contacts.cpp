@@ -16,6 +16,7 @@ constexpr double kLeastShare = 1e-6;  ///< of the strongest contact: what any co
 constexpr double kUnknown = 1e4;     ///< likewise: sleepers' contacts with each other take the rest
 constexpr double kPressing = 1e-5;   ///< [m] of those a gap up to this presses
 constexpr double kNoForce = 1e-12;   ///< of the weight: no contact
+constexpr std::uint32_t kImpactsOfAStep = 256;  ///< ids that a step has
 
 auto keyOf(const ContactImpulse& c) {
   return std::tie(c.ragdoll, c.obstacle, c.other, c.particle, c.other_particle);
@@ -210,6 +211,7 @@ void Contacts::putOnPins(const Model& model, const Inputs& inputs, const State& 
 /// Impacts begin and end.
 void Contacts::follow(const Model& model, const State& state) {
   const double h = model.solver.step;
+  std::uint32_t begun = 0;
   for (Open& open : open_) open.touched = false;
   for (const ContactImpulse& c : step_) {
     const auto same = [&](const Open& open) { return keyOf(open.report.contact) == keyOf(c); };
@@ -222,7 +224,7 @@ void Contacts::follow(const Model& model, const State& state) {
       open->report.contact.impulse.setZero();
       open->told = c.approach > kImpactSpeed;
       if (open->told) {
-        open->report.id = next_id_++;
+        open->report.id = static_cast<std::uint32_t>(state.step) * kImpactsOfAStep + begun++;
         open->report.step = state.step;
         open->report.time = state.time;
         report_.impacts.push_back(open->report);

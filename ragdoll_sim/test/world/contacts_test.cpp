@@ -625,5 +625,19 @@ TEST(Contacts, AreTheSameWhenOneBeginsToListenLater) {
     EXPECT_EQ(a.touches[i].contact.impulse, b.touches[i].contact.impulse);
 }
 
+TEST(Contacts, ImpactsHaveTheSameNumbersWhenOneBeginsToListenLater) {
+  const std::string scene = balls("1.1 1.4", 2, "obstacles: [{type: plane, restitution: 0.6}]\n");
+  World early(parseScene(scene)), late(parseScene(scene));
+  for (int i = 0; i < 90; ++i) late.advance();
+  std::vector<ImpactReport> all = impactsOf(early, 240), some = impactsOf(late, 150);
+  ASSERT_GT(all.size(), some.size());
+  ASSERT_GT(some.size(), 4u);
+  all.erase(all.begin(), all.end() - static_cast<std::ptrdiff_t>(some.size()));
+  for (std::size_t i = 0; i < some.size(); ++i) {
+    EXPECT_EQ(some[i].id, all[i].id) << i;
+    EXPECT_EQ(some[i].contact.impulse, all[i].contact.impulse) << i;
+  }
+}
+
 }  // namespace
 }  // namespace ragdoll

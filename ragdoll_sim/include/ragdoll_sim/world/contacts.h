@@ -31,7 +31,7 @@ struct Touch {
 /// A touch that began fast; told when it begins, and once more when it is over: the touch ends, or
 /// goes on for Contacts::kSettled since its largest force; what comes then is rest.
 struct ImpactReport {
-  std::uint32_t id = 0;
+  std::uint32_t id = 0;  ///< by the step at whose end it began, whenever one began to listen
   bool over = false;
   std::uint64_t step = 0;  ///< at whose end this is told
   double time = 0;         ///< [s] the same
@@ -99,7 +99,6 @@ class Contacts {
   std::vector<ContactImpulse> step_;
   std::vector<Vec3> pins_;
   std::vector<Open> open_;
-  std::uint32_t next_id_ = 1;
   ContactReport report_;
 };
 
