@@ -6,6 +6,8 @@
 
 namespace ragdoll {
 
+class TaskArena;
+
 class Workers {
  public:
   Workers();
@@ -36,8 +38,7 @@ class Workers {
   using Call = void (*)(const void* task, int part, int worker);
   void share(int threads, int parts, Call call, const void* task);
 
-  struct Arena;
-  std::unique_ptr<Arena> arena_;
+  std::unique_ptr<TaskArena> arena_;
 };
 
 }  // namespace ragdoll
