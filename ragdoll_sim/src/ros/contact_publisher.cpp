@@ -33,6 +33,9 @@ ContactPublisher::ContactPublisher(ros::NodeHandle& nh, std::string world_frame)
 }
 
 void ContactPublisher::follow(const Snapshot& world, const std::vector<std::string>& pin_names) {
+  if (world.model == model_ && pin_names == pin_names_) return;
+  model_ = world.model;
+  pin_names_ = pin_names;
   std::vector<std::string> names;
   for (const Obstacle& o : world.model->obstacles) names.push_back(o.name);
   names.insert(names.end(), pin_names.begin(), pin_names.end());

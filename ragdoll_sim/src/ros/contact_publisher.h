@@ -34,7 +34,8 @@ class ContactPublisher {
   std::string world_frame_;
   Topic contacts_, impacts_;
   LargestContact largest_;
-  std::vector<std::string> names_;
+  std::shared_ptr<const Model> model_;  ///< that names_ are of, with pin_names_
+  std::vector<std::string> pin_names_, names_;
   std::vector<Topic> wrenches_;  ///< of obstacles, then of pins
 };
 

@@ -3,7 +3,9 @@
 #include <ros/console.h>
 #include <ros/this_node.h>
 
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
 #include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
@@ -17,7 +19,7 @@ namespace {
 
 constexpr double kRivalry = 5;  ///< [s] without a frame of the other's, then it is over
 constexpr std::chrono::milliseconds kPeriod{250};  ///< between two times that it hears unasked
-constexpr int kQueue = 10000;  ///< messages that may come meanwhile
+constexpr int kQueue = 10000;                      ///< messages that may come meanwhile
 constexpr std::size_t kOwnKept = 600;  ///< messages: 10 s at 60 Hz, as long as tf2 keeps any
 
 /// TF lets numbers of any size through, infinite ones, too.
@@ -66,43 +68,65 @@ void FrameLookup::hear(const Event& event, bool is_static) {
   if (came < last_heard_) forget();  // a bag that begins anew, as tf2_ros does
   last_heard_ = came;
   const std::string publisher = event.getPublisherName();
-  if (publisher == ros::this_node::getName()) return hearOwn(event);
-  for (const std::string& frame : take(*event.getConstMessage(), publisher, is_static))
-    claim(frame, publisher, true);
+  if (publisher == ros::this_node::getName()) return hearOwn(*event.getConstMessage());
+  for (const geometry_msgs::TransformStamped& t : event.getConstMessage()->transforms)
+    if (take(t, publisher, is_static)) claim(normal(t.child_frame_id), publisher, true);
 }
 
 /// 60 times a second all frames of all bodies, which hardly anyone asks for.
-void FrameLookup::hearOwn(const Event& event) {
+void FrameLookup::hearOwn(const tf2_msgs::TFMessage& message) {
   constexpr double kClaimPeriod = 1;  // [s]
-  const ros::WallTime now = ros::WallTime::now();
+  const std::vector<geometry_msgs::TransformStamped>& all = message.transforms;
+  if (all.empty()) return;
+  const auto same = [](const geometry_msgs::TransformStamped& t, const Link& link) {
+    return t.child_frame_id == link.child && t.header.frame_id == link.parent;
+  };
+  if (!own_links_ ||
+      !std::equal(all.begin(), all.end(), own_links_->begin(), own_links_->end(), same)) {
+    std::vector<Link> links;
+    for (const geometry_msgs::TransformStamped& t : all)
+      links.push_back({t.header.frame_id, t.child_frame_id});
+    own_links_ = std::make_shared<const std::vector<Link>>(std::move(links));
+  }
+  OwnFrames own{all.front().header.stamp, own_links_, {}};
+  own.transforms.reserve(all.size());
+  for (const geometry_msgs::TransformStamped& t : all) own.transforms.push_back(t.transform);
   {
     std::lock_guard<std::mutex> lock(mutex_);
-    own_.push_back(event);
+    own_.push_back(std::move(own));
     while (own_.size() > kOwnKept) own_.pop_front();
   }
+  const ros::WallTime now = ros::WallTime::now();
   if (!claimed_.isZero() && (now - claimed_).toSec() < kClaimPeriod) return;
   claimed_ = now;
-  for (const geometry_msgs::TransformStamped& t : event.getConstMessage()->transforms)
+  for (const geometry_msgs::TransformStamped& t : all)
     claim(normal(t.child_frame_id), ros::this_node::getName(), false);
 }
 
 void FrameLookup::takeOwn() const {
-  std::lock_guard<std::mutex> lock(mutex_);  // all the while: who looks at the same time has them, too
-  for (const Event& event : own_) take(*event.getConstMessage(), ros::this_node::getName(), false);
+  std::lock_guard<std::mutex> lock(
+      mutex_);  // all the while: who looks at the same time has them, too
+  geometry_msgs::TransformStamped t;
+  for (const OwnFrames& own : own_)
+    for (std::size_t i = 0; i < own.transforms.size(); ++i) {
+      const Link& link = (*own.links)[i];
+      t.header.stamp = own.stamp;
+      t.header.frame_id = link.parent;
+      t.child_frame_id = link.child;
+      t.transform = own.transforms[i];
+      take(t, ros::this_node::getName(), false);
+    }
   own_.clear();
 }
 
-std::vector<std::string> FrameLookup::take(const tf2_msgs::TFMessage& message,
-                                           const std::string& publisher, bool is_static) const {
-  std::vector<std::string> taken;
-  for (const geometry_msgs::TransformStamped& t : message.transforms) {
-    try {
-      if (buffer_.setTransform(t, publisher, is_static)) taken.push_back(normal(t.child_frame_id));
-    } catch (const std::exception& e) {
-      ROS_WARN_THROTTLE(1, "/tf ignored: %s", e.what());
-    }
+bool FrameLookup::take(const geometry_msgs::TransformStamped& transform,
+                       const std::string& publisher, bool is_static) const {
+  try {
+    return buffer_.setTransform(transform, publisher, is_static);
+  } catch (const std::exception& e) {
+    ROS_WARN_THROTTLE(1, "/tf ignored: %s", e.what());
+    return false;
   }
-  return taken;
 }
 
 void FrameLookup::forget() {

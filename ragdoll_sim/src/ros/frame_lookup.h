@@ -15,6 +15,7 @@
 #include <deque>
 #include <functional>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -64,12 +65,12 @@ class FrameLookup {
   void run();           ///< hears now and then, until the end
   void listen() const;  ///< hears all that has come; who asks at the same time waits for it
   void hear(const Event& event, bool is_static);
-  void hearOwn(const Event& event);
+  void hearOwn(const tf2_msgs::TFMessage& message);
   /// What this node has published since the last look: of others' frames some may hang on its own.
   void takeOwn() const;
-  /// The frames that are now in the buffer.
-  std::vector<std::string> take(const tf2_msgs::TFMessage& message, const std::string& publisher,
-                                bool is_static) const;
+  /// False if the buffer does not take it.
+  bool take(const geometry_msgs::TransformStamped& transform, const std::string& publisher,
+            bool is_static) const;
   void forget();
   void claim(const std::string& frame, const std::string& publisher, bool other);
   bool isOthers(const std::string& frame) const;
@@ -82,8 +83,19 @@ class FrameLookup {
   ros::Subscriber moving_, static_;
   ros::Time last_heard_;
   mutable std::mutex mutex_;
-  mutable std::deque<Event> own_;  ///< heard of this node, and not in the buffer yet
-  ros::WallTime claimed_;          ///< when its frames were last known as its own
+  struct Link {
+    std::string parent, child;
+  };
+  /// A message of this node's own; names are shared by all that have the same. Whole messages would
+  /// be 2 MB for a body, and each new one would be made in memory that no cache has.
+  struct OwnFrames {
+    ros::Time stamp;
+    std::shared_ptr<const std::vector<Link>> links;
+    std::vector<geometry_msgs::Transform> transforms;
+  };
+  mutable std::deque<OwnFrames> own_;  ///< heard of this node, and not in the buffer yet
+  std::shared_ptr<const std::vector<Link>> own_links_;  ///< of the last
+  ros::WallTime claimed_;  ///< when its frames were last known as its own
   struct Owner {
     bool other = false;  ///< it was another node's when it was heard last
     ros::WallTime own;   ///< when this node published it last; 0: never
@@ -93,7 +105,7 @@ class FrameLookup {
     std::string frame;
     ros::WallTime at;
   };
-  std::map<std::string, Claim> claims_;       ///< by node: an own frame that it published
+  std::map<std::string, Claim> claims_;  ///< by node: an own frame that it published
   std::mutex end_mutex_;
   std::condition_variable end_;
   bool ends_ = false;

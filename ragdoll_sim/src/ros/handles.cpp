@@ -18,7 +18,7 @@ using visualization_msgs::InteractiveMarkerControl;
 using visualization_msgs::InteractiveMarkerFeedback;
 using visualization_msgs::Marker;
 
-constexpr milliseconds kPeriod{66};     ///< between two updates of the handles
+constexpr milliseconds kPeriod{70};     ///< between two updates of the handles, at most
 constexpr milliseconds kSilence{1000};  ///< rviz is heard of four times a second while it holds one
 constexpr std::size_t kManyHandles = 60;  ///< more than this are thinned out
 constexpr std::size_t kMaxHandles = 100;  ///< more than this rviz draws slowly
@@ -89,17 +89,8 @@ geometry_msgs::Pose poseAt(const Vec3& position) { return toPose({position, Quat
 
 Handles::Handles(ros::NodeHandle& nh, Simulation& simulation, const FrameLookup& frames)
     : simulation_(simulation), frames_(frames), server_(nh.resolveName("handles")) {
-  listeners_ = nh.advertise<visualization_msgs::InteractiveMarkerUpdate>("handles/update", 100);
-  thread_ = std::thread([this] { run(); });
-}
-
-Handles::~Handles() {
-  {
-    std::lock_guard<std::mutex> lock(mutex_);
-    stopping_ = true;
-  }
-  wake_.notify_all();
-  thread_.join();
+  listeners_ =
+      Topic::advertise<visualization_msgs::InteractiveMarkerUpdate>(nh, "handles/update", 100);
 }
 
 void Handles::feedback(const Feedback& message) {
@@ -159,18 +150,13 @@ void Handles::hold(const Feedback& message) {
   touched_.insert(message.marker_name);
 }
 
-void Handles::run() {
-  std::unique_lock<std::mutex> lock(mutex_);
-  while (!wake_.wait_for(lock, kPeriod, [this] { return stopping_; })) {
-    try {
-      endSilentGrips();
-      lock.unlock();
-      if (listeners_.getNumSubscribers() > 0) follow();
-    } catch (const Error&) {
-      return;  // the simulation has ended
-    }
-    lock.lock();
+void Handles::update() {
+  due_ = Simulation::Clock::now() + kPeriod;
+  {
+    std::lock_guard<std::mutex> lock(mutex_);
+    endSilentGrips();
   }
+  if (listeners_.isHeard()) follow();
 }
 
 /// REQUIRES: mutex_ is held, so that no feedback comes in between.

@@ -6,20 +6,18 @@
 
 #include <interactive_markers/interactive_marker_server.h>
 #include <ros/node_handle.h>
-#include <ros/publisher.h>
 
-#include <condition_variable>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "frame_lookup.h"
 #include "ragdoll_sim/world/simulation.h"
+#include "topic.h"
 
 namespace ragdoll {
 
@@ -37,7 +35,12 @@ struct Handle {
 class Handles {
  public:
   Handles(ros::NodeHandle& nh, Simulation& simulation, const FrameLookup& frames);
-  ~Handles();
+
+  /// When update() is to be called; it may be earlier.
+  Simulation::Clock::time_point due() const { return due_; }
+  /// Tells listeners where the handles are, and lets go what nobody holds any more. Of one thread.
+  /// Throws Error when the simulation has ended.
+  void update();
 
  private:
   using Feedback = visualization_msgs::InteractiveMarkerFeedback;
@@ -45,24 +48,21 @@ class Handles {
   void feedback(const Feedback& message);
   bool isPulled(const std::string& name);
   void hold(const Feedback& message);
-  void run();
   void endSilentGrips();
   void follow();
   void rebuild(const Model& model, const Points& x);
 
   Simulation& simulation_;
   const FrameLookup& frames_;
-  ros::Publisher listeners_;  ///< of the server's topic, to count who listens
+  Topic listeners_;  ///< the server's, to know whether anyone listens
   interactive_markers::InteractiveMarkerServer server_;
   std::shared_ptr<const Scene> scene_;
   std::vector<Handle> handles_;
+  Simulation::Clock::time_point due_;
 
   std::mutex mutex_;
-  std::condition_variable wake_;
   std::map<std::string, Simulation::Clock::time_point> grips_;  ///< held handles: last heard of
   std::set<std::string> touched_;  ///< handles that were moved since follow() looked
-  bool stopping_ = false;
-  std::thread thread_;  // last
 };
 
 }  // namespace ragdoll

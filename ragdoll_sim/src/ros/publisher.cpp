@@ -4,6 +4,7 @@
 #include <sensor_msgs/JointState.h>
 #include <tf2_msgs/TFMessage.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -18,18 +19,20 @@ constexpr int kEventQueue = 10000;  ///< none may be missing in a bag, and one s
 constexpr double kTurn = 2 * M_PI;
 constexpr int kManyBodies = 50;  ///< with more, all their frames would fill /tf
 constexpr Clock::duration kIdlePeriod = std::chrono::milliseconds(100);
+constexpr std::chrono::milliseconds kHandlesEarly{8};  ///< so as to go with a tick
 constexpr int kQueue = 100;  ///< messages kept for a slow listener; then the oldest are dropped
 
 }  // namespace
 
 Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock,
-                     const Parameters& parameters, FrameTroubles troubles)
+                     const Parameters& parameters, FrameTroubles troubles, Handles& handles)
     : simulation_(simulation),
       clock_(clock),
       parameters_(parameters),
       imus_(nh, parameters.frame_prefix),
       contacts_(nh, parameters.world_frame),
       markers_(nh, parameters.world_frame, parameters.coat),
+      handles_(handles),
       metrics_(nh, std::move(troubles)) {
   markers_.showLimits(parameters.show_limits);
   markers_.showContacts(parameters.show_contacts);
@@ -84,21 +87,27 @@ void Publisher::run() {
   Clock::time_point next = Clock::now();
   std::unique_lock<std::mutex> lock(mutex_);
   while (!stopping_) {
-    const bool woken =
-        wake_.wait_until(lock, next, [&] { return stopping_ || asked_ > answered_ || sampled_; });
+    const bool woken = wake_.wait_until(lock, std::min(next, handles_.due()), [&] {
+      return stopping_ || asked_ > answered_ || sampled_;
+    });
     if (stopping_) break;
+    const bool due = Clock::now() >= next;
     const std::uint64_t ticket = asked_;
     const bool demanded = asked_ > answered_;
     sampled_ = false;
     lock.unlock();
     try {
-      publishDue(demanded, !woken);
+      if (woken || due)
+        publishDue(demanded, !woken);
+      else
+        handles_.update();
     } catch (const Error&) {
       break;  // the simulation has ended
     }
     lock.lock();
     answered_ = ticket;
     done_.notify_all();
+    if (!woken && !due) continue;
     if (sampling) {
       next = Clock::now() + period;
       continue;
@@ -134,6 +143,7 @@ void Publisher::tick(Why why) {
   if (!between) publishTf(shown, now);
   if (!between) publishState(now, why);
   if (!between) publishJoints(shown, now);
+  if (Clock::now() + kHandlesEarly >= handles_.due()) handles_.update();
   out_.send();
   markers_.useFrames(tfBodies() == "all");
   markers_.publish(world_, shown);

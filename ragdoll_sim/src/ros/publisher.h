@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "contact_publisher.h"
+#include "handles.h"
 #include "imu_publisher.h"
 #include "markers.h"
 #include "metrics.h"
@@ -30,7 +31,7 @@ namespace ragdoll {
 class Publisher {
  public:
   Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock,
-            const Parameters& parameters, FrameTroubles troubles);
+            const Parameters& parameters, FrameTroubles troubles, Handles& handles);
   ~Publisher();
 
   /// Draw the joints' limits, or no more.
@@ -71,6 +72,7 @@ class Publisher {
   ContactPublisher contacts_;
   bool keeps_contacts_ = false;  ///< the world does
   MarkerPublisher markers_;
+  Handles& handles_;
   Metrics metrics_;
 
   Outbox out_;

@@ -145,12 +145,12 @@ int main(int argc, char** argv) {
         [&](ragdoll::World& world) { world.setMaxFrameSpeed(parameters.max_frame_speed); });
     ragdoll::FrameLookup frames(parameters.world_frame);
     ragdoll::Attachments attachments(nh, simulation, frames);
+    ragdoll::Handles handles(nh, simulation, frames);
     ragdoll::Publisher publisher(
         nh, simulation, clock, parameters,
-        {[&] { return attachments.missing(); }, [&] { return frames.rivals(); }});
+        {[&] { return attachments.missing(); }, [&] { return frames.rivals(); }}, handles);
     ragdoll::Control control(nh, simulation, publisher);
     ragdoll::Pokes pokes(nh, simulation, clock, frames, parameters.wrench_timeout);
-    ragdoll::Handles handles(nh, simulation, frames);
     ragdoll::Reconfigure reconfigure(nh, simulation, publisher, parameters, given);
     ragdoll::Scenes scenes(nh, simulation, publisher, clock, parameters,
                            [&] { reconfigure.refresh(); });

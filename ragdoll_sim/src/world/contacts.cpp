@@ -62,6 +62,27 @@ int partnerOf(const ContactImpulse& c) {
 
 bool isInner(const ContactImpulse& c) { return c.obstacle < 0 && partnerOf(c) < 0; }
 
+bool isSame(const Pose& a, const Pose& b) {
+  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
+}
+
+bool isSame(const CachedImpulse& a, const CachedImpulse& b) {
+  return a.ragdoll == b.ragdoll && a.a == b.a && a.b == b.b && a.obstacle == b.obstacle &&
+         a.other == b.other && a.impulse == b.impulse;
+}
+
+template <class T>
+bool areSame(const std::vector<T>& a, const std::vector<T>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const T& x, const T& y) { return isSame(x, y); });
+}
+
+/// In all that tells what presses on sleepers.
+bool restsAlike(const State& a, const State& b) {
+  return a.x == b.x && a.v == b.v && areSame(a.obstacles, b.obstacles) &&
+         areSame(a.impulses, b.impulses);
+}
+
 }  // namespace
 
 Contacts::Contacts(const Model& model) {
@@ -74,6 +95,7 @@ void Contacts::restart(const Model& model) {
   report_ = {};
   report_.impacts = impacts;
   step_.clear();
+  forget();
   pins_.assign(model.pins.size(), Vec3::Zero());
   report_.on_pins = pins_;
   report_.on_obstacles.assign(model.obstacles.size(), Vec3::Zero());
@@ -94,17 +116,31 @@ Vec3 Contacts::momentumOf(const Model& model, int ragdoll, const State& state) c
 }
 
 void Contacts::end(const Model& model, const Inputs& inputs, const State& state) {
-  step_ = log_.impulses;
-  bool any = false;
+  bool any = false, all = true;
   for (std::size_t i = 0; i < slept_.size(); ++i) {
     slept_[i] = slept_[i] && state.asleep[i];  // all the step long
     any = any || slept_[i];
+    all = all && slept_[i];
   }
-  if (any) appendPressing(model, state, slept_, step_);
-  merge();
-  balance(model, inputs, state);
+  const bool calm = all && nothingHappened(model, inputs, state);
+  if (!calm || !still_ || !restsAlike(*still_, state)) {
+    step_ = log_.impulses;
+    if (any) appendPressing(model, state, slept_, step_);
+    merge();
+    balance(model, inputs, state);
+    still_.reset();
+    if (calm) still_ = state;
+  }
   follow(model, state);
   collect(model, state);
+}
+
+/// Then step_ is what the state alone tells, and the next step's, if that is alike.
+bool Contacts::nothingHappened(const Model& model, const Inputs& inputs, const State& state) const {
+  const double h = model.solver.step;
+  return log_.impulses.empty() && places_ == state.x && before_ == state.v &&
+         std::none_of(inputs.pokes.begin(), inputs.pokes.end(),
+                      [&](const Poke& poke) { return isActive(poke, state.time - h, h); });
 }
 
 /// One entry for each contact of the step, in an order of their own.

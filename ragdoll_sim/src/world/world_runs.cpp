@@ -134,6 +134,7 @@ void World::restore(const Bytes& bytes) {
     endRun();
     model_ = std::make_shared<Model>(std::move(model));
     scene_ = std::make_shared<Scene>(std::move(scene));
+    if (contacts_) contacts_->forget();
   }
   state_ = std::move(moment.state);
   setPokes(moment.pokes);

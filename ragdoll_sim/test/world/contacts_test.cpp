@@ -295,6 +295,45 @@ TEST(Contacts, OfASleeperAreWhatTheyWereWhenItFellAsleep) {
     }
 }
 
+TEST(Contacts, OfSleepersAreTheSameForWhoBeginsToListen) {
+  for (const char* method : {"shake", "fast", "jakobsen"}) {
+    Scene scene = loadScene("fall");
+    applySetting(scene, "solver.method", method);
+    World all_along(scene), anew(scene);
+    all_along.keepContacts(true);
+    const auto expectSame = [&] {
+      anew.keepContacts(true);
+      all_along.advance();
+      anew.advance();
+      const ContactReport a = *all_along.takeContacts(), b = *anew.takeContacts();
+      ASSERT_EQ(a.touches.size(), b.touches.size()) << method << a.step;
+      for (std::size_t i = 0; i < a.touches.size(); ++i) {
+        const ContactImpulse &x = a.touches[i].contact, &y = b.touches[i].contact;
+        ASSERT_EQ(x.particle, y.particle) << method << a.step;
+        ASSERT_EQ(x.impulse, y.impulse) << method << a.step;
+        ASSERT_EQ(x.point, y.point) << method << a.step;
+      }
+      ASSERT_EQ(a.on_obstacles, b.on_obstacles) << method << a.step;
+    };
+    const auto sleep = [&] {
+      while (all_along.state().time < 40 && !all_along.state().asleep[0])
+        ASSERT_NO_FATAL_FAILURE(expectSame());
+      ASSERT_TRUE(all_along.state().asleep[0]) << method;
+      for (int i = 0; i < 5; ++i) ASSERT_NO_FATAL_FAILURE(expectSame());
+    };
+    ASSERT_NO_FATAL_FAILURE(sleep());
+    Poke poke;
+    poke.body_name = "torso";
+    poke.body = findBody(*all_along.model(), poke.body_name);
+    poke.force = Vec3(0, 0, 600);
+    poke.duration = 0.2;
+    for (World* world : {&all_along, &anew}) world->addPoke(poke);
+    ASSERT_NO_FATAL_FAILURE(expectSame());
+    ASSERT_FALSE(all_along.state().asleep[0]) << method;
+    ASSERT_NO_FATAL_FAILURE(sleep());
+  }
+}
+
 TEST(Contacts, OfAPileOfPeopleCarryEachOfThem) {
   for (const char* sleep : {"true", "false"}) {
     Scene scene = parseScene(R"(

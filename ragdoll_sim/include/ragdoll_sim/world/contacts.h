@@ -12,6 +12,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -76,6 +77,9 @@ class Contacts {
   /// Where pins have changed, and velocities with them: the interval begins anew. Impacts go on.
   void restart(const Model& model);
 
+  /// The model has changed, its bodies and obstacles have not.
+  void forget() { still_.reset(); }
+
  private:
   struct Open {
     ImpactReport report;
@@ -84,6 +88,7 @@ class Contacts {
     std::uint64_t first = 0, hardest = 0;  ///< steps
   };
 
+  bool nothingHappened(const Model& model, const Inputs& inputs, const State& state) const;
   Vec3 momentumOf(const Model& model, int ragdoll, const State& state) const;
   void merge();
   void balance(const Model& model, const Inputs& inputs, const State& state);
@@ -97,6 +102,7 @@ class Contacts {
   std::vector<std::uint8_t> slept_;      ///< per ragdoll: when the step began; then all of it
   ContactLog log_;
   std::vector<ContactImpulse> step_;
+  std::optional<State> still_;  ///< that step_ is of, where all slept and nothing happened
   std::vector<Vec3> pins_;
   std::vector<Open> open_;
   ContactReport report_;
