@@ -104,8 +104,8 @@ void FrameLookup::hearOwn(const tf2_msgs::TFMessage& message) {
 }
 
 void FrameLookup::takeOwn() const {
-  std::lock_guard<std::mutex> lock(
-      mutex_);  // all the while: who looks at the same time has them, too
+  // All the while: who looks at the same time has them, too.
+  std::lock_guard<std::mutex> lock(mutex_);
   geometry_msgs::TransformStamped t;
   for (const OwnFrames& own : own_)
     for (std::size_t i = 0; i < own.transforms.size(); ++i) {

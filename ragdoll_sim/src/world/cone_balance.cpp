@@ -7,9 +7,9 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kInCone = 1e-9;    ///< of the largest impulse: what lies outside by less is inside
+constexpr double kInCone = 1e-9;     ///< of the largest impulse: what lies outside by less is inside
 constexpr double kBalanced = 1e-12;  ///< of the largest impulse
-constexpr double kFloating = 1e-14;  ///< of the weights: keeps bodies without ground solvable
+constexpr double kFloating = 1e-14;  ///< of a body's weights: keeps those without ground solvable
 constexpr int kMostIterations = 40;
 constexpr int kMostHalvings = 30;
 constexpr double kArmijo = 1e-4;
@@ -93,7 +93,6 @@ class Dual {
   }
 
   double largest() const { return largest_; }
-  const Eigen::VectorXd& wanted() const { return wanted_; }
 
   Vec3 free(std::size_t c, const Eigen::VectorXd& mu) const {
     const SharedImpulse& s = told_[c];
@@ -117,29 +116,28 @@ class Dual {
     return sum;
   }
 
-  /// What the bodies' sums have too much.
-  Eigen::VectorXd gradient(const Eigen::VectorXd& mu) const {
+  /// What the bodies' sums have too much; with_cones: else as if there were none.
+  Eigen::VectorXd gradient(const Eigen::VectorXd& mu, bool with_cones) const {
     Eigen::VectorXd sum = -wanted_;
-    for (std::size_t c = 0; c < told_.size(); ++c) addSigned(told_[c], at(c, mu), sum);
+    for (std::size_t c = 0; c < told_.size(); ++c)
+      addSigned(told_[c], with_cones ? at(c, mu) : free(c, mu), sum);
     return sum;
   }
 
-  /// The Newton step against `gradient`; with_cones: else as if there were none.
+  /// The Newton step against that.
   Eigen::VectorXd step(const Eigen::VectorXd& mu, const Eigen::VectorXd& gradient, bool with_cones) {
     entries_.clear();
-    double heaviest = 0;
     for (std::size_t c = 0; c < told_.size(); ++c) {
       Mat3 J = Mat3::Identity();
       if (with_cones) project(cones_[c], free(c, mu), &J);
       const SharedImpulse& s = told_[c];
-      heaviest = std::max(heaviest, s.weight);
       J *= s.weight;
-      addBlock(s.first, s.first, J);
-      addBlock(s.second, s.second, J);
+      const Mat3 own = J + kFloating * s.weight * Mat3::Identity();
+      addBlock(s.first, s.first, own);
+      addBlock(s.second, s.second, own);
       addBlock(s.first, s.second, -J);
       addBlock(s.second, s.first, -J);
     }
-    for (int i = 0; i < wanted_.size(); ++i) entries_.emplace_back(i, i, kFloating * heaviest);
     matrix_.setFromTriplets(entries_.begin(), entries_.end());
     return -Eigen::SimplicialLDLT<Matrix>(matrix_).solve(gradient);
   }
@@ -166,15 +164,10 @@ class Dual {
 /// From where mu stands: the best balance on the way, as there may be none. Near the end the value
 /// no longer tells steps apart, the gradient does.
 Eigen::VectorXd minimise(Dual& dual, Eigen::VectorXd mu) {
-  Eigen::VectorXd gradient = dual.gradient(mu), best = mu;
+  Eigen::VectorXd gradient = dual.gradient(mu, true), best = mu;
   double least = gradient.cwiseAbs().maxCoeff();
-  for (int i = 0; i < kMostIterations; ++i) {
+  for (int i = 0; i < kMostIterations && least > kBalanced * dual.largest(); ++i) {
     const double left = gradient.cwiseAbs().maxCoeff(), value = dual.value(mu);
-    if (left < least) {
-      least = left;
-      best = mu;
-    }
-    if (left <= kBalanced * dual.largest()) break;
     const Eigen::VectorXd step = dual.step(mu, gradient, true);
     const double slope = gradient.dot(step);
     if (!step.allFinite() || !(slope < 0)) break;
@@ -183,15 +176,25 @@ Eigen::VectorXd minimise(Dual& dual, Eigen::VectorXd mu) {
     for (int k = 0;; ++k, t /= 2) {
       if (k == kMostHalvings) return best;
       next = mu + t * step;
-      next_gradient = dual.gradient(next);
+      next_gradient = dual.gradient(next, true);
       if (dual.value(next) <= value + kArmijo * t * slope ||
           next_gradient.cwiseAbs().maxCoeff() <= left / 2)
         break;
     }
     mu.swap(next);
     gradient.swap(next_gradient);
+    if (gradient.cwiseAbs().maxCoeff() < least) {
+      least = gradient.cwiseAbs().maxCoeff();
+      best = mu;
+    }
   }
   return best;
+}
+
+/// What balances where nothing is bound, twice: weights may be far apart, and rounding with them.
+Eigen::VectorXd unbound(Dual& dual, Eigen::VectorXd mu) {
+  for (int i = 0; i < 2; ++i) mu += dual.step(mu, dual.gradient(mu, false), false);
+  return mu;
 }
 
 }  // namespace
@@ -200,19 +203,23 @@ void spreadWithinCones(const std::vector<Vec3>& rest, std::vector<SharedImpulse>
   if (rest.empty() || impulses.empty()) return;
   const std::vector<SharedImpulse> told = impulses;
   Dual dual(rest, told);
-  Eigen::VectorXd mu = Eigen::VectorXd::Zero(3 * static_cast<int>(rest.size()));
-  mu = dual.step(mu, dual.gradient(mu), false);
+  Eigen::VectorXd mu = unbound(dual, Eigen::VectorXd::Zero(3 * static_cast<int>(rest.size())));
   if (!mu.allFinite()) return;
   if (dual.isInCones(mu)) {
     for (std::size_t c = 0; c < told.size(); ++c) impulses[c].impulse = dual.free(c, mu);
     return;
   }
   mu = minimise(dual, mu);
-  const Eigen::VectorXd left = dual.step(mu, dual.gradient(mu), false);
-  for (std::size_t c = 0; c < told.size(); ++c) {
-    impulses[c].impulse = dual.at(c, mu);
-    if (left.allFinite()) impulses[c].impulse += dual.free(c, left) - told[c].impulse;
-  }
+  for (std::size_t c = 0; c < told.size(); ++c) impulses[c].impulse = dual.at(c, mu);
+  // What no impulse in the cones can give.
+  const std::vector<SharedImpulse> within = impulses;
+  const Eigen::VectorXd missing = -dual.gradient(mu, true);
+  std::vector<Vec3> left(rest.size());
+  for (std::size_t i = 0; i < rest.size(); ++i) left[i] = missing.segment<3>(3 * static_cast<int>(i));
+  Dual again(left, within);
+  const Eigen::VectorXd more = unbound(again, Eigen::VectorXd::Zero(mu.size()));
+  if (!more.allFinite()) return;
+  for (std::size_t c = 0; c < told.size(); ++c) impulses[c].impulse = again.free(c, more);
 }
 
 }  // namespace ragdoll

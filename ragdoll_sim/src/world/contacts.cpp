@@ -13,9 +13,10 @@ namespace {
 
 constexpr double kNoRest = 1e-13;     ///< of a body's momenta: a rest below is rounding
 constexpr double kLeastShare = 1e-6;  ///< of the strongest contact: what any contact can take
-constexpr double kUnknown = 1e4;     ///< likewise: sleepers' contacts with each other take the rest
-constexpr double kPressing = 1e-5;   ///< [m] of those a gap up to this presses
-constexpr double kNoForce = 1e-12;   ///< of the weight: no contact
+constexpr double kUnknown = 1e8;      ///< likewise: sleepers' contacts with each other take the rest
+constexpr double kApart = 1e-2;       ///< likewise, but for those
+constexpr double kPressing = 1e-5;    ///< [m] that are farther apart
+constexpr double kNoForce = 1e-12;    ///< of the weight: no contact
 constexpr std::uint32_t kImpactsOfAStep = 256;  ///< ids that a step has
 
 auto keyOf(const ContactImpulse& c) {
@@ -49,6 +50,16 @@ void addTo(ContactImpulse& sum, const ContactImpulse& next) {
   sum.effective_mass = mass;
   sum.slip = slip;
   sum.normal = turnedIntoCone(sum);
+}
+
+/// A later part of it in the same step: it pressed where both did in the mean.
+void addPart(ContactImpulse& sum, const ContactImpulse& next) {
+  const double before = sum.impulse.norm(), after = next.impulse.norm();
+  const Vec3 point = before + after > 0
+                         ? Vec3(sum.point + after / (before + after) * (next.point - sum.point))
+                         : next.point;
+  addTo(sum, next);
+  sum.point = point;
 }
 
 bool isPinned(const Model& model, int ragdoll) {
@@ -143,13 +154,14 @@ bool Contacts::nothingHappened(const Model& model, const Inputs& inputs, const S
                       [&](const Poke& poke) { return isActive(poke, state.time - h, h); });
 }
 
-/// One entry for each contact of the step, in an order of their own.
+/// One entry for each contact of the step, in an order of their own, where its parts pressed in the
+/// mean.
 void Contacts::merge() {
   std::stable_sort(step_.begin(), step_.end(), isBefore);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < step_.size(); ++i) {
     if (kept > 0 && keyOf(step_[kept - 1]) == keyOf(step_[i]))
-      addTo(step_[kept - 1], step_[i]);
+      addPart(step_[kept - 1], step_[i]);
     else
       step_[kept++] = step_[i];
   }
@@ -205,7 +217,7 @@ void Contacts::spread(const Model& model, const std::vector<Vec3>& rest) {
   const auto weight = [&](const ContactImpulse& c) {
     const bool unknown =
         c.impulse.isZero(0) && partnerOf(c) >= 0 && slept_[c.ragdoll] && slept_[partnerOf(c)];
-    if (unknown && strongest > 0) return kUnknown * (c.depth > -kPressing ? 1 : kLeastShare);
+    if (unknown && strongest > 0) return c.depth > -kPressing ? kUnknown : kApart;
     return strongest > 0 ? c.impulse.norm() / strongest + kLeastShare : 1;
   };
   std::vector<int> place(rest.size(), -1);
@@ -237,7 +249,7 @@ void Contacts::putOnPins(const Model& model, const Inputs& inputs, const State& 
   for (int i = 0; i < static_cast<int>(model.ragdolls.size()); ++i) {
     if (!isPinned(model, i)) continue;
     const std::vector<Vec3> by_pins = impulsesByPins(
-        model, i, middle, unexplained(model, inputs, step_, before_, state, i));
+        model, i, middle, unexplained(model, inputs, step_, before_, middle, state, i));
     auto next = by_pins.begin();
     for (std::size_t p = 0; p < model.pins.size(); ++p)
       if (model.pins[p].ragdoll == i) pins_[p] = *next++;

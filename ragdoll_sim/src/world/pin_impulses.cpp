@@ -51,7 +51,7 @@ Eigen::VectorXd flat(const Eigen::Ref<const Points>& points) {
 
 Points unexplained(const Model& model, const Inputs& inputs,
                    const std::vector<ContactImpulse>& contacts, const Points& before,
-                   const State& state, int ragdoll) {
+                   const Points& x, const State& state, int ragdoll) {
   const Ragdoll& r = model.ragdolls[ragdoll];
   const Skeleton& s = model.skeletonOf(r);
   const double h = model.solver.step, time = state.time - h;
@@ -66,7 +66,7 @@ Points unexplained(const Model& model, const Inputs& inputs,
       rest.col(poke.body.particles[k] - r.first) -= h * poke.body.weight[k] * poke.force;
   }
   const auto give = [&](const std::array<int, 2>& particle, const Vec3& point, const Vec3& impulse) {
-    const Eigen::Vector2d shares = sharesOf(particle, point, state.x);
+    const Eigen::Vector2d shares = sharesOf(particle, point, x);
     for (int end = 0; end < 2; ++end)
       if (particle[end] >= 0) rest.col(particle[end] - r.first) -= shares[end] * impulse;
   };

@@ -17,10 +17,11 @@
 namespace ragdoll {
 
 /// [N s] that a step's momenta (3 x n, of the ragdoll's particles) changed by, beyond gravity,
-/// damping, pokes and these contacts. before: velocities [m/s] at its start; state: at its end.
+/// damping, pokes and these contacts. before: velocities [m/s] at its start; x: positions (3 x N)
+/// [m] in its middle; state: at its end.
 Points unexplained(const Model& model, const Inputs& inputs,
                    const std::vector<ContactImpulse>& contacts, const Points& before,
-                   const State& state, int ragdoll);
+                   const Points& x, const State& state, int ragdoll);
 
 /// [N s] by each of the ragdoll's pins, in the order of Model::pins; of second order in the step.
 /// x: positions (3 x N) [m] in the middle of the step; rest: unexplained(). Their sum is that of

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <string>
 #include <tuple>
+#include <vector>
 
+#include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/step.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/world/contacts.h"
@@ -49,6 +51,51 @@ TEST_P(ConesOf, HumansHoldEveryForce) {
   EXPECT_GT(rows, 100);
   EXPECT_EQ(pulls, 0) << "of " << rows << ", worst " << worst << " N";
   EXPECT_EQ(beyond, 0) << "of " << rows << ", worst " << worst << " N";
+}
+
+/// What the step itself tells, part by part, about the normal along which each part came; and who
+/// came along one only keeps that.
+TEST_P(ConesOf, EveryPartHasItsOwn) {
+  Scene scene = loadScene(std::get<1>(GetParam()));
+  applySetting(scene, "solver.method", std::get<0>(GetParam()));
+  for (RagdollSpec& ragdoll : scene.ragdolls) ragdoll.compliant = std::get<2>(GetParam());
+  if (scene.solver.method == Method::kFast) return;  // tells what its state has: docs/body.md#forces
+  const Model model = buildModel(scene);
+  State state = startState(model);
+  const Inputs inputs = startInputs(model);
+  Workspace workspace;
+  Contacts contacts(model);
+  workspace.keepContacts(&contacts.log());
+  const double h = model.solver.step, least = 1e-9 * 75 * 9.81 * h;  // [N s]
+  int parts = 0, single = 0;
+  while (state.time < 4) {
+    contacts.begin(state);
+    step(model, inputs, workspace, state);
+    const std::vector<ContactImpulse> told = contacts.log().impulses;
+    contacts.end(model, inputs, state);
+    for (const ContactImpulse& c : told) {
+      const double normal = c.impulse.dot(c.normal);
+      const double tangent = (c.impulse - normal * c.normal).norm();
+      ++parts;
+      ASSERT_GT(normal, -least) << state.time;
+      ASSERT_LT(tangent, c.friction * normal + least) << state.time;
+    }
+    for (const ContactImpulse& c : contacts.last()) {
+      const ContactImpulse* one = nullptr;
+      int count = 0;
+      for (const ContactImpulse& part : told)
+        if (part.ragdoll == c.ragdoll && part.obstacle == c.obstacle && part.other == c.other &&
+            part.particle == c.particle && part.other_particle == c.other_particle) {
+          one = &part;
+          ++count;
+        }
+      if (count != 1) continue;
+      ++single;
+      ASSERT_LT((c.normal - one->normal).norm(), 1e-12) << state.time;
+    }
+  }
+  EXPECT_GT(parts, 100);
+  EXPECT_GT(single, 5);
 }
 
 }  // namespace

@@ -7,8 +7,7 @@
 // its share and stays within friction's cone (cone_balance.h): so the sum of forces is exact. A
 // body with pins has that rest on its pins. A sleeper is told what its state has of when it fell
 // asleep, from other sleepers what is left of its weight, and its sum carries its weight. A
-// function of states and inputs: the same whenever one begins to
-// listen. docs/body.md#forces.
+// function of states and inputs: the same whenever one begins to listen. docs/body.md#forces.
 #pragma once
 
 #include <cstdint>

@@ -54,10 +54,36 @@ double slipOf(const StepContext& step, const Contact& c) {
   return (rate - rate.dot(c.normal) * c.normal).norm();
 }
 
-/// What the position stage gave to a contact.
+/// The contact's first body alone.
+Contact ownOf(const Contact& c) {
+  Contact own = c;
+  own.count = c.count == 4 ? 2 : c.count;
+  return own;
+}
+
+/// [m] of its surface, where its centre line is at `centre`.
+Vec3 surfaceAt(const Model& model, const Contact& own, const Vec3& centre) {
+  double radius = 0;
+  for (int k = 0; k < own.count; ++k) radius += own.weight[k] * model.radius[own.particle[k]];
+  return centre - radius * own.normal;
+}
+
+/// [m] where it was at the motion's start.
+Vec3 pointBefore(const Island& island, const Contact& c) {
+  const Contact own = ownOf(c);
+  const Body& body = *island.bodies[island.placeOf(c.ragdoll)];
+  Vec3 centre = Vec3::Zero();
+  for (int k = 0; k < own.count; ++k)
+    centre += own.weight[k] * body.saved.x.col(own.particle[k] - body.first);
+  return surfaceAt(island.context.model, own, centre);
+}
+
+/// What the position stage gave to a contact: along the normal, and at the place, of the motion's
+/// start.
 void addPosition(const Island& island, const Contact& c, const Vec3& impulse) {
   const StepContext& step = island.context;
   ContactImpulse e = entryOf(step.model, step.state, c);
+  e.point = pointBefore(island, c);
   e.impulse = impulse;
   e.approach = std::max(0.0, -c.normal.dot(rateOf(step, c)));
   step.log->impulses.push_back(e);
@@ -198,15 +224,16 @@ void addPeaks(std::vector<ContactImpulse>& entries, std::size_t first) {
 
 }  // namespace
 
+Vec3 pointOf(const Island& island, const Contact& c, const double* x) {
+  const Contact own = ownOf(c);
+  return surfaceAt(island.context.model, own, motionOf(island, own, x));
+}
+
 void logImpulse(const Island& island, const Contact& c, const LoggedImpact& impact, const double* x,
                 const double* v) {
   const StepContext& step = island.context;
   ContactImpulse e = entryOf(step.model, step.state, c);
-  Contact own = c;
-  own.count = std::min(c.count, 2);
-  double radius = 0;
-  for (int k = 0; k < own.count; ++k) radius += c.weight[k] * step.model.radius[c.particle[k]];
-  e.point = motionOf(island, own, x) - radius * c.normal;
+  e.point = pointOf(island, c, x) + impact.back;
   e.depth = c.found - c.normal.dot(motionOf(island, c, x));
   e.impulse = impact.impulse;
   e.approach = impact.approach;
@@ -214,6 +241,8 @@ void logImpulse(const Island& island, const Contact& c, const LoggedImpact& impa
   const Vec3 rate = motionOf(island, c, v);
   e.slip = (rate - rate.dot(c.normal) * c.normal).norm();
   e.effective_mass = impact.answer > 0 ? 1 / impact.answer : 0;
+  e.normal = (c.normal + impact.turn).normalized();
+  e.normal = turnedIntoCone(e);
   step.log->impulses.push_back(e);
 }
 

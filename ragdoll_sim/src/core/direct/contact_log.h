@@ -23,7 +23,12 @@ struct LoggedImpact {
   double approach = 0;          ///< [m/s]
   double answer = 0;            ///< [1/kg] to a push along the normal
   double peak = 0;              ///< [N] of what gives way
+  Vec3 back = Vec3::Zero();  ///< [m] from where it is to where it pressed in the mean
+  Vec3 turn = Vec3::Zero();  ///< from the normal to the mean one
 };
+
+/// [m] of the first body's surface at x, coordinates as of a mode (mode.h).
+Vec3 pointOf(const Island& island, const Contact& contact, const double* x);
 
 /// Of a contact at x, v (coordinates as of a mode, mode.h): what one impact, or a smooth motion,
 /// gave.

@@ -38,7 +38,7 @@ void addSpring(Island& island, const ModeRow& row, double h, LoggedImpact& gave)
   if (m.gap[0] > -island.bodies[0]->tolerances.touching) gave.approach = std::max(0.0, -m.rate[0]);
 }
 
-/// Writes down what pressed over h.
+/// Writes down what pressed over h: of second order, along and at what is between start and end.
 void logPiece(Island& island, double h) {
   using namespace dormand_prince;
   if (!isLogged(island) || !(h > 0)) return;
@@ -46,12 +46,27 @@ void logPiece(Island& island, double h) {
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
     const ModeRow& row = mode.rows[i];
     if (!row.presses || !row.isContact()) continue;
-    const Contact c = placeOf(island, row, mode.end.x.data(), mode.end.v.data(), false).contact;
+    const auto contactAt = [&](ModePoint& point) {
+      return placeOf(island, row, point.x.data(), point.v.data(), false).contact;
+    };
+    const Contact before = contactAt(mode.start);
+    const Contact c = contactAt(mode.end);
     LoggedImpact gave;
-    for (int k = 0; k < kStages; ++k)
-      gave.impulse +=
-          h * kB[k] * (mode.stages[k].normal[i] * c.normal + mode.stages[k].friction[i]);
+    double pressed = 0, late = 0;
+    for (int k = 0; k < kStages; ++k) {
+      const double press = h * kB[k] * mode.stages[k].normal[i];
+      pressed += press;
+      late += kC[k] * press;
+      gave.impulse += press * (before.normal + kC[k] * (c.normal - before.normal)) +
+                      h * kB[k] * mode.stages[k].friction[i];
+    }
     if (row.isSoft()) addSpring(island, row, h, gave);
+    if (pressed > 0) {
+      const double early = 1 - std::clamp(late / pressed, 0.0, 1.0);
+      gave.back = early * (pointOf(island, before, mode.start.x.data()) -
+                           pointOf(island, c, mode.end.x.data()));
+      gave.turn = early * (before.normal - c.normal);
+    }
     logImpulse(island, c, gave, mode.end.x.data(), mode.end.v.data());
   }
 }
