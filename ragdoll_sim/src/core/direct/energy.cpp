@@ -106,16 +106,62 @@ bool isSmooth(const Body& body) {
          std::all_of(impulses.begin(), impulses.end(), touches);
 }
 
+/// [N]
+double weightOf(const Body& body) {
+  return body.rows->mass.sum() * body.context->model.gravity.norm();
+}
+
+/// [N] of gravity and pokes, whatever their directions.
+double forceOn(const Body& body) {
+  const StepContext& step = *body.context;
+  double force = weightOf(body);
+  if (step.force) force += step.force->middleCols(body.first, body.n).colwise().norm().sum();
+  return force;
+}
+
+/// [J] before the motion. Of what all but stands it may round to less than nothing.
+double kineticEnergyBefore(Body& body) {
+  return std::max(0.0, kineticEnergy(*body.rows, body.saved.v, body.energy));
+}
+
 /// [J] at the most, by what drives the body at `drive` [m/s]. Seen from there it gains nothing;
 /// here it may be faster by twice the speed, and be lifted against what else acts on it.
 double drivenWork(Body& body, double drive) {
-  const StepContext& step = *body.context;
   const double mass = body.rows->mass.sum();
-  // Of what all but stands it may round to less than nothing.
-  const double before = std::max(0.0, kineticEnergy(*body.rows, body.saved.v, body.energy));
-  double force = mass * step.model.gravity.norm();
-  if (step.force) force += step.force->middleCols(body.first, body.n).colwise().norm().sum();
-  return drive * (2 * mass * (std::sqrt(2 * before / mass) + drive) + force * step.h);
+  const double speed = std::sqrt(2 * kineticEnergyBefore(body) / mass);
+  return drive * (2 * mass * (speed + drive) + forceOn(body) * body.context->h);
+}
+
+/// [m] What is open at the motion's start and closes: overlaps with obstacles, and joints beyond
+/// their limits. Sticks on the way to their lengths have no bound of their own.
+double openingOf(const Body& body) {
+  if (!body.isWhole()) return body.rows->scale;
+  double opening = body.constraints.overlap;
+  for (const LimitRow& limit : body.constraints.limits)
+    if (limit.compliance == 0) opening = std::max(opening, -limit.before * body.rows->scale);
+  return opening;
+}
+
+/// [m] The same between bodies.
+double openingOfPairs(const Island& island) {
+  double opening = 0;
+  for (const Contact& c : island.pairs.contacts)
+    if (!c.isSoft()) opening = std::max(opening, -c.gap_start);
+  return opening;
+}
+
+/// [J] at the most, that what opens and what drives the bodies lift them by; and what tolerances
+/// do.
+double liftingWork(const Island& island) {
+  const double pairs = openingOfPairs(island);
+  double work = 0;
+  for (const Body* body : island.bodies) {
+    const double opening = std::max(pairs, openingOf(*body)), most = kWildSpeed * body->took;
+    const double lift =
+        body->driven ? most : std::min((kWildSpeed / kRecoverySpeed) * opening, most);
+    work += weightOf(*body) * lift + forceOn(*body) * kTouching;
+  }
+  return work;
 }
 
 /// Whether an obstacle touches the body or presses it.
@@ -195,6 +241,12 @@ bool isLargeGain(Island& island, double gain, bool smooth) {
   return smooth ? std::abs(gain) > kRedoGain * energy : gain > kRedoGain * energy;
 }
 
+double kineticEnergyOf(Island& island) {
+  double energy = 0;
+  for (Body* body : island.bodies) energy += kineticEnergy(*body);
+  return energy;
+}
+
 double wildGain(Island& island) {
   double wild = 0;
   for (Body* body : island.bodies)
@@ -213,16 +265,15 @@ double takeEnergyOut(Island& island, const std::vector<Body*>& bodies, double ga
 
 bool removeEnergy(Island& island, double gain) {
   if (!(gain > 0)) return true;
-  double before = 0;
-  for (Body* body : island.bodies) before += kineticEnergy(*body);
+  double energy = std::max(1.0, kineticEnergyOf(island));
   const double left = takeEnergyOut(island, island.bodies, gain);
-  if (left <= kRedoGain * before || !island.context.model.compliant)
-    return left <= kRedoGain * before;
-  // Springs may have held it all.
-  for (Body* body : island.bodies)
-    before += kineticEnergy(*body->rows, body->saved.v, body->energy) + storedBefore(*body);
-  if (!island.isLone()) before += storedBetweenBefore(island, island.bodies);
-  return left <= kRedoGain * before;
+  if (left <= kRedoGain * energy) return true;
+  for (Body* body : island.bodies) energy += kineticEnergyBefore(*body);
+  if (island.context.model.compliant) {  // springs may have held it all
+    for (Body* body : island.bodies) energy += storedBefore(*body);
+    if (!island.isLone()) energy += storedBetweenBefore(island, island.bodies);
+  }
+  return left <= kRedoGain * energy + liftingWork(island);
 }
 
 }  // namespace ragdoll

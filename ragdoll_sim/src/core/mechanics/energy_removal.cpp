@@ -36,8 +36,7 @@ class Group {
       return 0;
     }
     if (!held) return takeOutOfRelative(commonMotion(), gain - inner);
-    const double left = takeOutOfRelative(RigidMotion(), gain - inner);
-    return model_.compliant ? left : 0;  // springs may hold more than moves
+    return takeOutOfRelative(RigidMotion(), gain - inner);
   }
 
  private:

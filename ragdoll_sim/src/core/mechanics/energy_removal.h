@@ -22,8 +22,8 @@ struct RemovalScratch {
 
 /// Takes `gain` [J] out of the motion of these bodies, one or more. held: something that takes
 /// momentum, other than these bodies, pressed on one of them or pins it. Returns what is left of
-/// the gain [J] where nothing holds the bodies: the momentum of their common rigid motion is
-/// nobody's to take.
+/// the gain [J]: there may be less motion than it, and where nothing holds the bodies the momentum
+/// of their common rigid motion is nobody's to take.
 double takeEnergyOut(const Model& model, const std::vector<int>& bodies, bool held, double gain,
                      State& state, RemovalScratch& scratch);
 
