@@ -125,9 +125,9 @@ constexpr FootRing kFoot[] = {
 constexpr FootRing kToe{0.172, -0.028, 0, 0, 0};
 constexpr double kSole = -0.040;  ///< [m] the ground under the foot's particle
 
-class Builder {
+class SkinBuilder {
  public:
-  Builder(const Skeleton& skeleton, const FrameTree& tree) : s_(skeleton), tree_(tree) {
+  SkinBuilder(const Skeleton& skeleton, const FrameTree& tree) : s_(skeleton), tree_(tree) {
     k_ = (at("left_leg") - at("left_knee")).norm() / kThigh;
     // The table's hips, shoulders and neck; what the model has otherwise stretches the trunk.
     hips_ = (at("left_hip") + at("right_hip")) / 2;
@@ -423,7 +423,7 @@ class Builder {
 
 BoundMesh humanSkin(const Skeleton& skeleton, const FrameTree& tree) {
   assert(tree.human);
-  return Builder(skeleton, tree).build();
+  return SkinBuilder(skeleton, tree).build();
 }
 
 }  // namespace ragdoll

@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::size_t kMaxParticles = 1000;  ///< of one model; its mass matrix is dense
 constexpr std::size_t kMaxSticks = 2000;     ///< of one model; so are the matrices over its sticks
-constexpr double kDegree = M_PI / 180;
 
 ParticleSpec readParticle(const std::string& name, const Reader& reader) {
   ParticleSpec particle;

@@ -3,6 +3,7 @@
 // ("fall.yaml:12: ragdolls[0].position") and says what would be right.
 #pragma once
 
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,6 +14,8 @@
 #include "ragdoll_sim/core/types.h"
 
 namespace ragdoll::io {
+
+constexpr double kDegree = M_PI / 180;  ///< [rad]
 
 class Reader {
  public:

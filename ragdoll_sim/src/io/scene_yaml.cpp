@@ -21,8 +21,8 @@ constexpr std::size_t kMaxEntries =
     10000;  ///< of every list of a scene, and of all ragdolls together
 constexpr std::size_t kMaxParts = 200000;   ///< of all models of a scene: an alias repeats parts
 constexpr std::size_t kMaxPlaced = 100000;  ///< particles of a scene with a place of their own
-constexpr double kDegree = M_PI / 180;
-constexpr double kUnitTolerance = 1e-14;  ///< a quaternion this close to unit length stays as it is
+constexpr double kUnitQuaternion =
+    1e-14;  ///< a quaternion this close to unit length stays as it is
 
 /// Models of one scene: each is read once and shared by all ragdolls that name it.
 class ModelCache {
@@ -87,7 +87,7 @@ Quat readOrientation(MapReader& map) {
   const double length = given_orientation.coeffs().stableNorm();
   if (!(length > kMinLength))
     quaternion->fail("has length 0; [x, y, z, w] of length 1 is expected");
-  if (std::abs(length - 1) < kUnitTolerance) return given_orientation;
+  if (std::abs(length - 1) < kUnitQuaternion) return given_orientation;
   return Quat(given_orientation.coeffs() / length);
 }
 

@@ -11,8 +11,8 @@ namespace {
 using Clock = Simulation::Clock;
 using std::chrono::milliseconds;
 
-constexpr milliseconds kPeriod{10};     ///< between two looks
-constexpr milliseconds kSilence{1000};  ///< a frame without news for so long is reported
+constexpr milliseconds kLookPeriod{10};  ///< between two looks
+constexpr milliseconds kSilence{1000};   ///< a frame without news for so long is reported
 
 /// What holding or letting go took, if it is worth telling; it goes to the log, too.
 std::string energyText(const World& world) {
@@ -89,7 +89,7 @@ void Attachments::run() {
   std::unique_lock<std::mutex> lock(mutex_);
   for (;;) {
     wake_.wait(lock, [this] { return stopping_ || follows_ || !heard_.empty(); });
-    if (wake_.wait_for(lock, kPeriod, [this] { return stopping_; })) return;
+    if (wake_.wait_for(lock, kLookPeriod, [this] { return stopping_; })) return;
     lock.unlock();
     try {
       look();

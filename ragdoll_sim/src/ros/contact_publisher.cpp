@@ -15,7 +15,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kQueue = 100;
+constexpr int kReportQueue = 100;
 constexpr int kImpactQueue = 10000;         ///< one step may have many
 constexpr std::size_t kMostWrenches = 200;  ///< topics
 
@@ -28,7 +28,7 @@ Pose inverse(const Pose& pose) {
 
 ContactPublisher::ContactPublisher(ros::NodeHandle& nh, std::string world_frame)
     : nh_(nh), world_frame_(std::move(world_frame)), largest_(nh) {
-  contacts_ = Topic::advertise<ragdoll_msgs::ContactStates>(nh, "contacts", kQueue);
+  contacts_ = Topic::advertise<ragdoll_msgs::ContactStates>(nh, "contacts", kReportQueue);
   impacts_ = Topic::advertise<ragdoll_msgs::Impact>(nh, "impacts", kImpactQueue);
 }
 
@@ -56,7 +56,7 @@ void ContactPublisher::follow(const Snapshot& world, const std::vector<std::stri
   std::vector<Topic> topics;
   for (const std::string& name : topicNames(names))
     topics.push_back(
-        Topic::advertise<geometry_msgs::WrenchStamped>(nh_, "wrenches/" + name, kQueue));
+        Topic::advertise<geometry_msgs::WrenchStamped>(nh_, "wrenches/" + name, kReportQueue));
   wrenches_ = std::move(topics);
   names_ = std::move(names);
 }

@@ -18,8 +18,8 @@ namespace ragdoll {
 namespace {
 
 constexpr double kRivalry = 5;  ///< [s] without a frame of the other's, then it is over
-constexpr std::chrono::milliseconds kPeriod{250};  ///< between two times that it hears unasked
-constexpr int kQueue = 10000;                      ///< messages that may come meanwhile
+constexpr std::chrono::milliseconds kHearPeriod{250};  ///< between two times that it hears unasked
+constexpr int kMessageQueue = 10000;                   ///< messages that may come meanwhile
 constexpr std::size_t kOwnKept = 600;  ///< messages: 10 s at 60 Hz, as long as tf2 keeps any
 
 /// TF lets numbers of any size through, infinite ones, too.
@@ -35,9 +35,9 @@ FrameLookup::FrameLookup(const std::string& world_frame) : world_frame_(world_fr
   // tf2 throws at stamps near 2^32 s would end the node.
   const auto subscribe = [&](const char* topic, bool is_static) {
     return node_.subscribe<tf2_msgs::TFMessage, const Event&>(
-        topic, kQueue, boost::function<void(const Event&)>([this, is_static](const Event& e) {
-          hear(e, is_static);
-        }));
+        topic, kMessageQueue,
+        boost::function<void(const Event&)>(
+            [this, is_static](const Event& e) { hear(e, is_static); }));
   };
   moving_ = subscribe("/tf", false);
   static_ = subscribe("/tf_static", true);
@@ -55,7 +55,7 @@ FrameLookup::~FrameLookup() {
 
 void FrameLookup::run() {
   std::unique_lock<std::mutex> lock(end_mutex_);
-  while (!end_.wait_for(lock, kPeriod, [this] { return ends_; })) listen();
+  while (!end_.wait_for(lock, kHearPeriod, [this] { return ends_; })) listen();
 }
 
 void FrameLookup::listen() const {

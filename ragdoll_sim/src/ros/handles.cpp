@@ -18,13 +18,13 @@ using visualization_msgs::InteractiveMarkerControl;
 using visualization_msgs::InteractiveMarkerFeedback;
 using visualization_msgs::Marker;
 
-constexpr milliseconds kPeriod{70};     ///< between two updates of the handles, at most
+constexpr milliseconds kHandlePeriod{70};  ///< between two updates of the handles, at most
 constexpr milliseconds kSilence{1000};  ///< rviz is heard of four times a second while it holds one
 constexpr std::size_t kManyHandles = 60;  ///< more than this are thinned out
 constexpr std::size_t kMaxHandles = 100;  ///< more than this rviz draws slowly
 constexpr double kSize = 1.15;            ///< of a handle, in sizes of its particle
 constexpr double kMinRadius = 0.065;      ///< [m] of a handle
-constexpr double kWarnPeriod = 1;         ///< [s] bad feedback is reported this often
+constexpr double kBadFeedbackPeriod = 1;  ///< [s] bad feedback is reported this often
 const Rgba kColor{1.0f, 0.72f, 0.25f, 0.14f};
 
 /// The ends of bones, or only those from which no other bone goes on; all particles of a body
@@ -121,7 +121,7 @@ void Handles::feedback(const Feedback& message) {
         break;
     }
   } catch (const Error& e) {
-    ROS_WARN_THROTTLE(kWarnPeriod, "~handles/feedback ignored: %s", e.what());
+    ROS_WARN_THROTTLE(kBadFeedbackPeriod, "~handles/feedback ignored: %s", e.what());
   }
 }
 
@@ -151,7 +151,7 @@ void Handles::hold(const Feedback& message) {
 }
 
 void Handles::update() {
-  due_ = Simulation::Clock::now() + kPeriod;
+  due_ = Simulation::Clock::now() + kHandlePeriod;
   {
     std::lock_guard<std::mutex> lock(mutex_);
     endSilentGrips();

@@ -12,7 +12,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kQueue = 10000;  ///< a slow tick has many samples, and none is to be missing
+constexpr int kSampleQueue = 10000;  ///< a slow tick has many samples, and none is to be missing
 
 void setVariance(double deviation, boost::array<double, 9>& covariance) {
   covariance.fill(0);
@@ -52,7 +52,7 @@ void ImuPublisher::follow(const Snapshot& world) {
   std::vector<std::string> names;
   for (const Sensor& sensor : world.model->sensors) names.push_back("imu/" + sensor.name);
   for (const std::string& topic : topicNames(names))
-    topics_.push_back(nh_.advertise<sensor_msgs::Imu>(topic, kQueue));
+    topics_.push_back(nh_.advertise<sensor_msgs::Imu>(topic, kSampleQueue));
   for (const Sensor& sensor : world.model->sensors) {
     const SensorFrame frame = sensorFrame(*world.model, *world.tracker, sensor);
     mounts_.push_back({frame.frame, frame.local});

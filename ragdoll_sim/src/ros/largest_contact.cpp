@@ -11,13 +11,13 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kQueue = 10;
-constexpr std::chrono::milliseconds kPeriod{250};
+constexpr int kContactQueue = 10;
+constexpr std::chrono::milliseconds kContactPeriod{250};
 
 }  // namespace
 
 LargestContact::LargestContact(ros::NodeHandle& nh) {
-  topic_ = Topic::advertise<ragdoll_msgs::ContactStates>(nh, "largest_contact", kQueue);
+  topic_ = Topic::advertise<ragdoll_msgs::ContactStates>(nh, "largest_contact", kContactQueue);
 }
 
 void LargestContact::publish(const Snapshot& world, const std_msgs::Header& header, Outbox& out) {
@@ -25,7 +25,7 @@ void LargestContact::publish(const Snapshot& world, const std_msgs::Header& head
   hear(world);
   const Clock::time_point now = Clock::now();
   if (now < due_ || !(interval_ > 0)) return;
-  due_ = now + kPeriod;
+  due_ = now + kContactPeriod;
   ragdoll_msgs::ContactStates m;
   m.header = header;
   m.step = world.contacts->step;

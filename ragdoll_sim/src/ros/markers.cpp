@@ -15,11 +15,12 @@ namespace {
 using std::chrono::milliseconds;
 using visualization_msgs::Marker;
 
-constexpr milliseconds kPeriod{33};        ///< at most 30 Hz
+constexpr milliseconds kMarkerPeriod{33};  ///< at most 30 Hz
 constexpr milliseconds kStickPeriod{200};  ///< 5 Hz: the sticks of one body are 7 kB/s
 constexpr double kBodyLifetime = 0.5;      ///< [s]
 constexpr double kForever = 0;             ///< [s]
-constexpr int kQueue = 32;  ///< messages kept for a slow listener: what is told once is not dropped
+constexpr int kMarkerQueue =
+    32;  ///< messages kept for a slow listener: what is told once is not dropped
 constexpr double kPokeLifetime = 0.15;  ///< [s] a poke of one step is seen this long
 constexpr double kPullWidth = 0.01;     ///< [m]
 constexpr double kStickWidth = 0.012;   ///< [m]
@@ -42,8 +43,8 @@ MarkerPublisher::MarkerPublisher(ros::NodeHandle& nh, const std::string& world_f
                                  const std::string& coat)
     : world_frame_(world_frame), coat_(coat) {
   const auto joined = [this] { newcomer_ = true; };
-  markers_ = Topic::advertise<visualization_msgs::MarkerArray>(nh, "markers", kQueue, joined);
-  scenery_ = Topic::advertise<visualization_msgs::MarkerArray>(nh, "scenery", kQueue, joined);
+  markers_ = Topic::advertise<visualization_msgs::MarkerArray>(nh, "markers", kMarkerQueue, joined);
+  scenery_ = Topic::advertise<visualization_msgs::MarkerArray>(nh, "scenery", kMarkerQueue, joined);
 }
 
 void MarkerPublisher::setCoat(const std::string& coat) {
@@ -61,7 +62,7 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
   if (contacts_ && world.contacts) contact_markers_.hear(*world.contacts);
   const auto now = Simulation::Clock::now();
   if (now < next_) return;
-  next_ = std::max(next_ + kPeriod, now + kPeriod / 2);
+  next_ = std::max(next_ + kMarkerPeriod, now + kMarkerPeriod / 2);
 
   if (other_coat_.exchange(false) || world.scene != scene_) startScene(world);
   ++drawn_;

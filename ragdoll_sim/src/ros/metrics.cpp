@@ -5,20 +5,20 @@
 #include <cmath>
 
 #include "ragdoll_sim/core/bounds.h"
+#include "ragdoll_sim/core/findings.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/core/solver_presets.h"
 #include "ragdoll_sim/ros/convert.h"
-#include "ragdoll_sim/core/findings.h"
 #include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
 namespace {
 
-constexpr double kPeriod = 1;        ///< [s]
-constexpr double kTooSlow = 0.95;    ///< of the wanted real-time factor
-constexpr double kClockSilence = 5;  ///< [s] without a tick of /clock
+constexpr double kMetricsPeriod = 1;  ///< [s]
+constexpr double kTooSlow = 0.95;     ///< of the wanted real-time factor
+constexpr double kClockSilence = 5;   ///< [s] without a tick of /clock
 
 const char* name(Method method) {
   switch (method) {
@@ -62,7 +62,7 @@ Metrics::Metrics(ros::NodeHandle& nh, FrameTroubles troubles)
 
 void Metrics::publish(const Snapshot& world, const std_msgs::Header& header) {
   const double seconds = std::chrono::duration<double>(Simulation::Clock::now() - last_).count();
-  if (seconds < kPeriod) return;
+  if (seconds < kMetricsPeriod) return;
   last_ = Simulation::Clock::now();
   measure(world, seconds);
   message_.header = header;

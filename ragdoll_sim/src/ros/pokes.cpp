@@ -18,7 +18,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kWarnPeriod = 1;  ///< [s] a stream that is wrong is reported this often
+constexpr double kBadStreamPeriod = 1;  ///< [s] a stream that is wrong is reported this often
 
 /// [s] exact, and without the overflow of ros::Duration at 2^31 s.
 double since(const ros::Time& time, const ros::Time& other) {
@@ -102,7 +102,7 @@ void Pokes::wrench(const geometry_msgs::WrenchStamped& message) {
       world.stream(frame, wrenchPokes(world, frame, force, torque), seconds);
     });
   } catch (const Error& e) {
-    ROS_WARN_THROTTLE(kWarnPeriod, "~wrench ignored: %s", e.what());
+    ROS_WARN_THROTTLE(kBadStreamPeriod, "~wrench ignored: %s", e.what());
   }
 }
 

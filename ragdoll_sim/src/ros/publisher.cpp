@@ -20,7 +20,8 @@ constexpr double kTurn = 2 * M_PI;
 constexpr int kManyBodies = 50;  ///< with more, all their frames would fill /tf
 constexpr Clock::duration kIdlePeriod = std::chrono::milliseconds(100);
 constexpr std::chrono::milliseconds kHandlesEarly{8};  ///< so as to go with a tick
-constexpr int kQueue = 100;  ///< messages kept for a slow listener; then the oldest are dropped
+constexpr int kStateQueue =
+    100;  ///< messages kept for a slow listener; then the oldest are dropped
 
 }  // namespace
 
@@ -38,12 +39,12 @@ Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock
   markers_.showContacts(parameters.show_contacts);
   model_ = nh.advertise<ragdoll_msgs::Model>("model", 1, true);
   state_ = Topic::advertise<ragdoll_msgs::State>(
-      nh, "state", parameters.publish_every > 0 ? kEventQueue : kQueue,
+      nh, "state", parameters.publish_every > 0 ? kEventQueue : kStateQueue,
       [this] { newcomer_ = true; });
   pokes_ = nh.advertise<ragdoll_msgs::PokeEvent>("pokes", kEventQueue);
   followed_ = nh.advertise<ragdoll_msgs::FollowedFrame>("followed", kEventQueue);
-  tf_ = Topic::advertise<tf2_msgs::TFMessage>(nh, "/tf", kQueue);
-  joints_ = Topic::advertise<sensor_msgs::JointState>(nh, "joint_states", kQueue);
+  tf_ = Topic::advertise<tf2_msgs::TFMessage>(nh, "/tf", kStateQueue);
+  joints_ = Topic::advertise<sensor_msgs::JointState>(nh, "joint_states", kStateQueue);
   thread_ = std::thread([this] { run(); });
 }
 

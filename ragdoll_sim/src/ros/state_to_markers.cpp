@@ -15,9 +15,9 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kPeriod = 1.0 / 60;     ///< [s] between two pictures
-constexpr double kMaxGap = 0.1;          ///< [s] of simulation; a longer one is a jump
-constexpr double kWarnPeriod = 5;        ///< [s]
+constexpr double kPicturePeriod = 1.0 / 60;  ///< [s] between two pictures
+constexpr double kMaxGap = 0.1;              ///< [s] of simulation; a longer one is a jump
+constexpr double kIgnoredPeriod = 5;         ///< [s]
 constexpr double kRecordedTfHolds = 1;   ///< [s] without a recorded frame, then they are drawn anew
 constexpr std::size_t kMaxEarly = 1000;  ///< pokes kept until their model comes
 
@@ -30,7 +30,7 @@ StateToMarkers::StateToMarkers(ros::NodeHandle& nh, const std::string& coat)
   subscribers_.push_back(nh_.subscribe("pokes", 1000, &StateToMarkers::poke, this));
   subscribers_.push_back(nh_.subscribe("followed", 1000, &StateToMarkers::followed, this));
   subscribers_.push_back(nh_.subscribe("/tf", 100, &StateToMarkers::transforms, this));
-  timer_ = nh_.createWallTimer(ros::WallDuration(kPeriod),
+  timer_ = nh_.createWallTimer(ros::WallDuration(kPicturePeriod),
                                [this](const ros::WallTimerEvent&) { draw(); });
 }
 
@@ -79,7 +79,7 @@ void StateToMarkers::hearEarly() {
 void StateToMarkers::state(const ragdoll_msgs::State& message) {
   if (!world_.model) early_state_ = message;
   if (!world_.model || !fits(*world_.model, message)) {
-    ROS_WARN_THROTTLE(kWarnPeriod, "~state ignored: %s",
+    ROS_WARN_THROTTLE(kIgnoredPeriod, "~state ignored: %s",
                       world_.model ? "it is not of the scene that ~model told"
                                    : "no ~model has come yet; was it recorded?");
     return;
@@ -120,7 +120,7 @@ void StateToMarkers::poke(const ragdoll_msgs::PokeEvent& message) {
     if (message.run == world_.mark.run && told_.back().event.step < world_.state.step)
       world_.acted.push_back(event.poke);
   } catch (const Error& e) {
-    ROS_WARN_THROTTLE(kWarnPeriod, "~pokes ignored: %s", e.what());
+    ROS_WARN_THROTTLE(kIgnoredPeriod, "~pokes ignored: %s", e.what());
   }
 }
 
@@ -129,7 +129,7 @@ void StateToMarkers::followed(const ragdoll_msgs::FollowedFrame& message) {
   try {
     told_glides_[message.frame] = fromFollowedMsg(*world_.model, message);
   } catch (const Error& e) {
-    ROS_WARN_THROTTLE(kWarnPeriod, "~followed ignored: %s", e.what());
+    ROS_WARN_THROTTLE(kIgnoredPeriod, "~followed ignored: %s", e.what());
   }
 }
 

@@ -10,6 +10,7 @@ import concurrent.futures
 import hashlib
 import json
 import os
+import re
 import shlex
 import shutil
 import subprocess
@@ -60,10 +61,18 @@ def source_of(entry):
     return os.path.realpath(os.path.join(entry['directory'], entry['file']))
 
 
+def own_entries(entry):
+    """An entry for each source that a unity build has put together in one, or the entry itself."""
+    if not os.path.basename(entry['file']).startswith('unity_'):
+        return [entry]
+    sources = re.findall('^#include "(.+)"', open(source_of(entry)).read(), re.MULTILINE)
+    return [dict(entry, file=source) for source in sources]
+
+
 def entries_below(commands, folders):
     roots = tuple(os.path.realpath(folder) + os.sep for folder in folders)
-    found = {source_of(entry): entry for entry in json.load(open(commands))
-             if source_of(entry).startswith(roots)}
+    found = {source_of(own): own for entry in json.load(open(commands)) for own in own_entries(entry)
+             if source_of(own).startswith(roots)}
     return [found[source] for source in sorted(found)]
 
 

@@ -10,10 +10,10 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kFlatEdge = 1e-6;  ///< [m] flat along an edge, beside which a capsule is round
-constexpr double kRounding = 1e-9;  ///< of a place along a stick
-constexpr int kNarrowings = 8;      ///< false position, of the end of what lies flat
-constexpr int kHalvings = 16;       ///< and halvings of what that leaves
+constexpr double kFlatEdge = 1e-6;      ///< [m] flat along an edge, beside which a capsule is round
+constexpr double kAxisRounding = 1e-9;  ///< of a place along a stick
+constexpr int kNarrowings = 8;          ///< false position, of the end of what lies flat
+constexpr int kHalvings = 16;           ///< and halvings of what that leaves
 
 /// Where |u + t v| - taper t is least between lo and hi.
 double leastOf(const Vec3& u, const Vec3& v, double taper, double lo, double hi) {
@@ -112,7 +112,7 @@ double nearest(const Axis& axis) {
       const Vec3 face = middle.cwiseMax(-o.half).cwiseMin(o.half);
       t = leastOf((axis.a - face).cwiseProduct(outside), v.cwiseProduct(outside), taper, lo, hi);
     }
-    if (hi - t > kRounding) return t;  // the gap is convex: it grows from here on
+    if (hi - t > kAxisRounding) return t;  // the gap is convex: it grows from here on
   }
   return 1;
 }
@@ -124,7 +124,7 @@ double flatEnd(const Axis& axis, double t, double end) {
     const int k = end > t ? pieces.count - 1 - i : i;  // from that end on
     const double lo = std::max(pieces.cut[k], std::min(t, far));
     const double hi = std::min(pieces.cut[k + 1], std::max(t, far));
-    if (hi - lo > kRounding && outsideOf(axis, lo, hi).sum() <= 1) return end > t ? hi : lo;
+    if (hi - lo > kAxisRounding && outsideOf(axis, lo, hi).sum() <= 1) return end > t ? hi : lo;
   }
   const double least = t + std::copysign(kStickEnd, end - t);
   if (std::abs(end - t) > kStickEnd && axis.gap(least) > axis.gap(t) + kFlatEdge) return t;

@@ -9,12 +9,12 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kNarrowings = 24;      ///< false position (Illinois)
-constexpr int kHalvings = 40;        ///< of what that leaves, at a kink
-constexpr double kSettled = 1e-14;   ///< of the scale of pullAt
-constexpr double kRounding = 1e-12;  ///< of places
-constexpr double kTouches = 1e-11;   ///< [m] no depth
-constexpr double kDeeper = 1e-9;     ///< of the depth; below it is rounding
+constexpr int kNarrowings = 24;           ///< false position (Illinois)
+constexpr int kHalvings = 40;             ///< of what that leaves, at a kink
+constexpr double kSettled = 1e-14;        ///< of the scale of pullAt
+constexpr double kPlaceRounding = 1e-12;  ///< of places
+constexpr double kTouches = 1e-11;        ///< [m] no depth
+constexpr double kDeeper = 1e-9;          ///< of the depth; below it is rounding
 
 /// One place of the axis.
 struct Place {
@@ -61,7 +61,7 @@ bool narrow(const Axis& axis, const StickEnds& ends, Place& lo, Place& hi) {
   const double scale = kSettled * (ends.a.compliance + ends.b.compliance);
   double pull_lo = lo.pull, pull_hi = hi.pull;
   int last = 0;
-  for (int i = 0; i < kNarrowings + kHalvings && hi.t - lo.t > kRounding; ++i) {
+  for (int i = 0; i < kNarrowings + kHalvings && hi.t - lo.t > kPlaceRounding; ++i) {
     const double share = i < kNarrowings ? pull_lo / (pull_lo - pull_hi) : 0.5;
     const Place p = placeAt(axis, ends, lo.t + share * (hi.t - lo.t));
     const int side = p.pull > 0 ? 1 : -1;
@@ -72,7 +72,7 @@ bool narrow(const Axis& axis, const StickEnds& ends, Place& lo, Place& hi) {
     } else {
       hi = p, pull_hi = p.pull;
     }
-    if (std::abs(p.pull) <= scale * std::max(p.depth, kRounding)) {
+    if (std::abs(p.pull) <= scale * std::max(p.depth, kPlaceRounding)) {
       lo = hi = p;
       return false;
     }

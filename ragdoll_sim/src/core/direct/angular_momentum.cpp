@@ -11,7 +11,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kRounding = 1e-15;  ///< of the angular momentum: less lost is nothing lost
+constexpr double kNothingLost = 1e-15;  ///< of the angular momentum: less lost is nothing lost
 
 /// The motion of the bodies' common centre of mass, at x, v of each: of(body).
 template <class OfX, class OfV>
@@ -147,7 +147,7 @@ void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took)
   if (bodies[0]->damps_within) wanted *= std::exp(-island.context.model.solver.damping * took);
   wanted += givenByPokes(bodies, 0.5 * (before.centre + after.centre), took);
   Rotation now = rotationOf(bodies, after, x1, v1);
-  if ((wanted - now.angular).norm() <= kRounding * now.angular.norm()) return;
+  if ((wanted - now.angular).norm() <= kNothingLost * now.angular.norm()) return;
   if (metSoftly(island, bodies)) {
     turn(bodies, after, 0.5 * took * spinFor(now, wanted));
     now = rotationOf(bodies, after, x1, v1);

@@ -11,9 +11,9 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kFlat = 1e-6;     ///< of its size: thinner, points are on a line or in a point
-constexpr int kMostRoots = 200;    ///< particles that are tried as root; a long rope has more
-constexpr double kNoMass = 1e-14;  ///< of the largest mass: rounding
+constexpr double kThinPart = 1e-6;  ///< of its size: thinner, points are on a line or in a point
+constexpr int kMostRoots = 200;     ///< particles that are tried as root; a long rope has more
+constexpr double kNoMass = 1e-14;   ///< of the largest mass: rounding
 
 using Members = std::vector<int>;
 
@@ -29,7 +29,7 @@ int rankOf(const Points& rest, const Members& members) {
   for (std::size_t i = 0; i < members.size(); ++i) x.col(i) = rest.col(members[i]);
   x.colwise() -= x.rowwise().mean().eval();
   const Eigen::VectorXd s = Eigen::JacobiSVD<Eigen::MatrixXd>(x).singularValues();
-  return static_cast<int>((s.array() > kFlat * s[0] && s.array() > kMinLength).count());
+  return static_cast<int>((s.array() > kThinPart * s[0] && s.array() > kMinLength).count());
 }
 
 bool holds(const Part& part, int i) {

@@ -11,7 +11,7 @@ namespace ragdoll {
 namespace {
 
 constexpr double kRigidTwist = 5 * M_PI / 180;  ///< [rad] play of a hinge on a rigid parent
-constexpr double kThin = 1e-3;  ///< [-] sine below which directions count as parallel
+constexpr double kParallelAxis = 1e-3;  ///< [-] sine below which directions count as parallel
 
 class LimitBuilder {
  public:
@@ -93,7 +93,7 @@ class LimitBuilder {
       if (s_.segments[joint.parent].group)
         checks_.fail(j, ".parent", "its parent's particles are in line");
       const std::pair<int, int> bone = frames_.parentBone(joint.parent, joint.child);
-      if (frames_.restDirection(bone).cross(joint.axis).norm() > kThin ||
+      if (frames_.restDirection(bone).cross(joint.axis).norm() > kParallelAxis ||
           frames_.restDirection(bone).dot(joint.axis) < 0)
         checks_.fail(
             j, ".axis",

@@ -12,7 +12,7 @@ namespace ragdoll {
 namespace {
 
 constexpr double kAgree = 1e-6;           ///< [-] a stick this near to its length has it
-constexpr double kRounding = 1e-9;        ///< [-] and this near needs no fit
+constexpr double kNeedsNoFit = 1e-9;      ///< [-] and this near needs no fit
 constexpr double kTold = 1e-6;            ///< [m] moves that the user hears of
 constexpr int kAttempts = 6;              ///< from other poses: a fit may end in a dead one
 constexpr std::size_t kMaxFitted = 1000;  ///< sticks; their matrix is dense
@@ -41,7 +41,7 @@ class Fit {
   bool run(Points& x) {
     Eigen::VectorXd r = errors(x);
     double damping = 1e-3;
-    for (; iterations_ > 0 && r.cwiseAbs().maxCoeff() > 0.1 * kRounding; --iterations_) {
+    for (; iterations_ > 0 && r.cwiseAbs().maxCoeff() > 0.1 * kNeedsNoFit; --iterations_) {
       const Points next = x + move(x, r, damping);
       const Eigen::VectorXd after = errors(next);
       if (after.squaredNorm() < r.squaredNorm()) {
@@ -161,7 +161,7 @@ void fitRestPose(const SkeletonSpec& spec, Skeleton& s) {
   const Eigen::VectorXd weight = freedom(spec, s);
   Fit fit(s, weight);
   const double worst = s.sticks.empty() ? 0 : fit.errors(s.rest).cwiseAbs().maxCoeff();
-  if (!(worst > (s.sticks.size() > kMaxFitted ? kAgree : kRounding))) return;
+  if (!(worst > (s.sticks.size() > kMaxFitted ? kAgree : kNeedsNoFit))) return;
   if (s.sticks.size() > kMaxFitted)
     throw Error(spec.where, "positions can be fitted to the lengths of " +
                                 std::to_string(kMaxFitted) + " sticks at most, and there are " +

@@ -10,7 +10,8 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kFlat = 0.02;  ///< thinner than this share of its size, a group counts as flat
+constexpr double kFlatGroup =
+    0.02;  ///< thinner than this share of its size, a group counts as flat
 constexpr double kExactlyFlat = 1e-14;      ///< of its size: rounding
 constexpr double kReach = 1.0;              ///< of invented points, in units of the group's radius
 constexpr std::size_t kMaxCliques = 10000;  ///< a stick graph with more is no ragdoll
@@ -228,7 +229,7 @@ class MapBuilder {
 int affineRank(const Points& points) {
   if (points.cols() < 2) return 0;
   const Eigen::VectorXd s = Eigen::JacobiSVD<Eigen::MatrixXd>(centred(points)).singularValues();
-  return static_cast<int>((s.array() > kFlat * s[0] && s.array() > kMinLength).count());
+  return static_cast<int>((s.array() > kFlatGroup * s[0] && s.array() > kMinLength).count());
 }
 
 std::vector<RigidGroup> findRigidGroups(const SkeletonSpec& spec, const Skeleton& skeleton) {

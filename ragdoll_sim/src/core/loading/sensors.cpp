@@ -12,7 +12,7 @@ namespace ragdoll {
 namespace {
 
 constexpr double kWholeSteps = 1e-6;  ///< relative: a step of 0.0083333333 is 1/120 s
-constexpr double kFlat = 1e-6;        ///< relative: points this close to a line have no orientation
+constexpr double kOnALine = 1e-6;     ///< relative: points this close to a line have no orientation
 constexpr double kMostSteps = 1e9;    ///< of a sample
 
 /// The particles of a rigid part that the segment belongs to lie on a line.
@@ -22,7 +22,7 @@ bool isLine(const Skeleton& s, const std::vector<int>& particles) {
   for (const int i : particles)
     if ((s.rest.col(i) - origin).norm() > longest.norm()) longest = s.rest.col(i) - origin;
   return std::all_of(particles.begin(), particles.end(), [&](int i) {
-    return (s.rest.col(i) - origin).cross(longest).norm() <= kFlat * longest.squaredNorm();
+    return (s.rest.col(i) - origin).cross(longest).norm() <= kOnALine * longest.squaredNorm();
   });
 }
 

@@ -13,11 +13,11 @@ namespace {
 
 using namespace test;
 
-constexpr double kRadius = 0.1;
+constexpr double kBallRadius = 0.1;
 
 /// A ball without weight between obstacles.
 Scene ballAt(const Vec3& position, const std::vector<ObstacleSpec>& obstacles) {
-  Scene scene = weightless(oneParticle(1, kRadius));
+  Scene scene = weightless(oneParticle(1, kBallRadius));
   scene.ragdolls[0].pose.position = position;
   scene.obstacles = obstacles;
   return scene;
@@ -48,7 +48,7 @@ TEST(Candidates, AreWhatTheMotionComesNearTo) {
 }
 
 TEST(Candidates, BecomeActiveOnceViolated) {
-  DirectIsland one(ballAt({0, 0, kRadius + 4e-3}, {floorPlane()}));
+  DirectIsland one(ballAt({0, 0, kBallRadius + 4e-3}, {floorPlane()}));
   Body& body = one.body();
   body.motion.dx.setZero(3, 1);
   findCandidates(body, one.h);

@@ -80,8 +80,8 @@ bool same(N a, N b) {
 
 template <class N>
 class PackOf : public testing::Test {};
-using Numbers = testing::Types<double, float>;
-TYPED_TEST_SUITE(PackOf, Numbers);
+using NumberTypes = testing::Types<double, float>;
+TYPED_TEST_SUITE(PackOf, NumberTypes);
 
 TYPED_TEST(PackOf, GivesTheBitsOfSingleNumbers) {
   const Pairs<TypeParam> pairs;
