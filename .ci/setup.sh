@@ -2,7 +2,7 @@
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build="$root/build"
-# Sources are compiled eight at a time, which takes half as long: Eigen's and ROS's templates once.
+# Most sources are compiled eight at a time: what they instantiate of Eigen and ROS once.
 build_options=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=8)
 export PATH="/usr/bin:$PATH"  # another python3 in front of the system's breaks catkin
 
