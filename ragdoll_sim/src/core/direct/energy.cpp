@@ -132,33 +132,33 @@ double drivenWork(Body& body, double drive) {
   return drive * (2 * mass * (speed + drive) + forceOn(body) * body.context->h);
 }
 
-/// [m] What is open at the motion's start and closes: overlaps with obstacles, and joints beyond
-/// their limits. Sticks on the way to their lengths have no bound of their own.
-double openingOf(const Body& body) {
+/// [m] How far the motion may move the body to mend what is wrong at its start: overlaps with
+/// obstacles, joints beyond their limits. For sticks off their lengths: the body's size.
+double mendingOf(const Body& body) {
   if (!body.isWhole()) return body.rows->scale;
-  double opening = body.constraints.overlap;
+  double mending = body.constraints.overlap;
   for (const LimitRow& limit : body.constraints.limits)
-    if (limit.compliance == 0) opening = std::max(opening, -limit.before * body.rows->scale);
-  return opening;
+    if (limit.compliance == 0) mending = std::max(mending, -limit.before * body.rows->scale);
+  return mending;
 }
 
-/// [m] The same between bodies.
-double openingOfPairs(const Island& island) {
-  double opening = 0;
+/// [m] The same for overlaps between bodies.
+double mendingOfPairs(const Island& island) {
+  double mending = 0;
   for (const Contact& c : island.pairs.contacts)
-    if (!c.isSoft()) opening = std::max(opening, -c.gap_start);
-  return opening;
+    if (!c.isSoft()) mending = std::max(mending, -c.gap_start);
+  return mending;
 }
 
-/// [J] at the most, that what opens and what drives the bodies lift them by; and what tolerances
-/// do.
+/// [J] at the most, by which the bodies are lifted: by what is mended and by what drives them, at
+/// the speed that no overlap opens at, and by what a solution may leave.
 double liftingWork(const Island& island) {
-  const double pairs = openingOfPairs(island);
+  const double pairs = mendingOfPairs(island);
   double work = 0;
   for (const Body* body : island.bodies) {
-    const double opening = std::max(pairs, openingOf(*body)), most = kWildSpeed * body->took;
+    const double mending = std::max(pairs, mendingOf(*body)), most = kWildSpeed * body->took;
     const double lift =
-        body->driven ? most : std::min((kWildSpeed / kRecoverySpeed) * opening, most);
+        body->driven ? most : std::min((kWildSpeed / kRecoverySpeed) * mending, most);
     work += weightOf(*body) * lift + forceOn(*body) * kTouching;
   }
   return work;
@@ -250,8 +250,7 @@ double kineticEnergyOf(Island& island) {
 double wildGain(Island& island) {
   double wild = 0;
   for (Body* body : island.bodies)
-    wild += kineticEnergy(*body->rows, body->saved.v, body->energy) +
-            0.5 * body->rows->mass.sum() * kWildSpeed * kWildSpeed;
+    wild += kineticEnergyBefore(*body) + 0.5 * body->rows->mass.sum() * kWildSpeed * kWildSpeed;
   return wild;
 }
 
