@@ -47,41 +47,62 @@ def options_of(entry):
     return options
 
 
-def command_of(entry, precompiled=()):
-    return ['clang++', '-fsyntax-only', *options_of(entry), *precompiled, *WARNINGS, source_of(entry)]
+def command_of(entry, source, precompiled=None):
+    with_common = ['-include-pch', precompiled] if precompiled and os.path.exists(precompiled) else []
+    return ['clang++', '-fsyntax-only', *options_of(entry), *with_common, *WARNINGS, source]
+
+
+def precompiled_path(entry, folder):
+    """Where its target's common headers are, or go, compiled; empty: it has none."""
+    header = next(filter(is_common, words_of(entry)), None)
+    key = ' '.join([header or '', *options_of(entry)])
+    return header and os.path.join(folder, hashlib.sha256(key.encode()).hexdigest())
 
 
 def precompile(entry, folder):
-    """What adds its target's common headers, compiled, to clang's command; nothing where that fails.
-    They take clang half of its time or more."""
-    header = next(filter(is_common, words_of(entry)), None)
-    if not header:
-        return []
-    key = ' '.join([header, *options_of(entry)])
-    path = os.path.join(folder, hashlib.sha256(key.encode()).hexdigest())
-    if not os.path.exists(path):
-        subprocess.run(['clang++', '-x', 'c++-header', *options_of(entry), header, '-o', path],
-                       cwd=entry['directory'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    return ['-include-pch', path] if os.path.exists(path) else []
+    """The common headers take clang half of its time or more."""
+    header = next(filter(is_common, words_of(entry)))
+    subprocess.run(['clang++', '-x', 'c++-header', *options_of(entry), header, '-o',
+                    precompiled_path(entry, folder)],
+                   cwd=entry['directory'], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 def source_of(entry):
     return os.path.realpath(os.path.join(entry['directory'], entry['file']))
 
 
-def own_entries(entry):
-    """An entry for each source that a unity build has put together in one, or the entry itself."""
-    if not os.path.basename(entry['file']).startswith('unity_'):
-        return [entry]
-    sources = re.findall('^#include "(.+)"', open(source_of(entry)).read(), re.MULTILINE)
-    return [dict(entry, file=source) for source in sources]
+def sources_of(entry):
+    """Those that a unity build has put together in one file, or the entry's own."""
+    source = source_of(entry)
+    if not os.path.basename(source).startswith('unity_'):
+        return [source]
+    return [os.path.realpath(included)
+            for included in re.findall('^#include "(.+)"', open(source).read(), re.MULTILINE)]
 
 
-def entries_below(commands, folders):
+def units_below(commands, folders):
+    """[(entry, its sources below the folders)]; what is compiled for several targets once."""
     roots = tuple(os.path.realpath(folder) + os.sep for folder in folders)
-    found = {source_of(own): own for entry in json.load(open(commands)) for own in own_entries(entry)
-             if source_of(own).startswith(roots)}
-    return [found[source] for source in sorted(found)]
+    units, seen = [], set()
+    for entry in json.load(open(commands)):
+        own = [source for source in sources_of(entry) if source.startswith(roots) and source not in seen]
+        seen.update(own)
+        if own:
+            units.append((entry, own))
+    return units
+
+
+def joined(sources):
+    """The text of all of them. Pasted, not included: clang looks for what is unused only in the file
+    that it is given."""
+    text = ''
+    for source in sources:
+        beside = os.path.dirname(source)
+        lines = re.sub(r'^#include "([^"]+)"', lambda match: '#include "%s"' % (
+            os.path.join(beside, match[1]) if os.path.exists(os.path.join(beside, match[1])) else match[1]),
+                       open(source).read(), flags=re.MULTILINE)
+        text += '#line 1 "%s"\n%s\n' % (source, lines)
+    return text
 
 
 def digest_of_headers(folders):
@@ -96,27 +117,39 @@ def digest_of_headers(folders):
     return digest.digest()
 
 
-def compile_one(entry, precompiled):
-    """What clang++ says; empty: nothing."""
-    run = subprocess.run(command_of(entry, precompiled), cwd=entry['directory'], stdout=subprocess.PIPE,
-                         stderr=subprocess.STDOUT, universal_newlines=True)
+def compile_unit(unit, folder):
+    """What clang++ says of its sources; empty: nothing."""
+    entry, sources = unit
+    path = sources[0]
+    if len(sources) > 1:
+        path = os.path.join(folder, hashlib.sha256(path.encode()).hexdigest() + '.cpp')
+        open(path, 'w').write(joined(sources))
+    run = subprocess.run(command_of(entry, path, precompiled_path(entry, folder)), cwd=entry['directory'],
+                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
     return run.stdout or ('' if run.returncode == 0 else 'failed without a word')
 
 
-def compile_changed(entries, headers, passed_path):
+def compile_changed(units, headers, passed_path):
     """(sources compiled, what clang++ says of those that it has something to say of)."""
     passed = set(open(passed_path).read().split()) if os.path.exists(passed_path) else set()
     keys = {}
-    for entry in entries:
-        text = headers + ' '.join(command_of(entry)).encode() + open(source_of(entry), 'rb').read()
-        keys[source_of(entry)] = hashlib.sha256(text).hexdigest()
-    changed = [entry for entry in entries if keys[source_of(entry)] not in passed]
+    for entry, sources in units:
+        for source in sources:
+            text = headers + ' '.join(command_of(entry, source)).encode() + open(source, 'rb').read()
+            keys[source] = hashlib.sha256(text).hexdigest()
+    changed = [(entry, [source for source in sources if keys[source] not in passed])
+               for entry, sources in units]
+    changed = [unit for unit in changed if unit[1]]
     with concurrent.futures.ThreadPoolExecutor(JOBS) as pool, tempfile.TemporaryDirectory() as folder:
-        precompiled = [precompile(entry, folder) for entry in changed]
-        said = dict(zip(map(source_of, changed), pool.map(compile_one, changed, precompiled)))
+        folders = [folder] * len(changed)
+        common = {precompiled_path(entry, folder): entry for entry, _ in changed}
+        common.pop(None, None)
+        list(pool.map(precompile, common.values(), folders))
+        said = list(pool.map(compile_unit, changed, folders))
+    warned = {source for (_, sources), text in zip(changed, said) if text for source in sources}
     with open(passed_path, 'w') as out:
-        out.write('\n'.join(key for source, key in sorted(keys.items()) if not said.get(source)))
-    return len(changed), [text for text in said.values() if text]
+        out.write('\n'.join(key for source, key in sorted(keys.items()) if source not in warned))
+    return sum(len(sources) for _, sources in changed), [text for text in said if text]
 
 
 def write_result(path, inner):
@@ -131,14 +164,15 @@ def main(commands, result, *folders):
         print('skipped: clang++ is not installed (Debian, Ubuntu: clang)')
         write_result(result, '<skipped/>')
         return SKIPPED
-    entries = entries_below(commands, folders)
-    if not entries:
+    units = units_below(commands, folders)
+    if not units:
         print('no sources below ' + ' '.join(folders))
         return 1
     passed = os.path.join(os.path.dirname(os.path.abspath(commands)), 'clang_warnings_passed.txt')
-    compiled, said = compile_changed(entries, digest_of_headers(folders), passed)
+    compiled, said = compile_changed(units, digest_of_headers(folders), passed)
     text = ''.join(said)
-    print(text + '%d sources, %d compiled, %d with warnings' % (len(entries), compiled, len(said)))
+    print(text + '%d sources, %d compiled, %d texts of warnings' % (
+        sum(len(sources) for _, sources in units), compiled, len(said)))
     write_result(result, '<failure>%s</failure>' % escape(text) if said else '')
     return 1 if said else 0
 
