@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "ragdoll_sim/core/measures.h"
+#include "ragdoll_sim/io/scene_yaml.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -47,6 +49,46 @@ TEST(Slope, HoldsBelowTheFrictionAngleAndSlidesAboveIt) {
     const double a = kG * (std::sin(rad(kAngle)) - mu * std::cos(rad(kAngle)));
     const double expected = a > 0 ? 0.5 * a : 0;
     EXPECT_NEAR(world.x(0).norm(), expected, 2 * kStep) << "mu " << mu;
+  }
+}
+
+/// A rod that is held by its end and lies on `what`. A poke presses it on and pushes it aside, by
+/// less than friction holds.
+Scene pokedRodOn(const std::string& what) {
+  return parseScene(
+      "ragdolls:\n"
+      "  - name: rod\n"
+      "    position: [0, 0, 0.05]\n"
+      "    model:\n"
+      "      particles:\n"
+      "        a: {position: [0, 0, 0], radius: 0.05}\n"
+      "        b: {position: [0.8, 0, 0], radius: 0.05}\n"
+      "      sticks: [[a, b]]\n"
+      "      segments: {rod: {from: a, to: b, mass: 3, com: 0.4, gyration: 0.3}}\n"
+      "pins: [a]\n"
+      "obstacles: [" +
+      what +
+      "]\n"
+      "pokes: [{body: b, force: [0, 80, -600], at: 0.02, duration: 0.05}]\n"
+      "solver: {method: shake, sleep: false}\n");
+}
+
+/// No impulse moves the rod along itself, which is one of friction's two directions here: the other
+/// holds it nevertheless, from the poke's first step on.
+TEST(Poke, DoesNotMoveWhatFrictionHolds) {
+  const std::string rough = ", name: o, friction: 0.4}";
+  for (const std::string& what :
+       {"{type: plane" + rough, "{type: sphere, position: [0.5, 0, -0.2], radius: 0.2" + rough}) {
+    Scene scene = pokedRodOn(what);
+    for (const double rate : {250.0, 1000.0, 4000.0}) {
+      scene.solver.step = 1 / rate;
+      World world(scene);
+      const Points start = world.state.x;
+      for (int i = 0; i < 0.1 * rate; ++i) {
+        world.steps(1);
+        ASSERT_LT((world.state.x - start).norm(), 1e-6) << what << " at " << rate << " Hz";
+      }
+    }
   }
 }
 

@@ -137,8 +137,9 @@ void addLeft(const Model& model, const State& state, const CachedImpulse& presse
   out.push_back(e);
 }
 
-/// Friction of what is dragged along a line on which it cannot give way, as a rod by its end: no
-/// impulse changes its motion, so that none is solved for, but what drags it feels it all.
+/// What friction lacks of what is dragged along a line on which it cannot give way, as a rod by its
+/// end: no impulse changes its motion, so that sweeps end before they find it, but what drags it
+/// feels it all.
 Vec3 lockedFriction(const StepContext& step, const Body& body, const Contact& c, int row,
                     const Vec3& impulse) {
   const Schur& schur = body.memory->schur;

@@ -38,7 +38,7 @@ struct SchurBlock {
   double own[3] = {0, 0, 0};   ///< A's diagonal
   double across[2] = {0, 0};   ///< of A: first row, tangents
   double answer = 0;           ///< 1 / own[0]; 0: cannot move
-  double tangent_answer = 0;   ///< of both tangents; 0: cannot move
+  double tangent_answer = 0;   ///< of both tangents; 0: neither can move
   double step[3] = {0, 0, 0};  ///< of the impulses, by the last sweep
   double slid[2] = {0, 0};     ///< direction of friction that keeps it (Sweeps), or 0
 };

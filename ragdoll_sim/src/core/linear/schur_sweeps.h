@@ -38,7 +38,8 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
         b.own[k] = rows.matrix(i + k, i + k);
         b.across[k - 1] = rows.matrix(i, i + k);
       }
-      if (moves(i + 1) && moves(i + 2))
+      // One that cannot move, as a pinned rod along itself, leaves friction the other one.
+      if (moves(i + 1) || moves(i + 2))
         b.tangent_answer = 1 / (std::max(b.own[1], b.own[2]) + std::abs(rows.matrix(i + 1, i + 2)));
     }
     blocks.push_back(b);

@@ -13,11 +13,12 @@ namespace {
 /// Rows of a matrix, as the sweeps want them; counts them.
 struct DenseRows {
   Eigen::MatrixXd A;
-  Eigen::VectorXd w;
+  Eigen::VectorXd w, unheld;  ///< unheld: the diagonal without sticks
   std::vector<Schur::Row> rows;
   int pushes = 0;
 
-  DenseRows(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& b) : A(matrix), w(b) {
+  DenseRows(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& b)
+      : A(matrix), w(b), unheld(matrix.diagonal()) {
     for (Eigen::Index i = 0; i < b.size(); ++i) {
       rows.emplace_back();
       rows.back().kind = Schur::Row::Kind::kLimit;
@@ -34,7 +35,7 @@ struct DenseRows {
   int size() const { return static_cast<int>(rows.size()); }
   const Schur::Row& row(int i) const { return rows[i]; }
   double matrix(int i, int j) const { return A(i, j); }
-  double free(int i) const { return A(i, i); }
+  double free(int i) const { return unheld[i]; }
   double rate(int i) const { return w[i]; }
   void push(int i, int count, const double* step) {
     for (int k = 0; k < count; ++k) w += step[k] * A.row(i + k).transpose();
@@ -95,6 +96,24 @@ TEST(SchurSweeps, FrictionStaysInItsDisc) {
   rows.setContact(0, 0.5);
   ASSERT_TRUE(rows.solve(p));
   EXPECT_LT((p - Eigen::Vector3d(2, -0.6, -0.8)).norm(), 1e-6);
+}
+
+/// As of a pinned rod, which cannot move along itself: across, friction holds it nevertheless.
+TEST(SchurSweeps, FrictionHoldsBesideADirectionThatIsLocked) {
+  for (const int locked : {1, 2}) {
+    const int moves = 3 - locked;
+    Eigen::MatrixXd A = Eigen::MatrixXd::Identity(3, 3);
+    A(locked, locked) = 1e-17;  // what rounding leaves of nothing
+    DenseRows rows(A, Eigen::Vector3d(-2, 0, 0));
+    rows.unheld.setOnes();
+    rows.w[moves] = 0.75;
+    rows.setContact(0, 0.5);
+    Eigen::VectorXd p = Eigen::VectorXd::Zero(3);
+    ASSERT_TRUE(rows.solve(p));
+    EXPECT_NEAR(p[moves], -0.75, 1e-6);
+    EXPECT_NEAR(rows.w[moves], 0, 1e-6);
+    EXPECT_EQ(p[locked], 0);
+  }
 }
 
 TEST(SchurSweeps, FrictionAlongTheSlipKeepsItsDirection) {
