@@ -41,6 +41,13 @@ Contact tangentAt(const SweptObstacle& m, const Vec3& p, double radius) {
   return planeAt(m, p, signedDistance(*m.obstacle, p), radius);
 }
 
+/// Whether what rests on a solid at p0 does so at p1, where its gap is `end`: on the same side, not
+/// so deep that it may have gone through. It has gone along, however far.
+bool goesAlong(const Obstacle& o, const Vec3& p0, const Vec3& p1, double end, double radius) {
+  return end > -0.5 * radius &&
+         signedDistance(o, p0).normal.dot(signedDistance(o, p1).normal) > kSameSide;
+}
+
 /// Where the sphere is first in touch on its way, or would be in the end; false: it stays clear.
 bool particleTouch(const Obstacle& o, const Vec3& p0, const Vec3& p1, double radius, double margin,
                    double start, Vec3& at) {
@@ -49,7 +56,8 @@ bool particleTouch(const Obstacle& o, const Vec3& p0, const Vec3& p1, double rad
   const bool closes = start > kResting && end <= 0;
   at = p1;
   if (o.type == ObstacleSpec::Type::kPlane) return end <= margin || start <= margin;
-  if (start > -radius && travel > 0.5 * radius) {
+  const bool rests = std::abs(start) <= kResting;
+  if (start > -radius && travel > 0.5 * radius && !(rests && goesAlong(o, p0, p1, end, radius))) {
     // Far enough to pass through something. Touching already: p0.
     double s = 0, d = start;
     advance(gap, travel, s, d);
@@ -111,7 +119,10 @@ std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double ma
   if (start > travel + margin) return std::nullopt;
   const double thin = std::min(k.ra, k.rb), end = gapAt(1);
   const bool closes = start > kResting && end <= 0;
-  if (start > -thin && travel > 0.5 * thin) {
+  const auto nearestAt = [&](double s) { return axisAt(s).at(nearest(axisAt(s))); };
+  const bool rests = std::abs(start) <= kResting;
+  if (start > -thin && travel > 0.5 * thin &&
+      !(rests && goesAlong(o, nearestAt(0), nearestAt(1), end, thin))) {
     double s = 0, d = start;
     advance(gapAt, travel, s, d);
     if (d > std::max(kGapResolution, margin)) return std::nullopt;

@@ -155,14 +155,14 @@ void rememberPairs(Island& island, double h) {
   }
 }
 
-double worstPairViolation(const Island& island) {
+double worstPairResidual(const Island& island) {
   const PairSet& pairs = island.pairs;
   double worst = 0;
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
     if (pairs.row[i] < 0) continue;
-    const Contact& c = pairs.contacts[i];
-    const double p = c.isSoft() ? island.s.total[pairs.row[i]] : 0;
-    worst = std::max(worst, -pairs.springs[i].slack(pairGapAfter(island, c), p));
+    const double p = island.s.total[pairs.row[i]];
+    const double slack = pairs.springs[i].slack(pairGapAfter(island, pairs.contacts[i]), p);
+    worst = std::max(worst, residual(slack, p));
   }
   return worst;
 }

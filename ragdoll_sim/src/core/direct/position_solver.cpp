@@ -27,9 +27,9 @@ void forgetImpulses(Island& island) {
 }
 
 double worst(Island& island) {
-  double violation = worstPairViolation(island);
-  for (Body* body : island.bodies) violation = std::max(violation, worstViolation(*body));
-  return violation;
+  double residual = worstPairResidual(island);
+  for (Body* body : island.bodies) residual = std::max(residual, worstResidual(*body));
+  return residual;
 }
 
 void assemble(Island& island, bool at_end) {

@@ -124,22 +124,25 @@ bool soften(Body& body, double h, bool leapfrog) {
   return any;
 }
 
-double worstViolation(Body& body) {
+double worstResidual(Body& body) {
   const ConstraintSet& set = body.constraints;
   double worst = 0;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const int row = set.contact_row[i];
     if (row < 0) continue;
-    const double p = set.contacts[i].isSoft() ? body.total[row] : 0;
-    worst = std::max(worst, -set.springs[i].slack(gapAfter(body, set.contacts[i]), p));
+    const double slack = set.springs[i].slack(gapAfter(body, set.contacts[i]), body.total[row]);
+    worst = std::max(worst, residual(slack, body.total[row]));
   }
   if (set.limits.empty()) return worst;
   LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];
-    if (set.limit_row[i] < 0 || limit.compliance > 0) continue;
-    if (!angles.isBeyond(limit.limit, -limit.opening))
-      worst = std::max(worst, -(angles[limit.limit] + limit.opening) * kLever);
+    const int row = set.limit_row[i];
+    if (row < 0 || limit.compliance > 0) continue;
+    const bool presses = body.total[row] > 0;
+    if (presses || !angles.isBeyond(limit.limit, -limit.opening))
+      worst =
+          std::max(worst, residual(angles[limit.limit] + limit.opening, body.total[row]) * kLever);
   }
   return worst;
 }

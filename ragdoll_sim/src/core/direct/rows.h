@@ -1,6 +1,8 @@
 // The candidates that are solved for, as rows of the body's Schur complement, and their gaps.
 #pragma once
 
+#include <cmath>
+
 #include "core/direct/body.h"
 
 namespace ragdoll {
@@ -16,8 +18,12 @@ void evaluateGaps(Body& body, double h);
 /// Whether there are any.
 bool soften(Body& body, double h, bool leapfrog);
 
-/// [m] the worst violation among the rows after the motion; of limits seen on kLever.
-double worstViolation(Body& body);
+/// By how much a row is off: violated, or open while it presses. Left open it might not count as
+/// touching where velocities are solved for, which would lack its half step of force.
+inline double residual(double slack, double p) { return p > 0 ? std::abs(slack) : -slack; }
+
+/// [m] the worst of the rows after the motion; of limits seen on kLever.
+double worstResidual(Body& body);
 
 /// p (the body's own rows) <- what pressed in the last motion; and body.cache <- what presses now.
 void warmStart(const Body& body, double h, Eigen::Ref<Eigen::VectorXd> p);

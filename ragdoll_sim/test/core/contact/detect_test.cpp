@@ -49,6 +49,25 @@ TEST(Detect, FindsWhatABallPassesThrough) {
   EXPECT_NEAR(hit[0].offset, 0.02, 1e-12);
 }
 
+/// A ball that rests on a sphere and goes along it by more than half its radius has the plane of its
+/// end; one that is pushed into the sphere by as much that of its start.
+TEST(Detect, WhatRestsGoesAlongHoweverFar) {
+  Scene scene = sceneOf(oneParticle(1, 0.02), Vec3(0, 0, 0.52));
+  ObstacleSpec sphere;
+  sphere.type = ObstacleSpec::Type::kSphere;
+  sphere.radius = 0.5;
+  scene.obstacles = {sphere};
+  for (const Vec3& motion : {Vec3(0.1, 0, -0.012), Vec3(0.1, 0, -0.05)}) {
+    const std::vector<Contact> on = contactsOf(scene, motion);
+    ASSERT_EQ(on.size(), 1u);
+    const bool along = motion.z() > -0.02;
+    const Vec3 at = Vec3(0, 0, 0.52) + (along ? motion : Vec3::Zero());
+    EXPECT_LT((on[0].normal - at.normalized()).norm(), 1e-12);
+    EXPECT_TRUE(on[0].touches_at_start);
+    EXPECT_EQ(on[0].start_normal, Vec3::UnitZ());
+  }
+}
+
 TEST(Detect, AStickLiesOnABoxAtBothEdges) {
   Scene scene = sceneOf(oneStick(1, 1, 0.02), Vec3(0, 0, 0.125));
   scene.obstacles = {boxOf(Vec3(0.2, 4, 0.2), Vec3(0.5, 0, 0))};
