@@ -4,16 +4,13 @@
 #include <cmath>
 
 #include "ragdoll_sim/core/measures.h"
-#include "support/worlds.h"
+#include "support/gravity.h"
+#include "support/limbs.h"
 
 namespace ragdoll {
 namespace {
 
 using namespace test;
-
-constexpr double kG = 9.81;
-
-double rad(double deg) { return deg * M_PI / 180; }
 
 class Sliding : public testing::TestWithParam<double> {};
 
