@@ -87,9 +87,9 @@ void clearPokes(Crowd& crowd) {
     if (crowd.member(i) == 0) crowd.batch(i).clearPokes();
 }
 
-using Type = py::class_<PyCrowd>;
+using CrowdType = py::class_<PyCrowd>;
 
-void addProperties(Type& type) {
+void addCrowdProperties(CrowdType& type) {
   const auto property = [&type](const char* name, auto get, const char* about) {
     type.def_property_readonly(name, [get](PyCrowd& c) { return c.each(get); }, about);
   };
@@ -120,11 +120,12 @@ void addProperties(Type& type) {
 }  // namespace
 
 void addCrowd(py::module& module) {
-  Type type(module, "Crowd",
-            "Many scenes of any mix, stepped together on so many threads (0: all cores). Scenes "
-            "of one body each that differ in body, start and pokes alone share packs of the fast "
-            "method. The bits of each are those that World gives it. All have the same length of "
-            "step. scenes, solver, settings: as World's; Error likewise.");
+  CrowdType type(
+      module, "Crowd",
+      "Many scenes of any mix, stepped together on so many threads (0: all cores). Scenes "
+      "of one body each that differ in body, start and pokes alone share packs of the fast "
+      "method. The bits of each are those that World gives it. All have the same length of "
+      "step. scenes, solver, settings: as World's; Error likewise.");
   type.def(py::init<py::object, int, py::object, py::object>(), py::arg("scenes"),
            py::arg("threads") = 1, py::arg("solver") = py::none(),
            py::arg("settings") = py::none())
@@ -139,7 +140,7 @@ void addCrowd(py::module& module) {
            "As World.poke, in the scene of this number (from 0 on).")
       .def("clear_pokes", [](PyCrowd& c) { c.with([](Crowd& crowd) { clearPokes(crowd); }); },
            "Ends all pokes of all scenes.");
-  addProperties(type);
+  addCrowdProperties(type);
 }
 
 }  // namespace ragdoll::python

@@ -158,9 +158,9 @@ std::vector<std::string> ragdollNames(const World& world) {
   return names;
 }
 
-using Type = py::class_<PyWorld>;
+using WorldType = py::class_<PyWorld>;
 
-void addActions(Type& type) {
+void addActions(WorldType& type) {
   type.def("step", &PyWorld::step, py::arg("steps") = 1,
            "Makes so many steps. Other Python threads go on meanwhile; Ctrl-C ends it between two "
            "steps.")
@@ -195,7 +195,7 @@ void addActions(Type& type) {
            "Where one of `frames` is: (position [m] (3,), orientation (4,) as x, y, z, w), world.");
 }
 
-void addProperties(Type& type) {
+void addWorldProperties(WorldType& type) {
   const auto property = [&type](const char* name, auto get, const char* about) {
     type.def_property_readonly(name, [get](PyWorld& w) { return w.with(get); }, about);
   };
@@ -239,16 +239,17 @@ void addProperties(Type& type) {
 }  // namespace
 
 void addWorld(py::module& module) {
-  Type type(module, "World",
-            "One scene that is stepped.\n\nscene: a scene's name ('stairs'), a path, or YAML text. "
-            "solver: changes its settings, {'preset': 'fast', 'step': 0.005}. settings: others, "
-            "{'gravity': [0, 0, -1.6], 'self_collision': True}. What follows a TF frame stays where "
-            "the scene puts it. Raises Error with file, line and "
-            "key. A world may be used from several threads; what they do is done in turn.");
+  WorldType type(
+      module, "World",
+      "One scene that is stepped.\n\nscene: a scene's name ('stairs'), a path, or YAML text. "
+      "solver: changes its settings, {'preset': 'fast', 'step': 0.005}. settings: others, "
+      "{'gravity': [0, 0, -1.6], 'self_collision': True}. What follows a TF frame stays where "
+      "the scene puts it. Raises Error with file, line and "
+      "key. A world may be used from several threads; what they do is done in turn.");
   type.def(py::init<py::object, py::object, py::object>(), py::arg("scene"),
            py::arg("solver") = py::none(), py::arg("settings") = py::none());
   addActions(type);
-  addProperties(type);
+  addWorldProperties(type);
 }
 
 }  // namespace ragdoll::python

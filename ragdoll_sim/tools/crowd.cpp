@@ -19,15 +19,15 @@
 namespace ragdoll::lab {
 namespace {
 
-constexpr const char* kAbout =
+constexpr const char* kAboutCrowd =
     "Lets N bodies fall side by side onto a floor, and one body alone, and says what a step of a\n"
     "body costs in each: CPU time of the steps alone, the median of runs that take turns. Bodies\n"
     "are kept awake.\n";
 constexpr int kMost = 10000;
-constexpr int kRounds = 5;              ///< of which the median counts
-constexpr int kFewRounds = 3;           ///< of crowds whose run is longer than kLong
-constexpr double kLong = 5;             ///< [s]
-constexpr double kShortestTime = 0.02;  ///< [s] what is shorter is run several times
+constexpr int kCrowdRounds = 5;             ///< of which the median counts
+constexpr int kFewCrowdRounds = 3;          ///< of crowds whose run is longer than kLong
+constexpr double kLong = 5;                 ///< [s]
+constexpr double kShortestCrowdRun = 0.02;  ///< [s] what is shorter is run several times
 
 class Crowd {
  public:
@@ -51,7 +51,7 @@ class Crowd {
   double measure() {
     double sum = 0;
     int runs = 0;
-    for (; sum < kShortestTime; ++runs) {
+    for (; sum < kShortestCrowdRun; ++runs) {
       State state = startState(model_);
       const double begin = cpuTime();
       const auto clock = std::chrono::steady_clock::now();
@@ -104,7 +104,7 @@ int crowdCommand(const Words& words) {
   double seconds = 2;
   int threads = -1;
   bool json = false;
-  CommandLine line{"crowd N [options]", kAbout, {}, "N", "how many bodies"};
+  CommandLine line{"crowd N [options]", kAboutCrowd, {}, "N", "how many bodies"};
   auto add = line.options.add_options();
   add("model", po::value(&model)->default_value(model), "Name or file of the bodies' model");
   add("seconds", po::value(&seconds)->default_value(seconds), "Simulated time [s]");
@@ -118,12 +118,12 @@ int crowdCommand(const Words& words) {
   Crowd one(1, model, settings, seconds, threads);
   Crowd all(bodies, model, settings, seconds, threads);
   std::vector<double> alone, among, ratios, walls;
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kCrowdRounds; ++round) {
     alone.push_back(one.measure());
     among.push_back(all.measure());
     walls.push_back(all.wall());
     ratios.push_back(among.back() / alone.back());
-    if (round + 1 >= kFewRounds && all.lastRun() > kLong) break;
+    if (round + 1 >= kFewCrowdRounds && all.lastRun() > kLong) break;
   }
   const bool finite = std::isfinite(all.stickError()) && std::isfinite(one.stickError());
   if (json) {

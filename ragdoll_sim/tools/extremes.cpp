@@ -17,7 +17,7 @@
 namespace ragdoll::lab {
 namespace {
 
-constexpr const char* kAbout =
+constexpr const char* kAboutExtremes =
     "Runs scenes at the extremes by every method and judges each run by what must hold: finite\n"
     "numbers, no energy but work, sticks whole within a second, nothing in the floor or through a\n"
     "thin box, rest. Prints the matrix: ok, or the laws that were broken. Exit status 1 if the\n"
@@ -73,7 +73,7 @@ int extremesCommand(const Words& words) {
   int rounds = kNotAsked;
   long long seed = 0;
   bool random_only = false;
-  CommandLine line{"extremes [options]", kAbout, {}};
+  CommandLine line{"extremes [options]", kAboutExtremes, {}};
   auto add = line.options.add_options();
   add("quick", po::bool_switch(&options.quick), "A part of the tests");
   add("random", po::value(&options.random)->default_value(1000), "Number of random scenes");

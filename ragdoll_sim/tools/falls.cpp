@@ -22,9 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kAbout =
+constexpr const char* kAboutFalls =
     "Draws falls from their seeds, simulates them, and writes what sensors on the body would say,\n"
-    "with labels: HDF5, CSV as KFall has it, or both. docs/data.md. The same seed and options give\n"
+    "with labels: HDF5, CSV as KFall has it, or both. docs/data.md. The same seed and options "
+    "give\n"
     "the same bytes of data, whatever the number of falls and threads.\n";
 constexpr std::uint64_t kChunk = 1280;  ///< falls in memory at a time: 32 of each scene, whole packs
 
@@ -105,7 +106,7 @@ void tellProgress(std::uint64_t done, std::uint64_t count, double seconds) {
   if (done == count) std::fprintf(stderr, "\n");
 }
 
-int run(Arguments arguments) {
+int writeFalls(Arguments arguments) {
   const std::uint64_t first = whole("--first", arguments.first), count = whole("--count", arguments.count);
   if (count == 0) throw Error("--count", "is 0; at least 1 is expected");
   if (first > falls::kLastSeed || count - 1 > falls::kLastSeed - first)
@@ -157,7 +158,7 @@ int run(Arguments arguments) {
 
 int fallsCommand(const Words& words) {
   Arguments a;
-  CommandLine line{"falls --first SEED --count K --out FILE.h5 [options]", kAbout, {}};
+  CommandLine line{"falls --first SEED --count K --out FILE.h5 [options]", kAboutFalls, {}};
   auto add = line.options.add_options();
   add("first", po::value(&a.first)->default_value("1"), "Seed of the first fall; the next ones count on");
   add("count", po::value(&a.count)->default_value("1"), "How many");
@@ -172,7 +173,7 @@ int fallsCommand(const Words& words) {
   add("set", po::value(&a.options.settings),
       "Change a setting, such as solver.preset=fast; may be given again.\nThe step is 1/200 s unless "
       "solver.step is given");
-  return parse(line, words) ? run(a) : kOk;
+  return parse(line, words) ? writeFalls(a) : kOk;
 }
 
 }  // namespace ragdoll::lab

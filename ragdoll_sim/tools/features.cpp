@@ -16,18 +16,18 @@
 namespace ragdoll::lab {
 namespace {
 
-constexpr const char* kAbout =
+constexpr const char* kAboutFeatures =
     "Switches the features of a scene on, one at a time, on top of the same bare scene, and says\n"
     "what each costs: CPU time per simulated second and body, and its ratio to the bare scene, "
     "the\n"
     "median of runs that take turns with the bare one. Bodies are kept awake.\n";
-constexpr int kRounds = 9;
-constexpr double kPublishRate = 60;     ///< [Hz]
-constexpr double kShortestTime = 2e-3;  ///< [s] of a run; shorter ones are repeated
+constexpr int kFeatureRounds = 9;
+constexpr double kPublishRate = 60;           ///< [Hz]
+constexpr double kShortestFeatureRun = 2e-3;  ///< [s] of a run; shorter ones are repeated
 
-class Runner {
+class FeatureRunner {
  public:
-  Runner(const Feature& feature, const Words& settings, double seconds) : feature_(feature) {
+  FeatureRunner(const Feature& feature, const Words& settings, double seconds) : feature_(feature) {
     Scene scene = parseScene(feature.scene, feature.name);
     applySettings(scene, settings);
     scene.solver.sleep = false;
@@ -43,7 +43,7 @@ class Runner {
   double measure() {
     double sum = 0;
     int runs = 0;
-    for (; sum < kShortestTime; ++runs) sum += once();
+    for (; sum < kShortestFeatureRun; ++runs) sum += once();
     return sum / (runs * steps_ * model_.solver.step * static_cast<double>(model_.ragdolls.size()));
   }
 
@@ -79,7 +79,7 @@ class Runner {
 
 int measureAll(const Words& settings, double seconds) {
   const std::vector<Feature> all = features();
-  Runner bare(all[0], settings, seconds);
+  FeatureRunner bare(all[0], settings, seconds);
   std::string table =
       "feature                                                            "
       "[us/s]  / bare\n";
@@ -88,9 +88,9 @@ int measureAll(const Words& settings, double seconds) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       const std::string name = all[i].group + ": " + all[i].name;
       progress.show(static_cast<double>(i) / static_cast<double>(all.size()), name);
-      Runner runner(all[i], settings, seconds);
+      FeatureRunner runner(all[i], settings, seconds);
       std::vector<double> costs, ratios;
-      for (int round = 0; round < kRounds; ++round) {
+      for (int round = 0; round < kFeatureRounds; ++round) {
         const double yardstick = bare.measure();
         costs.push_back(runner.measure());
         ratios.push_back(costs.back() / yardstick);
@@ -110,7 +110,7 @@ int measureAll(const Words& settings, double seconds) {
 int featuresCommand(const Words& words) {
   Words settings;
   double seconds = 2;
-  CommandLine line{"features [options]", kAbout, {}};
+  CommandLine line{"features [options]", kAboutFeatures, {}};
   auto add = line.options.add_options();
   add("seconds", po::value(&seconds)->default_value(seconds), "Simulated time of a run [s]");
   add("set", po::value(&settings),

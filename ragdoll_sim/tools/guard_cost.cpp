@@ -23,16 +23,16 @@ double threadSeconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-double median(std::vector<double> values) {
+double upperMedian(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
 /// One world that is stepped in pieces.
-class Runner {
+class PieceRunner {
  public:
-  Runner(const Model& model, bool guarded) : model_(model), inputs_(startInputs(model)) {
+  PieceRunner(const Model& model, bool guarded) : model_(model), inputs_(startInputs(model)) {
     workspace_.setGuard(guarded);
   }
 
@@ -61,7 +61,7 @@ class Runner {
 };
 
 /// What two worlds cost, piece by piece in turn; `method` of the result is left to the caller.
-GuardCost compare(Runner& plain, Runner& other, double step, int rounds) {
+GuardCost compare(PieceRunner& plain, PieceRunner& other, double step, int rounds) {
   std::vector<double> without, with, ratios;
   const int pieces = std::max(1, static_cast<int>(kSeconds / step / kPiece));
   for (int round = 0; round < rounds; ++round) {
@@ -79,20 +79,20 @@ GuardCost compare(Runner& plain, Runner& other, double step, int rounds) {
     ratios.push_back(sum_with / sum_without);
   }
   GuardCost cost;
-  cost.plain = median(without);
-  cost.guarded = median(with);
-  cost.ratio = median(ratios);
+  cost.plain = upperMedian(without);
+  cost.guarded = upperMedian(with);
+  cost.ratio = upperMedian(ratios);
   cost.acted = other.acted;
   return cost;
 }
 
 GuardCost costOf(const std::string& name, const ExtremeMethod& method, int rounds) {
-  Scene scene = loadScene(name);
+  Scene scene = ragdoll::loadScene(name);
   scene.solver = method.solver;
   scene.solver.sleep = false;
   scene.pokes.clear();
   const Model model = buildModel(scene);
-  Runner plain(model, false), guarded(model, true);
+  PieceRunner plain(model, false), guarded(model, true);
   GuardCost cost = compare(plain, guarded, model.solver.step, rounds);
   cost.scene = name;
   cost.method = method.name;
@@ -109,7 +109,7 @@ GuardCost costOfLoad(const std::string& name, const Scene& light, const Scene& h
     scene.solver.sleep = false;
     models.push_back(buildModel(scene));
   }
-  Runner without(models[0], true), with(models[1], true);
+  PieceRunner without(models[0], true), with(models[1], true);
   GuardCost cost = compare(without, with, step, rounds);
   cost.scene = name;
   cost.method = method.name;

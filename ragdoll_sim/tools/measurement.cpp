@@ -14,15 +14,15 @@
 namespace ragdoll::lab {
 namespace {
 
-constexpr int kRounds = 7;                ///< repetitions whose median counts
-constexpr int kFewRounds = 3;             ///< of configurations dearer than kDear
+constexpr int kCostRounds = 7;            ///< repetitions whose median counts
+constexpr int kFewCostRounds = 3;         ///< of configurations dearer than kDear
 constexpr double kDear = 0.1;             ///< [s] of one run
 constexpr double kShortestTiming = 2e-3;  ///< [s] what is shorter is run several times
 
 /// Runs one configuration again and again from the scene's start.
-class Runner {
+class ConfigurationRunner {
  public:
-  Runner(const Model& model, const SolverSpec& solver, double horizon)
+  ConfigurationRunner(const Model& model, const SolverSpec& solver, double horizon)
       : model_(withSolver(model, solver)),
         inputs_(startInputs(model_)),
         start_(startState(model_)),
@@ -101,17 +101,17 @@ Measurement measureAccuracy(const Model& model, const Configuration& configurati
 
 void measureCosts(const Model& model, double horizon, std::vector<Measurement>& all,
                   const std::function<void(double)>& report) {
-  Runner thesis(model, damped(preset("thesis"), model.solver), horizon);
+  ConfigurationRunner thesis(model, damped(preset("thesis"), model.solver), horizon);
   std::size_t done = 0;
   for (Measurement& m : all) {
     report(static_cast<double>(done++) / static_cast<double>(all.size()));
-    Runner runner(model, m.configuration.solver, horizon);
+    ConfigurationRunner runner(model, m.configuration.solver, horizon);
     std::vector<double> costs, ratios;
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kCostRounds; ++round) {
       const double yardstick = thesis.measure();
       costs.push_back(runner.measure());
       ratios.push_back(costs.back() / yardstick);
-      if (round + 1 >= kFewRounds && runner.seconds() > kDear) break;
+      if (round + 1 >= kFewCostRounds && runner.seconds() > kDear) break;
     }
     m.cost = median(costs);
     m.ratio = median(ratios);

@@ -63,7 +63,7 @@ std::string frontBlock(const Survey& survey) {
   return out.str();
 }
 
-bool run(const std::string& script, const std::string& file) {
+bool runGnuplot(const std::string& script, const std::string& file) {
   std::filesystem::remove(file);
   FILE* gnuplot = popen("gnuplot 2>/dev/null", "w");
   if (gnuplot == nullptr) return false;
@@ -111,7 +111,7 @@ std::string draw(const Survey& survey, const std::string& title, const std::stri
   if (std::system("command -v gnuplot >/dev/null 2>&1") != 0) return missing;
   if (curveNames(survey).empty()) return "no picture: nothing has an error above zero";
   for (const auto& [terminal, ending] : {std::pair("pngcairo", ".png"), std::pair("svg", ".svg")})
-    if (!run(plotScript(survey, title, terminal, base + ending), base + ending))
+    if (!runGnuplot(plotScript(survey, title, terminal, base + ending), base + ending))
       return "no picture: gnuplot could not draw " + base + ending;
   return "";
 }

@@ -19,8 +19,8 @@ const std::vector<Unit> kLengths = {
     {"nm", 1e-9}, {"um", 1e-6}, {"mm", 1e-3}, {"cm", 1e-2}, {"m", 1}};
 const std::vector<Unit> kTimes = {{"ns", 1e-9}, {"us", 1e-6}, {"ms", 1e-3}, {"s", 1}};
 
-double parse(const std::string& option, const std::string& text, const std::vector<Unit>& units,
-             const char* example) {
+double parseWithUnit(const std::string& option, const std::string& text,
+                     const std::vector<Unit>& units, const char* example) {
   char* end = nullptr;
   const double number = std::strtod(text.c_str(), &end);
   std::string unit = end;
@@ -46,13 +46,13 @@ std::string inUnit(double value, const std::vector<Unit>& units) {
 }  // namespace
 
 double parseLength(const std::string& option, const std::string& text) {
-  return parse(option, text, kLengths, "1mm");
+  return parseWithUnit(option, text, kLengths, "1mm");
 }
 
 double parseTime(const std::string& option, const std::string& text) {
   const std::string per_second = "/s";
   const bool named = text.size() > 2 && text.substr(text.size() - 2) == per_second;
-  return parse(option, named ? text.substr(0, text.size() - 2) : text, kTimes, "50us");
+  return parseWithUnit(option, named ? text.substr(0, text.size() - 2) : text, kTimes, "50us");
 }
 
 std::string lengthText(double metres) { return inUnit(metres, kLengths); }

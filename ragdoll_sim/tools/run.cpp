@@ -27,7 +27,7 @@ namespace {
 constexpr double kMostSteps = 1e12;  ///< weeks of computing
 constexpr double kRounding = 1e-9;   ///< part of a step by which the end may miss one
 
-struct Options {
+struct RunOptions {
   std::string scene;
   double seconds = 10;
   std::string csv, imu, contacts;
@@ -39,7 +39,7 @@ struct Options {
 /// Writes the rows that are due: tick k is at k / rate, its row the first step at or after it.
 class TickWriter {
  public:
-  TickWriter(const Model& model, const Options& options)
+  TickWriter(const Model& model, const RunOptions& options)
       : model_(model), file_(options.csv), ticks_(model, options.rate) {
     if (file_.wanted()) writeCsvHeader(model, file_.out());
   }
@@ -96,7 +96,7 @@ class ImuWriter {
 /// Rows of what touched in the time of each tick, and for the summary what it came to.
 class ContactWriter {
  public:
-  ContactWriter(const Model& model, const Options& options)
+  ContactWriter(const Model& model, const RunOptions& options)
       : model_(model),
         file_(options.contacts),
         ticks_(model, options.rate),
@@ -151,7 +151,7 @@ class ContactWriter {
   RegionLoads loads_;
 };
 
-int run(const Options& options) {
+int runScene(const RunOptions& options) {
   checked("--seconds", options.seconds, true);
   checked("--rate", options.rate, false);
   Scene scene = loadScene(options.scene, options.settings);
@@ -216,7 +216,7 @@ int run(const Options& options) {
 }  // namespace
 
 int runCommand(const Words& words) {
-  Options options;
+  RunOptions options;
   CommandLine line{"run SCENE [options]", "Steps a scene as fast as possible.", {}};
   auto add = line.options.add_options();
   add("seconds", po::value(&options.seconds)->default_value(10), "Simulated time [s]");
@@ -230,7 +230,7 @@ int runCommand(const Words& words) {
   add("set", po::value(&options.settings),
       "Change a setting, such as solver.step=0.001; may be given again.\nsolver.preset sets all of "
       "the solver but joint_damping");
-  return parse(line, words, options.scene) ? run(options) : kOk;
+  return parse(line, words, options.scene) ? runScene(options) : kOk;
 }
 
 }  // namespace ragdoll::lab

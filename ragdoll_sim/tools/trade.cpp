@@ -19,7 +19,7 @@
 namespace ragdoll::lab {
 namespace {
 
-constexpr const char* kAbout =
+constexpr const char* kAboutTrade =
     "Measures the trade of speed for accuracy on a scene: every method, at steps that differ by\n"
     "factors of two, with every knob, and the presets, against a reference that is converged by\n"
     "halving its step. A scene with something to touch is chaotic: there all start again and "
@@ -30,7 +30,7 @@ constexpr const char* kAbout =
     "preset\n"
     "thesis, to which the ratio is.\n";
 
-struct Options {
+struct TradeOptions {
   std::string scene, folder;
   Words settings;
   bool without_limits = false;
@@ -43,7 +43,7 @@ void writeFile(const std::string& path, const std::string& text) {
   if (!file.flush()) throw Error(path, "cannot be written");
 }
 
-int trade(Options& options) {
+int trade(TradeOptions& options) {
   Scene scene = loadScene(options.scene, options.settings);
   if (options.without_limits) dropLimits(scene);
   const Model model = buildModel(scene);
@@ -71,8 +71,8 @@ int trade(Options& options) {
 }  // namespace
 
 int tradeCommand(const Words& words) {
-  Options options;
-  CommandLine line{"trade SCENE [options]", kAbout, {}};
+  TradeOptions options;
+  CommandLine line{"trade SCENE [options]", kAboutTrade, {}};
   auto add = line.options.add_options();
   add("out", po::value(&options.folder)->default_value("."), "Folder of the files");
   add("horizon", positive("--horizon", options.survey.horizon),

@@ -13,7 +13,7 @@
 namespace ragdoll::lab {
 namespace {
 
-constexpr const char* kAbout =
+constexpr const char* kAboutTune =
     "Finds the solver setting for a scene, by measuring on it: the cheapest one whose error is at\n"
     "most --error, or the most accurate one that costs at most --budget. Prints a section "
     "`solver:`\n"
@@ -23,14 +23,14 @@ constexpr const char* kAbout =
     "  budget  CPU time of the steps of the whole scene per simulated second, on this machine\n"
     "Exit status 1, and what comes closest, where the target cannot be met.\n";
 
-struct Options {
+struct TuneOptions {
   std::string scene, error, budget;
   Words settings;
   bool without_limits = false;
   SurveyOptions survey;
 };
 
-Target targetOf(const Options& options) {
+Target targetOf(const TuneOptions& options) {
   if (options.error.empty() == options.budget.empty())
     throw Error("", "one of --error and --budget is expected, such as --error 1mm");
   Target target;
@@ -50,7 +50,7 @@ std::string complaint(const Choice& choice, const Target& target) {
          lengthText(target.error);
 }
 
-int run(Options& options) {
+int printTuned(TuneOptions& options) {
   const Target target = targetOf(options);
   Scene scene = loadScene(options.scene, options.settings);
   if (options.without_limits) dropLimits(scene);
@@ -72,9 +72,9 @@ int run(Options& options) {
 }  // namespace
 
 int tuneCommand(const Words& words) {
-  Options options;
+  TuneOptions options;
   options.survey.dearest = 0.1;
-  CommandLine line{"tune SCENE (--error LENGTH | --budget TIME) [options]", kAbout, {}};
+  CommandLine line{"tune SCENE (--error LENGTH | --budget TIME) [options]", kAboutTune, {}};
   auto add = line.options.add_options();
   add("error", po::value(&options.error), "Largest error, in um, mm, cm or m, such as 1mm");
   add("budget", po::value(&options.budget),
@@ -93,7 +93,7 @@ int tuneCommand(const Words& words) {
       "Change a setting, such as gravity=[0,0,-1.62]; may be given again");
   if (!parse(line, words, options.scene)) return kOk;
   checked("--dearest", options.survey.dearest, false);
-  return run(options);
+  return printTuned(options);
 }
 
 }  // namespace ragdoll::lab

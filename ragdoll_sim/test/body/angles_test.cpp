@@ -20,7 +20,7 @@ double valueOf(const JointAngles& angles, const Posture& posture, const std::str
   return 0;
 }
 
-struct Human {
+struct HumanWithAngles {
   Model model = modelOf(humanSkeleton());
   FrameTracker tracker{model};
   JointAngles angles{model, tracker};
@@ -59,7 +59,7 @@ TEST(JointAngles, NamesFollowTheInterface) {
 }
 
 TEST(JointAngles, RestPoseIsZero) {
-  Human human;
+  HumanWithAngles human;
   human.tracker.reset(stateOf(human.model.skeletons[0].rest));
   std::vector<double> values;
   human.angles.compute(human.tracker.now(), values);
@@ -69,7 +69,7 @@ TEST(JointAngles, RestPoseIsZero) {
 }
 
 TEST(JointAngles, BentElbowAndKnee) {
-  Human human;
+  HumanWithAngles human;
   const Quat tilt = turn({1, 2, -1}, 2.2);  // wherever the body lies
   for (const double bend : {0.1, 0.5, 1.0, 1.7, 2.3}) {
     EXPECT_NEAR(
@@ -82,7 +82,7 @@ TEST(JointAngles, BentElbowAndKnee) {
 }
 
 TEST(JointAngles, BentElbowOfATurnedArm) {
-  Human human;
+  HumanWithAngles human;
   const Quat shoulder = turn({0, -1, 0}, 1.2) * turn({1, 0, 0}, 0.5) * turn({0, 0, 1}, 0.6);
   EXPECT_NEAR(human.angle({{"left_shoulder", shoulder}, {"left_elbow", turn({0, -1, 0}, 1.4)}},
                           "left_elbow_y"),
@@ -90,12 +90,12 @@ TEST(JointAngles, BentElbowOfATurnedArm) {
 }
 
 TEST(JointAngles, KneeBentTheWrongWayIsNegative) {
-  Human human;
+  HumanWithAngles human;
   EXPECT_NEAR(human.angle({{"left_knee", turn({0, 1, 0}, -0.6)}}, "left_knee_y"), -0.6, 1e-9);
 }
 
 TEST(JointAngles, ShoulderGivesItsEulerAngles) {
-  Human human;
+  HumanWithAngles human;
   const Vec3 xyz(-0.5, -0.8, 0.3);
   const std::map<std::string, Quat> turns = {{"right_shoulder", fromJointEuler(xyz)},
                                              {"right_elbow", turn({0, -1, 0}, 1.3)},
@@ -119,7 +119,7 @@ TEST(JointEuler, RoundTrip) {
 }
 
 TEST(JointAngles, HingeBetweenGroups) {
-  Human human;
+  HumanWithAngles human;
   EXPECT_NEAR(
       human.angle({{"pelvis", turn({1, 2, -1}, 2.2)}, {"torso", turn({0, 1, 0}, 0.4)}}, "hips_y"),
       0.4, 1e-9);  // the pelvis turns by -0.4 about +y in the torso: by 0.4 about -y

@@ -9,7 +9,7 @@
 namespace ragdoll::test {
 namespace {
 
-struct Human {
+struct HumanInACoat {
   Model model = modelOf(humanSkeleton());
   FrameTracker tracker{model};
   const Skeleton& skeleton = model.skeletons[0];
@@ -38,12 +38,12 @@ TEST(Coat, KindsByName) {
 }
 
 TEST(Coat, NoneIsNothing) {
-  Human human;
+  HumanInACoat human;
   EXPECT_TRUE(Coat(CoatKind::kNone, human.model, human.tracker, 0).shapes().empty());
 }
 
 TEST(Coat, SticksAreTheParticleSystem) {
-  Human human;
+  HumanInACoat human;
   Coat coat(CoatKind::kSticks, human.model, human.tracker, 0);
   const Points x = human.skeleton.rest.colwise() + Vec3(1, 2, 3);
   human.tracker.update(stateOf(x));
@@ -68,7 +68,7 @@ TEST(Coat, EveryPieceIsClosedAndNotDegenerate) {
 
 TEST(Coat, RigidMotionMovesEveryVertexAlike) {
   for (const CoatKind kind : {CoatKind::kBoxes, CoatKind::kCapsules}) {
-    Human human;
+    HumanInACoat human;
     Coat coat(kind, human.model, human.tracker, 0);
     const Points rest = coat.shapes()[0].mesh.vertices;
     const Quat q = turn({1, -2, 0.5}, 2.5);
@@ -81,7 +81,7 @@ TEST(Coat, RigidMotionMovesEveryVertexAlike) {
 }
 
 TEST(Coat, PiecesStretchWithTheirBone) {
-  Human human;
+  HumanInACoat human;
   const RigidCoat coat(capsulePieces(human.skeleton, human.tracker.tree(0)), human.skeleton,
                        human.tracker.tree(0));
   Points x = human.skeleton.rest;
@@ -98,7 +98,7 @@ TEST(Coat, PiecesStretchWithTheirBone) {
 }
 
 TEST(Coat, StandsOnItsFeetAndFacesForward) {
-  Human human;
+  HumanInACoat human;
   const Coat coat(CoatKind::kCapsules, human.model, human.tracker, 0);
   const Points& v = coat.shapes()[0].mesh.vertices;
   const double floor = human.skeleton.rest.row(2).minCoeff() - 0.040;

@@ -15,7 +15,7 @@ namespace {
 /// [rad] the model's arms are straight but for the rounding of positions to 0.1 mm.
 constexpr double kStraightness = 1e-4;
 
-struct Human {
+struct TrackedHuman {
   Model model = modelOf(humanSkeleton());
   FrameTracker tracker{model};
   const Skeleton& skeleton = model.skeletons[0];
@@ -28,7 +28,7 @@ struct Human {
 };
 
 TEST(Frames, RestPoseIsAlignedWithTheWorld) {
-  Human human;
+  TrackedHuman human;
   human.reset(human.skeleton.rest);
   for (int f = 0; f < human.tracker.size(); ++f)
     EXPECT_LT(angle(human.tracker.now().frames[f].orientation, Quat::Identity()), 1e-12)
@@ -39,7 +39,7 @@ TEST(Frames, RestPoseIsAlignedWithTheWorld) {
 }
 
 TEST(Frames, RigidMotionTurnsEveryFrameAlike) {
-  Human human;
+  TrackedHuman human;
   std::mt19937 random(7);
   std::normal_distribution<double> normal;
   const auto pose = posed(human.skeleton, {{"right_elbow", turn({0, -1, 0}, 1.3)},
@@ -62,7 +62,7 @@ TEST(Frames, RigidMotionTurnsEveryFrameAlike) {
 }
 
 TEST(Frames, BentElbowShowsTheTurnOfTheUpperArm) {
-  Human human;
+  TrackedHuman human;
   for (const double twist : {-1.2, -0.5, 0.0, 0.4, 1.0}) {
     const Quat shoulder = turn({0.3, 1, 0.1}, -1.0) * turn({0, 0, 1}, twist);
     human.reset(posed(human.skeleton,
@@ -74,7 +74,7 @@ TEST(Frames, BentElbowShowsTheTurnOfTheUpperArm) {
 }
 
 TEST(Frames, TwistIsFollowedInMotion) {
-  Human human;
+  TrackedHuman human;
   human.reset(human.skeleton.rest);
   for (int i = 0; i <= 300; ++i) {
     const double t = i / 300.0;
@@ -90,7 +90,7 @@ TEST(Frames, TwistIsFollowedInMotion) {
 TEST(Frames, StraightArmDoesNotGatherTwist) {
   // A straight arm that circles carries holonomy in a parallel transport; the reference takes it
   // out.
-  Human human;
+  TrackedHuman human;
   human.reset(human.skeleton.rest);
   double most = 0;
   for (int i = 0; i <= 6000; ++i) {
@@ -103,7 +103,7 @@ TEST(Frames, StraightArmDoesNotGatherTwist) {
 }
 
 TEST(Frames, StillBodyNeverTurns) {
-  Human human;
+  TrackedHuman human;
   human.reset(human.skeleton.rest);
   const auto pose = posed(human.skeleton, {{"right_shoulder", turn({1, 0, 0}, -2.0)},
                                            {"right_elbow", turn({1, 0, 1}, 0.8)}});
@@ -116,7 +116,7 @@ TEST(Frames, StillBodyNeverTurns) {
 }
 
 TEST(Frames, InterpolationMeetsItsEndsAndTheMiddle) {
-  Human human;
+  TrackedHuman human;
   human.reset(human.skeleton.rest);
   const Quat q = turn({0, 0, 1}, 0.4);
   const Points x = (q.toRotationMatrix() * human.skeleton.rest).colwise() + Vec3(1, 0, 0);
@@ -134,7 +134,7 @@ TEST(Frames, InterpolationMeetsItsEndsAndTheMiddle) {
 }
 
 TEST(Frames, LocalPosesComposeToTheWorld) {
-  Human human;
+  TrackedHuman human;
   human.reset(posed(human.skeleton,
                     {{"pelvis", turn({1, 2, 3}, 2)}, {"left_elbow", turn({0, -1, 0}, 1)}},
                     Vec3(1, 2, 3)));
@@ -162,7 +162,7 @@ TEST(Frames, SeveralRagdollsHaveTheirOwn) {
 }
 
 TEST(Frames, FollowingFewPartsGivesThemTheSameBits) {
-  const Human human;
+  const TrackedHuman human;
   const FrameTree& tree = human.tracker.tree(0);
   for (std::size_t part = 0; part < tree.parts.size(); ++part) {
     FrameTracker all(human.model), few(human.model);
@@ -182,7 +182,7 @@ TEST(Frames, FollowingFewPartsGivesThemTheSameBits) {
 }
 
 TEST(Frames, CollapsedOrBrokenParticlesLeaveTheFrameWhereItWas) {
-  Human human;
+  TrackedHuman human;
   human.reset(human.skeleton.rest);
   Points x = human.skeleton.rest;
   x.col(human.skeleton.particle("right_hand")) = x.col(human.skeleton.particle("right_elbow"));
@@ -235,7 +235,7 @@ Points tumble(const Skeleton& s, double t) {
 
 /// Follows `tumble` and returns the largest step of any part [rad].
 double largestStep(double seconds, double dt) {
-  Human human;
+  TrackedHuman human;
   human.reset(tumble(human.skeleton, 0));
   FrameRecord record;
   const int steps = static_cast<int>(std::lround(seconds / dt));
@@ -258,7 +258,7 @@ TEST(FramesLaw, StepsShrinkWithTheTimeStep) {
 }
 
 TEST(FramesLaw, SameStatesGiveSameBits) {
-  Human a;
+  TrackedHuman a;
   a.reset(tumble(a.skeleton, 0));
   for (int i = 1; i < 200; ++i) a.update(tumble(a.skeleton, i / 60.0));
   FrameTracker copy = a.tracker;

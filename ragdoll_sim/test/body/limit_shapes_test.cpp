@@ -11,7 +11,7 @@
 namespace ragdoll::test {
 namespace {
 
-struct Human {
+struct HumanWithLimits {
   Model model = modelOf(humanSkeleton());
   FrameTracker tracker{model};
 
@@ -30,7 +30,7 @@ struct Human {
 };
 
 TEST(LimitShapes, KneeBeginsStraightAndEndsBent) {
-  Human human;
+  HumanWithLimits human;
   const Points& rest = human.skeleton().rest;
   const double end = 2.5;  // of the fixture's hinges
   EXPECT_LT((human.ray(rest, "left_knee/begin") - Vec3(0, 0, -1)).norm(), 1e-9);
@@ -42,7 +42,7 @@ TEST(LimitShapes, KneeBeginsStraightAndEndsBent) {
 }
 
 TEST(LimitShapes, BoneLiesInItsFan) {
-  Human human;
+  HumanWithLimits human;
   const Points x =
       posed(human.skeleton(), {{"pelvis", turn({1, 1, 1}, 2)},
                                {"right_shoulder", turn({0, -1, 0}, 1) * turn({0, 0, 1}, 0.5)},
@@ -59,7 +59,7 @@ TEST(LimitShapes, BoneLiesInItsFan) {
 }
 
 TEST(LimitShapes, ConeHasItsHalfAngle) {
-  Human human;
+  HumanWithLimits human;
   const Quat q = turn({1, -1, 0.3}, 1.4);
   const Points x = posed(human.skeleton(), {{"pelvis", q}});
   const CoatShape rim = human.shape(x, "neck/rim");
@@ -72,7 +72,7 @@ TEST(LimitShapes, ConeHasItsHalfAngle) {
 }
 
 TEST(LimitShapes, ThesisShoulderIsMirrored) {
-  Human human;
+  HumanWithLimits human;
   const Points& rest = human.skeleton().rest;
   // xy begins hanging down; the right arm's region ends to the right, the left one's to the left.
   EXPECT_LT((human.ray(rest, "right_shoulder/xy/begin") - Vec3(0, 0, -1)).norm(), 1e-9);
@@ -81,7 +81,7 @@ TEST(LimitShapes, ThesisShoulderIsMirrored) {
 }
 
 TEST(LimitShapes, HipsHaveAFan) {
-  Human human;
+  HumanWithLimits human;
   const CoatShape fan = human.shape(human.skeleton().rest, "hips/region");
   EXPECT_LT(Vec3(fan.mesh.vertices.col(0)).norm(), 1e-12);
 }

@@ -11,7 +11,7 @@
 namespace ragdoll::test {
 namespace {
 
-struct Human {
+struct HumanInASkin {
   Model model = modelOf(humanSkeleton());
   FrameTracker tracker{model};
   const Skeleton& skeleton = model.skeletons[0];
@@ -64,7 +64,7 @@ double winding(const Mesh& mesh, const Vec3& p) {
 }
 
 TEST(Skin, IsOneClosedSurfaceFacingOutward) {
-  Human human;
+  HumanInASkin human;
   const Mesh& mesh = human.bound.mesh;
   EXPECT_TRUE(isClosed(mesh));
   EXPECT_GT(smallestArea(mesh), 4e-6);
@@ -85,12 +85,12 @@ TEST(Skin, IsOneClosedSurfaceFacingOutward) {
 
 TEST(Skin, HasTheVolumeOfItsMass) {
   // 75 kg at 985 kg/m^3 [Durnin1974, mid-range]; within 15 %.
-  Human human;
+  HumanInASkin human;
   EXPECT_NEAR(volume(human.bound.mesh), 0.075, 0.15 * 0.075);
 }
 
 TEST(Skin, IsMirrorSymmetric) {
-  Human human;
+  HumanInASkin human;
   const Points& v = human.bound.mesh.vertices;
   for (int i = 0; i < v.cols(); ++i) {
     const Vec3 mirrored = v.col(i).cwiseProduct(Vec3(1, -1, 1));
@@ -99,7 +99,7 @@ TEST(Skin, IsMirrorSymmetric) {
 }
 
 TEST(Skin, StandsWhereTheFeetStand) {
-  Human human;
+  HumanInASkin human;
   const Points& v = human.bound.mesh.vertices;
   const double floor = human.rest("left_foot").z() - 0.040;
   EXPECT_NEAR(v.row(2).minCoeff(), floor, 1e-9);
@@ -107,7 +107,7 @@ TEST(Skin, StandsWhereTheFeetStand) {
 }
 
 TEST(Skin, WeightsSumToOne) {
-  Human human;
+  HumanInASkin human;
   for (const Weights& w : human.bound.weights) {
     float sum = 0;
     for (int n = 0; n < w.count; ++n) {
@@ -120,7 +120,7 @@ TEST(Skin, WeightsSumToOne) {
 
 TEST(Skin, RestAndRigidMotionsAreExact) {
   for (const Blend blend : {Blend::kLinear, Blend::kDualQuaternion}) {
-    Human human;
+    HumanInASkin human;
     EXPECT_LT((human.pose({}, blend).vertices - human.bound.mesh.vertices).cwiseAbs().maxCoeff(),
               1e-6);
     const Quat q = turn({1, 2, -0.5}, 3.0);
@@ -135,7 +135,7 @@ TEST(Skin, RestAndRigidMotionsAreExact) {
 }
 
 TEST(Skin, ElbowBentBy120DegreesKeepsItsCrossSection) {
-  Human human;
+  HumanInASkin human;
   const Vec3 elbow = human.rest("right_elbow");
   const auto ring = human.ring(elbow, elbow - human.rest("right_shoulder"), 0.08);
   ASSERT_EQ(ring.size(), 12u);
@@ -150,7 +150,7 @@ TEST(Skin, ElbowBentBy120DegreesKeepsItsCrossSection) {
 /// Smallest cross-section, as a share of that at rest, of the rings of `points` vertices around a
 /// joint when `part` alone is twisted about the axis. The orientations are given directly: the
 /// tracker would not let a joint without a visible twist go that far.
-double narrowest(Human& human, const std::string& part, const Vec3& joint, const Vec3& axis,
+double narrowest(HumanInASkin& human, const std::string& part, const Vec3& joint, const Vec3& axis,
                  std::size_t points, double angle, Blend blend) {
   std::vector<Quat> parts(human.tree.parts.size(), Quat::Identity());
   parts[human.tree.part(part)] = turn(axis, angle);
@@ -169,7 +169,7 @@ double narrowest(Human& human, const std::string& part, const Vec3& joint, const
 }
 
 TEST(Skin, TwistedNeckKeepsItsCrossSection) {
-  Human human;
+  HumanInASkin human;
   const Vec3 neck = human.rest("neck"), up = Vec3::UnitZ();
   const double angle = 120 * M_PI / 180;
   EXPECT_GT(narrowest(human, "head", neck, up, 20, angle, Blend::kDualQuaternion), 0.95);
@@ -195,7 +195,7 @@ double cut(const Mesh& mesh, const Vec3& p, const Vec3& n, double reach) {
 }
 
 TEST(Skin, TwistedShoulderIsNoCandyWrapper) {
-  Human human;
+  HumanInASkin human;
   const Vec3 shoulder = human.rest("left_shoulder"), arm = human.rest("left_elbow") - shoulder;
   std::vector<Quat> parts(human.tree.parts.size(), Quat::Identity());
   const Quat twist = turn(arm, 150 * M_PI / 180);
@@ -212,7 +212,7 @@ TEST(Skin, TwistedShoulderIsNoCandyWrapper) {
 }
 
 TEST(Skin, VolumeHoldsInEveryPose) {
-  Human human;
+  HumanInASkin human;
   const double rest = volume(human.bound.mesh);
   const std::map<std::string, Quat> sitting = {
       {"left_leg", turn({0, -1, 0}, 1.5)},   {"right_leg", turn({0, -1, 0}, 1.5)},
@@ -222,7 +222,7 @@ TEST(Skin, VolumeHoldsInEveryPose) {
 }
 
 TEST(Skin, CoatWearsIt) {
-  Human human;
+  HumanInASkin human;
   const Coat coat(CoatKind::kSkin, human.model, human.tracker, 0);
   EXPECT_EQ(coat.shapes()[0].mesh.triangles.size(), human.bound.mesh.triangles.size());
 }

@@ -7,7 +7,7 @@
 
 namespace {
 
-void require(const ragdoll::test::Outcome& outcome) {
+void require(const ragdoll::test::Taken& outcome) {
   if (outcome.broken.empty()) return;
   std::fprintf(stderr, "%s\n", outcome.broken.c_str());
   std::abort();

@@ -15,7 +15,7 @@
 namespace ragdoll {
 namespace {
 
-using test::Outcome;
+using test::Taken;
 
 /// Damages texts and bytes, always the same ones for the same seed.
 class Mutator {
@@ -111,7 +111,7 @@ TEST(Mutations, OfScenesAreRefusedByNameOrTaken) {
   constexpr int kCount = 4000;
   for (int i = 0; i < kCount; ++i) {
     const std::string text = mutator.text(scenes[mutator.below(scenes.size())]);
-    const Outcome outcome = test::takeScene(text);
+    const Taken outcome = test::takeScene(text);
     ASSERT_EQ(outcome.broken, "") << "mutation " << i << ":\n" << text;
     accepted += outcome.accepted;
   }
@@ -128,7 +128,7 @@ TEST(Mutations, OfModelsAreRefusedByNameOrTaken) {
   constexpr int kCount = 2000;
   for (int i = 0; i < kCount; ++i) {
     const std::string text = mutator.text(models[mutator.below(models.size())]);
-    const Outcome outcome = test::takeModel(text);
+    const Taken outcome = test::takeModel(text);
     ASSERT_EQ(outcome.broken, "") << "mutation " << i << ":\n" << text;
     accepted += outcome.accepted;
   }
@@ -146,7 +146,7 @@ TEST(Mutations, OfSnapshotsAreRefusedOrGoOn) {
   for (int i = 0; i < kCount; ++i) {
     std::vector<std::uint8_t> bytes = mutator.bytes(good);
     test::sealSnapshot(bytes);
-    const Outcome outcome = test::takeSnapshot(model, bytes);
+    const Taken outcome = test::takeSnapshot(model, bytes);
     ASSERT_EQ(outcome.broken, "") << "mutation " << i;
     accepted += outcome.accepted;
   }

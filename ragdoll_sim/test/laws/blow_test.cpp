@@ -8,14 +8,14 @@
 
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/ends.h"
+#include "support/gravity.h"
 #include "support/worlds.h"
 
 namespace ragdoll::test {
 namespace {
 
-constexpr double kG = 9.81;
-
-Points endOf(Scene scene, Method method, double h, double seconds) {
+Points endOfBlows(Scene scene, Method method, double h, double seconds) {
   scene.solver.method = method;
   scene.solver.events = method == Method::kRk;
   scene.solver.sleep = false;
@@ -24,8 +24,6 @@ Points endOf(Scene scene, Method method, double h, double seconds) {
   world.steps(static_cast<int>(std::lround(seconds / h)));
   return world.state.x;
 }
-
-double largest(const Points& d) { return d.colwise().norm().maxCoeff(); }
 
 /// A rod, two equal masses, turns and digs a tip into a floor so rough that friction presses it on.
 /// The tip stops, the other end keeps its speed across the rod.
@@ -65,9 +63,10 @@ ragdolls:
   - {name: a, model: human, position: [0, 0, 1], velocity: [4, 0, 0]}
   - {name: b, model: human, position: [2.2, 0.1, 1.2], rpy_deg: [20, 60, 40]}
 )");
-  const Points exact = endOf(scene, Method::kRk, 1e-3, 0.36);
+  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.36);
   for (const double rate : {250.0, 500.0, 1000.0})
-    EXPECT_LT(largest(endOf(scene, Method::kShake, 1 / rate, 0.36) - exact), 2.5 / (rate * rate))
+    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.36) - exact),
+              2.5 / (rate * rate))
         << rate;
 }
 
@@ -81,10 +80,11 @@ TEST(Blow, ThatLiftsABallTakesNothingBackFromTheFloor) {
   scene.gravity = Vec3(0, 0, -kG);
   scene.ragdoll_collision = true;
   scene.obstacles = {floorPlane()};
-  const Points exact = endOf(scene, Method::kRk, 1e-3, 0.1);
+  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.1);
   ASSERT_GT(exact(2, 0), 0.105) << "it was lifted";
   for (const double rate : {100.0, 200.0, 400.0, 1000.0})
-    EXPECT_LT(largest(endOf(scene, Method::kShake, 1 / rate, 0.1) - exact), 0.1 / (rate * rate))
+    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.1) - exact),
+              0.1 / (rate * rate))
         << rate;
 }
 
@@ -101,9 +101,10 @@ TEST(Blow, OnABallThatSlidesDownASphereIsOfSecondOrder) {
   sphere.type = ObstacleSpec::Type::kSphere;
   sphere.radius = 0.2;
   scene.obstacles = {sphere};
-  const Points exact = endOf(scene, Method::kRk, 1e-3, 0.2);
+  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.2);
   for (const double rate : {100.0, 200.0, 400.0, 1000.0, 2000.0, 4000.0})
-    EXPECT_LT(largest(endOf(scene, Method::kShake, 1 / rate, 0.2) - exact), 0.5 / (rate * rate))
+    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.2) - exact),
+              0.5 / (rate * rate))
         << rate;
 }
 
@@ -120,9 +121,9 @@ TEST(Blow, ThatPassesFromTheEndOfARodOntoIt) {
   bar.from = Vec3(-1, -0.2, 0.15);
   bar.to = Vec3(1, 0.25, 0.15);
   scene.obstacles = {bar};
-  const Points exact = endOf(scene, Method::kRk, 1e-3, 0.25);
+  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.25);
   for (const double rate : {500.0, 1000.0, 4000.0, 16000.0})
-    EXPECT_LT(largest(endOf(scene, Method::kShake, 1 / rate, 0.25) - exact), 2e-5) << rate;
+    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.25) - exact), 2e-5) << rate;
 }
 
 }  // namespace

@@ -15,23 +15,24 @@
 #include "ragdoll_sim/core/start_state.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/world/contacts.h"
+#include "support/gravity.h"
 #include "support/peak_force.h"
 #include "support/worlds.h"
 
 namespace ragdoll::test {
 namespace {
 
-constexpr double kRadius = 0.1, kGravity = 9.81;
+constexpr double kBallRadius = 0.1;
 
 struct Floor {
   double stiffness = 1000, damping = 0, friction = 0;
 };
 
 /// A ball of 1 kg whose surface is `gap` above a spring floor, and its contacts.
-class Ball {
+class BallOnASpring {
  public:
-  Ball(const Floor& floor, double gap, const Vec3& velocity, double step,
-       Method method = Method::kShake, double gravity = kGravity)
+  BallOnASpring(const Floor& floor, double gap, const Vec3& velocity, double step,
+                Method method = Method::kShake, double gravity = kG)
       : model_(build(floor, gap, velocity, step, method, gravity)), contacts(model_) {
     inputs_ = startInputs(model_);
     state = startState(model_);
@@ -47,7 +48,7 @@ class Ball {
     }
   }
   void run(double seconds) { steps(std::lround(seconds / model_.solver.step)); }
-  double depth() const { return kRadius - state.x(2, 0); }
+  double depth() const { return kBallRadius - state.x(2, 0); }
   /// [J] with the spring's.
   double energy(double stiffness) const {
     const double d = std::max(0.0, depth());
@@ -63,7 +64,7 @@ class Ball {
  private:
   static Model build(const Floor& floor, double gap, const Vec3& velocity, double step,
                      Method method, double gravity) {
-    Scene scene = sceneOf(oneParticle(1, kRadius), Vec3(0, 0, kRadius + gap));
+    Scene scene = sceneOf(oneParticle(1, kBallRadius), Vec3(0, 0, kBallRadius + gap));
     scene.ragdolls[0].velocity = velocity;
     scene.gravity = Vec3(0, 0, -gravity);
     ObstacleSpec plane = floorPlane(floor.friction, 1);  // no spring has a restitution
@@ -88,8 +89,8 @@ class CompliantContact : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, CompliantContact, testing::Values(Method::kShake, Method::kRk));
 
 TEST_P(CompliantContact, ABallOnASpringFloorOscillatesByTheFormula) {
-  const double k = 400, w = std::sqrt(k), sag = kGravity / k;
-  Ball ball({k}, 0, Vec3::Zero(), 1e-4, GetParam());
+  const double k = 400, w = std::sqrt(k), sag = kG / k;
+  BallOnASpring ball({k}, 0, Vec3::Zero(), 1e-4, GetParam());
   double worst = 0;
   for (int i = 0; i < 20000; ++i) {
     ball.steps(1);
@@ -101,9 +102,9 @@ TEST_P(CompliantContact, ABallOnASpringFloorOscillatesByTheFormula) {
 TEST_P(CompliantContact, ABallComesToRestAtItsWeightOverTheStiffness) {
   for (const double hz : {60, 120, 1000})
     for (const double k : {500.0, 2e4, 1e6}) {
-      Ball ball({k, std::sqrt(k)}, 0.05, Vec3::Zero(), 1 / hz, GetParam());
+      BallOnASpring ball({k, std::sqrt(k)}, 0.05, Vec3::Zero(), 1 / hz, GetParam());
       ball.run(10);
-      EXPECT_NEAR(ball.depth() * k, kGravity, 1e-6) << k << " N/m at " << hz << " Hz";
+      EXPECT_NEAR(ball.depth() * k, kG, 1e-6) << k << " N/m at " << hz << " Hz";
       EXPECT_LT(ball.state.v.norm(), 1e-8);
     }
 }
@@ -113,7 +114,7 @@ TEST_P(CompliantContact, ThePeakForceOfABlowIsByTheFormulaAt120Hz) {
   for (const double lasts : {0.02, 0.035, 0.1})
     for (int i = 0; i < 10; ++i) {
       const double k = std::pow(M_PI / lasts, 2), v = 2;
-      Ball ball({k}, 0.03 + 0.0017 * i, Vec3(0, 0, -v), 1.0 / 120, GetParam(), 0);
+      BallOnASpring ball({k}, 0.03 + 0.0017 * i, Vec3(0, 0, -v), 1.0 / 120, GetParam(), 0);
       ball.run(1);
       EXPECT_NEAR(ball.peak() / (v * std::sqrt(k)), 1, 0.01) << lasts << " s, " << i;
     }
@@ -122,7 +123,7 @@ TEST_P(CompliantContact, ThePeakForceOfABlowIsByTheFormulaAt120Hz) {
 TEST_P(CompliantContact, ThePeakForceOfStifferBlowsIsByTheFormulaAsTheStepShrinks) {
   for (const double k : {1e5, 1e7, 1e9}) {
     const double lasts = M_PI / std::sqrt(k), v = 3;
-    Ball ball({k}, 0.37 * lasts * v, Vec3(0, 0, -v), lasts / 20, GetParam(), 0);
+    BallOnASpring ball({k}, 0.37 * lasts * v, Vec3(0, 0, -v), lasts / 20, GetParam(), 0);
     ball.steps(60);
     EXPECT_NEAR(ball.peak() / (v * std::sqrt(k)), 1, 0.005) << k << " N/m";
   }
@@ -141,7 +142,7 @@ TEST_P(CompliantContact, ThePeakForceOfADampedBlowIsByTheFormulaAt120Hz) {
           exact = std::max(exact,
                            v * std::exp(-a * t) *
                                (2 * a * std::cos(w * t) + (k - 2 * a * a) / w * std::sin(w * t)));
-        Ball ball({k, 2 * a}, 0.03 + 0.0017 * i, Vec3(0, 0, -v), 1.0 / 120, GetParam(), 0);
+        BallOnASpring ball({k, 2 * a}, 0.03 + 0.0017 * i, Vec3(0, 0, -v), 1.0 / 120, GetParam(), 0);
         ball.run(1);
         EXPECT_NEAR(ball.peak() / exact, 1, 0.03) << lasts << " s, " << ratio << ", " << i;
       }
@@ -151,7 +152,7 @@ TEST_P(CompliantContact, ThePeakForceOfADampedBlowIsByTheFormulaAt120Hz) {
 TEST_P(CompliantContact, ThePeakForceOfASlidingBlowHasItsFriction) {
   const double k = 5000, v = 2, mu = 0.5;
   for (const double hz : {120, 1000, 4000}) {
-    Ball ball({k, 0, mu}, 0.03, Vec3(3 * v, 0, -v), 1 / hz, GetParam(), 0);
+    BallOnASpring ball({k, 0, mu}, 0.03, Vec3(3 * v, 0, -v), 1 / hz, GetParam(), 0);
     ball.run(0.2);
     EXPECT_NEAR(ball.peak() / (v * std::sqrt(k) * std::hypot(1, mu)), 1, 0.01) << hz;
   }
@@ -159,17 +160,18 @@ TEST_P(CompliantContact, ThePeakForceOfASlidingBlowHasItsFriction) {
 
 /// With gravity the spring swings about the depth at which it carries the weight.
 TEST_P(CompliantContact, ThePeakForceOfAFallHasTheWeightInIt) {
-  const double k = 5000, v = std::sqrt(2 * kGravity * 0.3);
-  Ball ball({k}, 0.3, Vec3::Zero(), 1.0 / 120, GetParam());
+  const double k = 5000, v = std::sqrt(2 * kG * 0.3);
+  BallOnASpring ball({k}, 0.3, Vec3::Zero(), 1.0 / 120, GetParam());
   ball.run(0.5);
-  EXPECT_NEAR(ball.peak() / (kGravity + std::hypot(kGravity, v * std::sqrt(k))), 1, 0.01);
+  EXPECT_NEAR(ball.peak() / (kG + std::hypot(kG, v * std::sqrt(k))), 1, 0.01);
 }
 
 TEST_P(CompliantContact, EnergyNeverRises) {
   for (const double hz : {60, 120, 480})
     for (const double k : {200.0, 3e3, 1e5, 1e8})
       for (const double damping : {0.0, 0.05, 1.0, 50.0}) {
-        Ball ball({k, damping * std::sqrt(k), 0.5}, 0.2, Vec3(1, 0, 0), 1 / hz, GetParam());
+        BallOnASpring ball({k, damping * std::sqrt(k), 0.5}, 0.2, Vec3(1, 0, 0), 1 / hz,
+                           GetParam());
         double last = ball.energy(k);
         const double start = last;
         for (int i = 0; i < 2 * hz; ++i) {
@@ -183,10 +185,10 @@ TEST_P(CompliantContact, EnergyNeverRises) {
 
 /// Errors at steps that shrink to a sixteenth, of a ball that meets a damped spring floor off any
 /// whole step, at `until` [s].
-void expectSecondOrder(Method method, double until, const Vec3* exact) {
+void expectSecondOrderOfABall(Method method, double until, const Vec3* exact) {
   const Floor floor{900, 6};
   const auto run = [&](double hz) {
-    Ball ball(floor, 0.0731, Vec3(0, 0, -0.611), 1 / hz, method);
+    BallOnASpring ball(floor, 0.0731, Vec3(0, 0, -0.611), 1 / hz, method);
     ball.run(until);
     return Vec3(ball.depth(), ball.state.v(2, 0) / std::sqrt(floor.stiffness), 0);
   };
@@ -197,22 +199,22 @@ void expectSecondOrder(Method method, double until, const Vec3* exact) {
 }
 
 TEST_P(CompliantContact, ABallThatMeetsTheFloorOffAWholeStepIsOfSecondOrder) {
-  const double v = std::sqrt(0.611 * 0.611 + 2 * kGravity * 0.0731), sag = kGravity / 900;
-  const double t = 0.12 - (v - 0.611) / kGravity;  // since the touch; it presses all along
+  const double v = std::sqrt(0.611 * 0.611 + 2 * kG * 0.0731), sag = kG / 900;
+  const double t = 0.12 - (v - 0.611) / kG;  // since the touch; it presses all along
   const double rate = 3, w = std::sqrt(900 - rate * rate), b = (v - rate * sag) / w;
   const double co = std::cos(w * t), si = std::sin(w * t), decay = std::exp(-rate * t);
   const double depth = sag + decay * (-sag * co + b * si);
   const double sinking = decay * ((rate * sag + b * w) * co + (w * sag - rate * b) * si);
   const Vec3 exact(depth, -sinking / 30, 0);
-  expectSecondOrder(GetParam(), 0.12, &exact);
-  expectSecondOrder(GetParam(), 0.44, nullptr);  // it has left and come again
+  expectSecondOrderOfABall(GetParam(), 0.12, &exact);
+  expectSecondOrderOfABall(GetParam(), 0.44, nullptr);  // it has left and come again
 }
 
 /// Friction is at most mu times the spring's force: a ball slides to a stop over v^2 / (2 mu g).
 TEST_P(CompliantContact, FrictionIsOfTheSpringsForce) {
   const double mu = 0.4, k = 2e4, v = 2;
   for (const double hz : {120, 480}) {
-    Ball ball({k, 60, mu}, -kGravity / k, Vec3(v, 0, 0), 1 / hz, GetParam());
+    BallOnASpring ball({k, 60, mu}, -kG / k, Vec3(v, 0, 0), 1 / hz, GetParam());
     for (int i = 0; i < hz; ++i) {
       ball.steps(1);
       for (const Touch& t : ball.contacts.take().touches) {
@@ -220,7 +222,7 @@ TEST_P(CompliantContact, FrictionIsOfTheSpringsForce) {
         ASSERT_LT(std::hypot(f.x(), f.y()), mu * f.z() * (1 + 1e-6));
       }
     }
-    EXPECT_NEAR(ball.state.x(0, 0), v * v / (2 * mu * kGravity), 1e-4) << hz << " Hz";
+    EXPECT_NEAR(ball.state.x(0, 0), v * v / (2 * mu * kG), 1e-4) << hz << " Hz";
   }
 }
 
@@ -229,17 +231,17 @@ TEST_P(CompliantContact, FrictionIsOfTheSpringsForce) {
 TEST_P(CompliantContact, ABallSlidesDownASpringFloorByTheFormula) {
   constexpr double kSlope = 50 * M_PI / 180, kMu = 0.3, kTime = 0.2, kBegin = 1;
   constexpr double kStiffness = 2500, kDamping = 10, kIn = -0.05;
-  const double pull = kGravity * std::cos(kSlope), rest = -pull / kStiffness;
+  const double pull = kG * std::cos(kSlope), rest = -pull / kStiffness;
   const double a = kDamping / 2, w = std::sqrt(kStiffness - a * a);
   const double c = -rest, d = (kIn + a * c) / w, decay = std::exp(-a * kTime);
   const double gap = rest + decay * (c * std::cos(w * kTime) + d * std::sin(w * kTime));
-  const double along = kBegin * kTime + kGravity * std::sin(kSlope) * kTime * kTime / 2 -
+  const double along = kBegin * kTime + kG * std::sin(kSlope) * kTime * kTime / 2 -
                        kMu * (gap - kIn * kTime + pull * kTime * kTime / 2);
   const auto error = [&](double step) {
     const Vec3 normal(std::sin(kSlope), 0, std::cos(kSlope)), down(normal.z(), 0, -normal.x());
-    Scene scene = sceneOf(oneParticle(1, kRadius), kRadius * normal);
+    Scene scene = sceneOf(oneParticle(1, kBallRadius), kBallRadius * normal);
     scene.ragdolls[0].velocity = kIn * normal + kBegin * down;
-    scene.gravity = Vec3(0, 0, -kGravity);
+    scene.gravity = Vec3(0, 0, -kG);
     ObstacleSpec plane = floorPlane(kMu);
     plane.normal = normal;
     plane.contact = {kStiffness, kDamping};
@@ -248,7 +250,7 @@ TEST_P(CompliantContact, ABallSlidesDownASpringFloorByTheFormula) {
     scene.solver.step = step;
     World world(scene);
     world.steps(static_cast<int>(std::lround(kTime / step)));
-    return (world.x(0) - (kRadius + gap) * normal - along * down).norm();
+    return (world.x(0) - (kBallRadius + gap) * normal - along * down).norm();
   };
   EXPECT_LT(error(1e-3), 5e-6);
   EXPECT_NEAR(std::log2(error(1e-3) / error(5e-4)), 2, 0.1);
@@ -260,7 +262,7 @@ TEST_P(CompliantContact, ABallOffTheMiddleOfASoftSphereIsOfSecondOrder) {
   constexpr double kStiffness = 4000, kSphere = 0.3, kTime = 0.5;
   Eigen::Vector4d z(0.12, 1, 0, -3);  // x, z and velocities
   const auto rate = [](const Eigen::Vector4d& at) {
-    const double far = at.head<2>().norm(), depth = std::max(0.0, kSphere + kRadius - far);
+    const double far = at.head<2>().norm(), depth = std::max(0.0, kSphere + kBallRadius - far);
     Eigen::Vector4d out;
     out << at.tail<2>(), kStiffness * depth / far * at.head<2>();
     return out;
@@ -273,7 +275,7 @@ TEST_P(CompliantContact, ABallOffTheMiddleOfASoftSphereIsOfSecondOrder) {
     z += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
   }
   const auto error = [&](double step) {
-    Scene scene = sceneOf(oneParticle(1, kRadius), Vec3(0.12, 0, 1));
+    Scene scene = sceneOf(oneParticle(1, kBallRadius), Vec3(0.12, 0, 1));
     scene.ragdolls[0].velocity = Vec3(0, 0, -3);
     scene.gravity.setZero();
     ObstacleSpec sphere;
@@ -364,11 +366,11 @@ TEST(CompliantContactOfABody, SpringsAreInSeriesAndDampersLikewise) {
       "solver: {method: shake, step: 0.001, sleep: false}\n";
   World world(parseScene(text));
   world.steps(5000);
-  EXPECT_NEAR(0.1 - world.x(0).z(), 2 * kGravity / 1000, 1e-6);
+  EXPECT_NEAR(0.1 - world.x(0).z(), 2 * kG / 1000, 1e-6);
 }
 
 /// A bar of 2 kg that falls across a ball, at 2 m/s: [m] its height, and the peak force [N].
-std::pair<double, double> across(const std::string& region, const std::string& surface) {
+std::pair<double, double> fallAcrossABall(const std::string& region, const std::string& surface) {
   Scene scene = parseScene(
       "gravity: [0, 0, 0]\nragdolls: [{contact: " +
       std::string(region.empty() ? "rigid" : "compliant") +
@@ -388,23 +390,24 @@ std::pair<double, double> across(const std::string& region, const std::string& s
 
 /// 1/20000 = 1/30000 + 1/60000, 1/60 = 1/90 + 1/180. The peak of k y + d y' is 337.539 N.
 TEST(CompliantContactOfABody, ABlowOnTwoSpringsAndDampersIsThatOnTheirSeries) {
-  const auto two = across("stiffness: 60000, damping: 180", "stiffness: 30000, damping: 90");
-  const auto one = across("", "stiffness: 20000, damping: 60");
+  const auto two =
+      fallAcrossABall("stiffness: 60000, damping: 180", "stiffness: 30000, damping: 90");
+  const auto one = fallAcrossABall("", "stiffness: 20000, damping: 60");
   EXPECT_NEAR(two.first, one.first, 1e-12);
   EXPECT_NEAR(two.second, one.second, 1e-6);
   EXPECT_NEAR(one.second / 337.5386, 1, 5e-4);
-  const auto undamped = across("stiffness: 60000, damping: 180", "stiffness: 30000");
+  const auto undamped = fallAcrossABall("stiffness: 60000, damping: 180", "stiffness: 30000");
   EXPECT_NEAR(undamped.second / (2 * std::sqrt(2 * 20000.0)), 1, 1e-9) << "one has no damper";
-  const auto region = across("stiffness: 20000, damping: 60", "");
+  const auto region = fallAcrossABall("stiffness: 20000, damping: 60", "");
   EXPECT_NEAR(region.first, one.first, 1e-12) << "on what is rigid";
 }
 
 /// [N] on the head of a human dropped flat from 30 cm, and the most that energy rose.
-struct Drop {
+struct HumanDrop {
   double head = 0, rise = 0;
 };
 
-Drop drop(double hz, const std::string& floor, const std::string& rpy = "0, 88, 0") {
+HumanDrop dropHuman(double hz, const std::string& floor, const std::string& rpy = "0, 88, 0") {
   Scene scene = parseScene(
       "ragdolls: [{model: human, contact: compliant, position: [0, 0, 0.55], rpy_deg: [" + rpy +
       "]}]\nobstacles: [{" + floor + "}]\n");
@@ -418,7 +421,7 @@ Drop drop(double hz, const std::string& floor, const std::string& rpy = "0, 88, 
     return kineticEnergy(world.model, world.state) + potentialEnergy(world.model, world.state) +
            springEnergy(world.model, world.state);
   };
-  Drop result;
+  HumanDrop result;
   double lowest = energy();
   const double start = lowest;
   for (int i = 0; i < hz; ++i) {
@@ -436,15 +439,15 @@ Drop drop(double hz, const std::string& floor, const std::string& rpy = "0, 88, 
 
 TEST(CompliantContactOfABody, ThePeakForceOnAHeadHardlyDependsOnTheStep) {
   for (const char* rpy : {"0, 88, 0", "90, 90, 0", "85, 88, 0", "70, 88, 20", "180, 88, 0"}) {
-    const double fine = drop(4000, "type: plane", rpy).head;
+    const double fine = dropHuman(4000, "type: plane", rpy).head;
     EXPECT_GT(fine, 500);
-    EXPECT_NEAR(drop(240, "type: plane", rpy).head / fine, 1, 0.02) << rpy;
+    EXPECT_NEAR(dropHuman(240, "type: plane", rpy).head / fine, 1, 0.02) << rpy;
   }
 }
 
 TEST(CompliantContactOfABody, EnergyOfAFallNeverRises) {
   for (const char* floor : {"type: plane", "type: box, position: [0, 0, -1], size: [6, 6, 2]"})
-    for (const double hz : {120, 1000}) EXPECT_LT(drop(hz, floor).rise, 1e-4) << floor << hz;
+    for (const double hz : {120, 1000}) EXPECT_LT(dropHuman(hz, floor).rise, 1e-4) << floor << hz;
 }
 
 TEST(CompliantContactOfABody, WhatIsWrongSaysWhatWouldBeRight) {

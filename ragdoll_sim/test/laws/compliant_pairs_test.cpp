@@ -18,10 +18,10 @@
 namespace ragdoll::test {
 namespace {
 
-constexpr double kStiffness = 20000, kRadius = 0.05;  // of one bar
+constexpr double kBarStiffness = 20000, kBarRadius = 0.05;  // of one bar
 
 /// A bar of 1 kg from its origin to x = 0.4.
-std::string bar(const std::string& where, double damping = 0) {
+std::string softBar(const std::string& where, double damping = 0) {
   return "  - {contact: compliant, " + where + ", model: {particles: {a: {position: [0, 0, 0], radius: " +
          "0.05}, b: {position: [0.4, 0, 0], radius: 0.05}}, sticks: [[a, b]], segments: {bar: {from: a, to: b, "
          "mass: 1, gyration: 0.289, contact: {stiffness: 20000, damping: " +
@@ -39,55 +39,57 @@ Scene sceneOfText(const std::string& ragdolls, double hz, double gravity = 0) {
 const std::string kBelow = "name: below, position: [0, 0, 0]";
 const std::string kAcross = "name: across, position: [0.2, -0.2, 0.15], rpy_deg: [0, 0, 90], velocity: [0, 0, -1]";
 
-double energy(const World& world) {
+double energyWithSprings(const World& world) {
   return kineticEnergy(world.model, world.state) + potentialEnergy(world.model, world.state) +
          springEnergy(world.model, world.state);
 }
 
 /// Two bars that meet crosswise in their middles: the oscillator of their reduced mass.
 TEST(CompliantPairs, BarsThatMeetSwapTheirVelocitiesByTheFormula) {
-  const double rate = std::sqrt(0.5 * kStiffness / 0.5);  // [1/s] of the gap
+  const double rate = std::sqrt(0.5 * kBarStiffness / 0.5);  // [1/s] of the gap
   const auto error = [&](double hz) {
-    World world(sceneOfText(bar(kBelow) + bar(kAcross), hz));
+    World world(sceneOfText(softBar(kBelow) + softBar(kAcross), hz));
     world.steps(static_cast<int>(std::lround(0.06 * hz)));
-    const double gap = world.x(2).z() - world.x(0).z() - 2 * kRadius;
+    const double gap = world.x(2).z() - world.x(0).z() - 2 * kBarRadius;
     return std::abs(gap + std::sin(rate * 0.01) / rate);
   };
   EXPECT_LT(error(1000), 1e-5);
   EXPECT_LT(error(4000), 1e-6);
-  World world(sceneOfText(bar(kBelow) + bar(kAcross), 120));
-  const double before = energy(world);
+  World world(sceneOfText(softBar(kBelow) + softBar(kAcross), 120));
+  const double before = energyWithSprings(world);
   world.steps(36);
   EXPECT_NEAR(world.v(0).z(), -1, 1e-9);
   EXPECT_NEAR(world.v(2).z(), 0, 1e-9);
-  EXPECT_NEAR(energy(world), before, 1e-9);
+  EXPECT_NEAR(energyWithSprings(world), before, 1e-9);
 }
 
 TEST(CompliantPairs, ThePeakForceOfABlowIsThatOfTheReducedMass) {
-  const double peak = peakForce(sceneOfText(bar(kBelow) + bar(kAcross), 1000));
-  EXPECT_NEAR(peak / std::sqrt(0.5 * 0.5 * kStiffness), 1, 0.01);
+  const double peak = peakForce(sceneOfText(softBar(kBelow) + softBar(kAcross), 1000));
+  EXPECT_NEAR(peak / std::sqrt(0.5 * 0.5 * kBarStiffness), 1, 0.01);
 }
 
 /// Along each other they have two springs, whose forces add up.
 TEST(CompliantPairs, ThePeakForceOfTwoSpringsIsTheirSum) {
-  const double peak = peakForce(
-      sceneOfText(bar(kBelow) + bar("name: falls, position: [0, 0, 0.15], velocity: [0, 0, -1]"), 1000));
-  EXPECT_NEAR(peak / std::sqrt(0.5 * kStiffness), 1, 0.01);
+  const double peak = peakForce(sceneOfText(
+      softBar(kBelow) + softBar("name: falls, position: [0, 0, 0.15], velocity: [0, 0, -1]"),
+      1000));
+  EXPECT_NEAR(peak / std::sqrt(0.5 * kBarStiffness), 1, 0.01);
 }
 
 /// A bar that pins hold is an obstacle: the same springs, places and directions.
 TEST(CompliantPairs, ABarThatIsHeldIsACapsule) {
   const std::string falls =
       "name: falls, position: [0.1, -0.13, 0.15], rpy_deg: [0, 0, 70], velocity: [0.3, 0, -1]";
-  Scene held = sceneOfText(bar(kBelow) + bar(falls), 500);
+  Scene held = sceneOfText(softBar(kBelow) + softBar(falls), 500);
   for (const char* end : {"a", "b"}) {
     PinSpec pin;
     pin.particle = std::string("below/") + end;
     held.pins.push_back(pin);
   }
-  Scene capsule = parseScene("gravity: [0, 0, 0]\nragdolls:\n" + bar(falls) +
-                             "obstacles: [{type: capsule, from: [0, 0, 0], to: [0.4, 0, 0], radius: 0.05, "
-                             "friction: 0.5, stiffness: 20000}]\nsolver: {method: shake, step: 0.002, sleep: false}\n");
+  Scene capsule = parseScene(
+      "gravity: [0, 0, 0]\nragdolls:\n" + softBar(falls) +
+      "obstacles: [{type: capsule, from: [0, 0, 0], to: [0.4, 0, 0], radius: 0.05, "
+      "friction: 0.5, stiffness: 20000}]\nsolver: {method: shake, step: 0.002, sleep: false}\n");
   World pinned(held), alone(capsule);
   for (int i = 0; i < 60; ++i) {
     pinned.steps(1);
@@ -109,14 +111,14 @@ TEST(CompliantPairs, BarsThatMeetAnyhowNeitherGainEnergyNorMomentum) {
       "position: [0.14, 0.03, 0.3], rpy_deg: [0, 43, -159], velocity: [0, 0, -2], angular_velocity: [-3, 4, 1.5]"};
   for (const std::string start : starts)
     for (const double hz : {60, 120, 500, 2000}) {
-      World world(sceneOfText(bar(kBelow) + bar("name: falls, " + start), hz));
+      World world(sceneOfText(softBar(kBelow) + softBar("name: falls, " + start), hz));
       const Vec3 p = momentum(world.model, world.state), l = angularMomentum(world.model, world.state);
-      const double before = energy(world);
+      const double before = energyWithSprings(world);
       double least = before;
       for (int i = 0; i < 0.3 * hz; ++i) {
         world.steps(1);
-        EXPECT_LT(energy(world), least + 1e-9) << start << hz << " " << i;
-        least = std::min(least, energy(world));
+        EXPECT_LT(energyWithSprings(world), least + 1e-9) << start << hz << " " << i;
+        least = std::min(least, energyWithSprings(world));
       }
       EXPECT_LT(least, 0.999 * before) << "they meet";
       EXPECT_LT((momentum(world.model, world.state) - p).norm(), 1e-11);
@@ -146,10 +148,11 @@ TEST(CompliantPairs, BarsThrownAtRandomGainNoEnergy) {
                                 anywhere(180) + ", velocity: " + text(between(0.5), between(0.5), -2) +
                                 ", angular_velocity: " + anywhere(3);
       World world(sceneOfText("  - {name: one" + model + "  - {name: two, " + start + model, hz));
-      const double before = energy(world);
+      const double before = energyWithSprings(world);
       for (int i = 0; i < 0.6 * hz; ++i) {
         world.steps(1);
-        ASSERT_LT(energy(world), before * (1 + 1e-9)) << hz << " Hz " << stiffness << " N/m: " << start;
+        ASSERT_LT(energyWithSprings(world), before * (1 + 1e-9))
+            << hz << " Hz " << stiffness << " N/m: " << start;
       }
     }
 }
@@ -159,9 +162,10 @@ TEST(CompliantPairs, BarsThrownAtRandomGainNoEnergy) {
 /// Friction turns them; what they lose of their angular momentum together is given back as a turn, too.
 TEST(CompliantPairs, BarsThatSlideOnEachOtherEndWhereSmallStepsDo) {
   const auto end = [](double hz) {
-    World world(sceneOfText(
-        bar(kBelow) + bar("name: across, position: [0.2, -0.18, 0.13], rpy_deg: [0, 0, 80], velocity: [1.5, 0.4, -1]"),
-        hz));
+    World world(
+        sceneOfText(softBar(kBelow) + softBar("name: across, position: [0.2, -0.18, 0.13], "
+                                              "rpy_deg: [0, 0, 80], velocity: [1.5, 0.4, -1]"),
+                    hz));
     world.steps(static_cast<int>(std::lround(0.05 * hz)));
     return world.state.x;
   };
@@ -173,8 +177,8 @@ TEST(CompliantPairs, BarsThatSlideOnEachOtherEndWhereSmallStepsDo) {
 TEST(CompliantPairs, ABarRestsOnTwoByItsWeight) {
   const std::string left = "name: left, position: [0.05, -0.2, 0], rpy_deg: [0, 0, 90]",
                     right = "name: right, position: [0.35, -0.2, 0], rpy_deg: [0, 0, 90]";
-  Scene scene = sceneOfText(bar(left, 200) + bar(right, 200) + bar("position: [0, 0, 0.1]", 200),
-                            500, 9.81);
+  Scene scene = sceneOfText(
+      softBar(left, 200) + softBar(right, 200) + softBar("position: [0, 0, 0.1]", 200), 500, 9.81);
   for (const char* particle : {"left/a", "left/b", "right/a", "right/b"}) {
     PinSpec pin;
     pin.particle = particle;
@@ -184,7 +188,7 @@ TEST(CompliantPairs, ABarRestsOnTwoByItsWeight) {
   Contacts contacts(world.model);
   world.workspace.keepContacts(&contacts.log());
   world.steps(5000);
-  EXPECT_NEAR(0.1 - world.x(4).z(), 0.5 * 9.81 / (0.5 * kStiffness), 1e-7);
+  EXPECT_NEAR(0.1 - world.x(4).z(), 0.5 * 9.81 / (0.5 * kBarStiffness), 1e-7);
   for (int i = 0; i < 500; ++i) {  // the guard took their forces away for a step in each 80
     contacts.begin(world.state);
     contacts.log().impulses.clear();
@@ -208,12 +212,12 @@ TEST(CompliantPairs, SoftHumansOnEachOtherNeverGainEnergy) {
     scene.solver.method = Method::kShake;
     scene.solver.step = 1 / hz;
     World world(scene);
-    const double start = energy(world);
+    const double start = energyWithSprings(world);
     double least = start;
     for (int i = 0; i < 2 * hz; ++i) {
       world.steps(1);
-      ASSERT_LT(energy(world), least + 1e-9 * start) << hz << " " << i;
-      least = std::min(least, energy(world));
+      ASSERT_LT(energyWithSprings(world), least + 1e-9 * start) << hz << " " << i;
+      least = std::min(least, energyWithSprings(world));
       ASSERT_LT(maxStickError(world.model, world.state), 1e-6);
     }
     EXPECT_LT(least, 0.5 * start);

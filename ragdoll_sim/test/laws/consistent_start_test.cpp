@@ -7,6 +7,7 @@
 
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/ends.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -17,7 +18,7 @@ using ::testing::Contains;
 using ::testing::HasSubstr;
 
 /// A human without joints that turns, held by a hand.
-Scene hung() {
+Scene turningByAHand() {
   Scene scene = parseScene(
       "ragdolls: [{model: human_lumped, position: [0, 0, 2], angular_velocity: [3, 2, 1]}]\n"
       "pins: [ragdoll/right_hand]\n");
@@ -37,16 +38,8 @@ double stickRate(const Model& model, const State& state) {
   return worst;
 }
 
-Points endOf(Scene scene, Method method, double rate, double seconds) {
-  scene.solver.method = method;
-  scene.solver.step = 1 / rate;
-  World world(scene);
-  world.steps(static_cast<int>(std::lround(seconds * rate)));
-  return world.state.x;
-}
-
 TEST(ConsistentStart, OfAPinnedBodyKeepsTheOrderOfTheMethod) {
-  const Scene scene = hung();
+  const Scene scene = turningByAHand();
   const Points best = endOf(scene, Method::kRk, 3840, 0.25);
   const auto error = [&](Method method, double rate) {
     return (endOf(scene, method, rate, 0.25) - best).colwise().norm().maxCoeff();
@@ -58,7 +51,7 @@ TEST(ConsistentStart, OfAPinnedBodyKeepsTheOrderOfTheMethod) {
 
 /// A pin that is led moves evenly in each step, so that its speed jumps between them: second order.
 TEST(ConsistentStart, OfEachStepOfAPinThatIsLedKeepsBothMethodsOfSecondOrder) {
-  const Scene scene = hung();
+  const Scene scene = turningByAHand();
   const auto end = [&](Method method, double rate) {
     Scene at = scene;
     at.solver.method = method;
@@ -82,7 +75,7 @@ TEST(ConsistentStart, OfEachStepOfAPinThatIsLedKeepsBothMethodsOfSecondOrder) {
 }
 
 TEST(ConsistentStart, IsTheNearestInTheMassMetricWhateverTheStep) {
-  Scene scene = hung();
+  Scene scene = turningByAHand();
   Points first;
   for (const double step : {0.1, 1e-2, 1e-4}) {
     scene.solver.step = step;

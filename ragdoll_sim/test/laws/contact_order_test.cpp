@@ -5,29 +5,26 @@
 #include <cmath>
 
 #include "support/across_slope.h"
+#include "support/ends.h"
+#include "support/gravity.h"
 #include "support/integrate.h"
 #include "support/limbs.h"
 
 namespace ragdoll::test {
 namespace {
 
-constexpr double kG = 9.81;
-
-Points endOf(Scene scene, Method method, double rate, double seconds) {
-  scene.solver.method = method;
-  scene.solver.step = 1 / rate;
+/// Of bodies that never sleep.
+Points endAwake(Scene scene, Method method, double rate, double seconds) {
   scene.solver.sleep = false;
-  World world(scene);
-  world.steps(static_cast<int>(std::lround(seconds * rate)));
-  return world.state.x;
+  return endOf(scene, method, rate, seconds);
 }
 
 /// shake and rk end within `near` [m] of `exact` at 240 Hz, and sixteen times nearer at four times
 /// that: second order, or what is left of it by rounding to where contacts begin and end.
 void expectSecondOrder(const Scene& scene, double seconds, const Points& exact, double near) {
   for (const Method method : {Method::kShake, Method::kRk}) {
-    const double coarse = (endOf(scene, method, 240, seconds) - exact).norm();
-    const double fine = (endOf(scene, method, 960, seconds) - exact).norm();
+    const double coarse = (endAwake(scene, method, 240, seconds) - exact).norm();
+    const double fine = (endAwake(scene, method, 960, seconds) - exact).norm();
     EXPECT_LT(coarse, near);
     EXPECT_LT(fine, near / 10) << "of order " << std::log2(coarse / fine) / 2;
   }
@@ -72,7 +69,7 @@ TEST(ContactOrder, OfAPlaceThatMovesAlongAStick) {
   bar.radius = 0.15;
   bar.friction = 0.3;
   scene.obstacles = {bar};
-  expectSecondOrder(scene, 0.05, endOf(scene, Method::kShake, 15360, 0.05), 1.5e-6);
+  expectSecondOrder(scene, 0.05, endAwake(scene, Method::kShake, 15360, 0.05), 1.5e-6);
 }
 
 /// A rod that rolls over a sphere, its ends at 8 m/s: against rk from event to event. What it turns
@@ -124,9 +121,9 @@ TEST(ContactOrder, OfBodiesThatMeetBetweenTwoSteps) {
   Scene other = sceneOf(oneParticle(2, 0.1), Vec3(0.5, 0.05, 0));
   other.ragdolls[0].name = "other";
   scene.ragdolls.push_back(other.ragdolls[0]);
-  const Points exact = endOf(scene, Method::kShake, 1000, 0.5);
+  const Points exact = endAwake(scene, Method::kShake, 1000, 0.5);
   for (const double rate : {110.0, 130.0, 250.0})
-    EXPECT_LT((endOf(scene, Method::kShake, rate, 0.5) - exact).norm(), 1e-9) << rate;
+    EXPECT_LT((endAwake(scene, Method::kShake, rate, 0.5) - exact).norm(), 1e-9) << rate;
 }
 
 /// A chain that lands: what it hits ends its damped motion where it is hit, not at the step's end.
@@ -147,7 +144,7 @@ TEST(ContactOrder, OfJointDampingBesideImpacts) {
   scene.ragdolls[0].angular_velocity = Vec3(0, 1, 1);
   scene.obstacles = {floorPlane(0.3)};
   scene.solver.joint_damping = 2;
-  expectSecondOrder(scene, 0.4, endOf(scene, Method::kShake, 15360, 0.4), 1e-5);
+  expectSecondOrder(scene, 0.4, endAwake(scene, Method::kShake, 15360, 0.4), 1e-5);
 }
 
 /// Two rods as an arch, whose feet slide apart while the top falls and joints are damped.

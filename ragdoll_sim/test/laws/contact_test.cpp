@@ -6,16 +6,14 @@
 
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/gravity.h"
+#include "support/limbs.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
 namespace {
 
 using namespace test;
-
-constexpr double kG = 9.81;
-
-double rad(double deg) { return deg * M_PI / 180; }
 
 class Sliding : public testing::TestWithParam<double> {};
 

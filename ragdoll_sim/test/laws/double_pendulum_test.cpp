@@ -6,11 +6,8 @@
 #include <cmath>
 #include <vector>
 
-namespace ragdoll {
+namespace ragdoll::test::double_pendulum {
 namespace {
-
-using namespace test;
-using namespace test::double_pendulum;
 
 /// [m] of the free end after kSeconds at so many steps per second.
 double tipError(Method method, int rate, bool lumped = false) {
@@ -21,7 +18,7 @@ double tipError(Method method, int rate, bool lumped = false) {
 }
 
 /// Least-squares slope of log error over log step.
-double order(Method method, const std::vector<int>& per_second) {
+double orderOfTheTip(Method method, const std::vector<int>& per_second) {
   double sx = 0, sy = 0, sxx = 0, sxy = 0;
   for (const int rate : per_second) {
     const double x = -std::log(rate), y = std::log(tipError(method, rate));
@@ -41,13 +38,13 @@ TEST(DoublePendulum, ReferenceHasConvergedAtFourthOrder) {
 TEST(DoublePendulum, ShakeMeetsTheLagrangianAtSecondOrder) {
   EXPECT_LT(tipError(Method::kShake, 1000), 5e-5);
   EXPECT_LT(tipError(Method::kShake, 16000), 2e-7);
-  EXPECT_NEAR(order(Method::kShake, {480, 960, 1920, 3840}), 2, 0.05);
+  EXPECT_NEAR(orderOfTheTip(Method::kShake, {480, 960, 1920, 3840}), 2, 0.05);
 }
 
 TEST(DoublePendulum, RungeKuttaMeetsItAtFifth) {
   EXPECT_LT(tipError(Method::kRk, 60), 2e-5);
   EXPECT_LT(tipError(Method::kRk, 1000), 2e-11);
-  EXPECT_NEAR(order(Method::kRk, {60, 120, 240, 480}), 5, 0.3);
+  EXPECT_NEAR(orderOfTheTip(Method::kRk, {60, 120, 240, 480}), 5, 0.3);
 }
 
 TEST(DoublePendulum, AdaptiveRungeKuttaKeepsToItsToleranceAtAnyStep) {
@@ -74,7 +71,7 @@ TEST(DoublePendulum, AdaptiveRungeKuttaKeepsToItsToleranceAtAnyStep) {
 
 TEST(DoublePendulum, RelaxationWithTheSameMassMatrixMeetsItAtFirst) {
   EXPECT_LT(tipError(Method::kJakobsen, 15360), 1e-2);
-  EXPECT_NEAR(order(Method::kJakobsen, {3840, 7680, 15360}), 1, 0.05);
+  EXPECT_NEAR(orderOfTheTip(Method::kJakobsen, {3840, 7680, 15360}), 1, 0.05);
 }
 
 TEST(DoublePendulum, LumpedMassesMissItAtEveryStep) {
@@ -83,4 +80,4 @@ TEST(DoublePendulum, LumpedMassesMissItAtEveryStep) {
 }
 
 }  // namespace
-}  // namespace ragdoll
+}  // namespace ragdoll::test::double_pendulum

@@ -6,17 +6,17 @@
 
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/ends.h"
+#include "support/event_steps.h"
+#include "support/gravity.h"
 #include "support/pairs.h"
 
 namespace ragdoll::test {
 namespace {
 
-constexpr double kG = 9.81;
 constexpr double kMu = 0.5;  ///< of bodies on bodies
-constexpr double kStep = 1.0 / 120;
-constexpr double kNear = 1e-9;  ///< [m]
 
-Scene rkScene() {
+Scene emptyRkScene() {
   Scene scene;
   scene.ragdoll_collision = true;
   scene.gravity = Vec3(0, 0, -kG);
@@ -43,7 +43,7 @@ void add(Scene& scene, const SkeletonSpec& skeleton, const Vec3& position,
 TEST(EventsBetweenBodies, BallsThatMeetOffCentreKeepTheirSpeedPastEachOther) {
   const double m0 = 2, m1 = 3, radius = 0.1;
   const Vec3 x0(0, 0, 0), x1(0.5, 0.13, 0.02), v0(3, 0.2, 0), v1(-1, 0, 0.1);
-  Scene scene = rkScene();
+  Scene scene = emptyRkScene();
   scene.gravity.setZero();
   add(scene, oneParticle(m0, radius), x0, v0);
   add(scene, oneParticle(m1, radius), x1, v1);
@@ -72,7 +72,7 @@ double slid(double speed, double time) {
 /// The weight on each of the two changes, their sum does not.
 TEST(EventsBetweenBodies, ARodSlidesOnTwoOthersAndStops) {
   const double radius = 0.05, speed = 0.9;
-  Scene scene = rkScene();
+  Scene scene = emptyRkScene();
   scene.obstacles = {floorPlane(1)};
   for (const double x : {-0.3, 0.25})
     add(scene, oneStick(3, 3, radius), Vec3(x, -0.5, radius), Vec3::Zero(), M_PI / 2);
@@ -93,7 +93,7 @@ TEST(EventsBetweenBodies, ARodSlidesOnTwoOthersAndStops) {
 /// They touch by an end of each on the other.
 TEST(EventsBetweenBodies, ABarSlidesAlongAnotherAndStops) {
   const double radius = 0.05, speed = 0.8;
-  Scene scene = rkScene();
+  Scene scene = emptyRkScene();
   scene.obstacles = {floorPlane(1)};
   add(scene, oneStick(3, 3, radius), Vec3(0, 0, radius));
   const Vec3 start(0.1, 0, 3 * radius);
@@ -111,7 +111,7 @@ TEST(EventsBetweenBodies, ABarSlidesAlongAnotherAndStops) {
 
 /// Two rods that meet in the air, slide along each other and part.
 Scene meetInTheAir() {
-  Scene scene = rkScene();
+  Scene scene = emptyRkScene();
   scene.gravity.setZero();
   add(scene, oneStick(1, 1.5, 0.05), Vec3(-0.5, 0, 0.2), Vec3(1.5, 0.3, -2));
   add(scene, oneStick(2, 1, 0.06), Vec3(0.2, -0.45, 0), Vec3(0, 0, 1), M_PI / 2);
@@ -119,23 +119,10 @@ Scene meetInTheAir() {
   return scene;
 }
 
-Points endOf(Scene scene, double h, double time, int* handed_over = nullptr) {
-  scene.solver.step = h;
-  World world(scene);
-  const int steps = static_cast<int>(std::lround(time / h));
-  for (int n = 0; n < steps; ++n) {
-    const int over = world.steps(1).handed_over;
-    if (handed_over) *handed_over += over;
-  }
-  return world.state.x;
-}
-
-double largest(const Points& d) { return d.colwise().norm().maxCoeff(); }
-
 void expectFifthOrder(const Scene& scene, double h, double time, double coarse) {
   int handed_over = 0;
-  const Points one = endOf(scene, h, time, &handed_over), two = endOf(scene, h / 2, time),
-               four = endOf(scene, h / 4, time);
+  const Points one = endInSteps(scene, h, time, &handed_over), two = endInSteps(scene, h / 2, time),
+               four = endInSteps(scene, h / 4, time);
   EXPECT_EQ(handed_over, 0);
   const double first = largest(one - two), second = largest(two - four);
   EXPECT_LT(first, coarse);
@@ -146,9 +133,9 @@ void expectShakesLimit(const Scene& scene, double h, double time, double near) {
   Scene shake = scene;
   shake.solver.method = Method::kShake;
   shake.solver.events = false;
-  const Points exact = endOf(scene, h, time);
-  const double coarse = largest(endOf(shake, h / 8, time) - exact),
-               fine = largest(endOf(shake, h / 64, time) - exact);
+  const Points exact = endInSteps(scene, h, time);
+  const double coarse = largest(endInSteps(shake, h / 8, time) - exact),
+               fine = largest(endInSteps(shake, h / 64, time) - exact);
   EXPECT_LT(fine, near);
   EXPECT_LT(fine, 0.3 * coarse) << coarse << ", " << fine;
 }
@@ -186,7 +173,7 @@ TEST(EventsBetweenBodies, AChainThatFallsOnItselfIsOfFifthOrderAndShakesLimit) {
   chain.sticks.push_back(stick("c", "d"));
   chain.segments.push_back(bone("bc", "b", "c"));
   chain.segments.push_back(bone("cd", "c", "d"));
-  Scene scene = rkScene();
+  Scene scene = emptyRkScene();
   scene.self_collision = true;
   scene.obstacles = {floorPlane(1)};
   add(scene, chain, Vec3(0, 0, 0.05));

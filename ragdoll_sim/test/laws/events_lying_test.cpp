@@ -20,15 +20,15 @@ Scene sceneAt(const char* name, double rate) {
   return scene;
 }
 
-struct Fall : World {
+struct FallByEvents : World {
   int handed_over = 0;
 
-  Fall(const char* scene, double rate) : World(sceneAt(scene, rate)) {}
+  FallByEvents(const char* scene, double rate) : World(sceneAt(scene, rate)) {}
   void go(double seconds) {
     const int steps = static_cast<int>(std::lround(seconds / model.solver.step));
     for (int i = 0; i < steps; ++i) handed_over += this->steps(1).handed_over;
   }
-  void startFrom(const Fall& other) {
+  void startFrom(const FallByEvents& other) {
     state = other.state;
     state.multipliers.clear();
     state.step = static_cast<std::uint64_t>(std::llround(state.time / model.solver.step));
@@ -36,10 +36,10 @@ struct Fall : World {
 };
 
 /// [m] between two that start at time `from` and go on for 0.2 s, with no step handed over.
-double apart(const char* scene, double from) {
-  Fall first(scene, 480), coarse(scene, 1920), fine(scene, 3840);
+double fallsApart(const char* scene, double from) {
+  FallByEvents first(scene, 480), coarse(scene, 1920), fine(scene, 3840);
   first.go(from);
-  for (Fall* fall : {&coarse, &fine}) {
+  for (FallByEvents* fall : {&coarse, &fine}) {
     fall->startFrom(first);
     fall->go(0.2);
     EXPECT_EQ(fall->handed_over, 0) << scene;
@@ -49,14 +49,18 @@ double apart(const char* scene, double from) {
 
 /// In 0.2 s some hundred contacts and slips begin and end at up to 1 m/s and 100 m/s^2: where one
 /// of them comes 1e-9 s later the body is elsewhere by as many metres.
-TEST(Events, OfABodyThatComesToLieAreTheSameForAnyStep) { EXPECT_LT(apart("fall", 0.8), 1e-9); }
+TEST(Events, OfABodyThatComesToLieAreTheSameForAnyStep) {
+  EXPECT_LT(fallsApart("fall", 0.8), 1e-9);
+}
 
 /// Three contacts begin to slip at once, one of them at a hundredth of what its friction could give,
 /// and a slip turns by a right angle while it all but ends.
-TEST(Events, OfABodyThatBeginsToSlideAreTheSameForAnyStep) { EXPECT_LT(apart("fall", 0.7), 5e-9); }
+TEST(Events, OfABodyThatBeginsToSlideAreTheSameForAnyStep) {
+  EXPECT_LT(fallsApart("fall", 0.7), 5e-9);
+}
 
 /// Shins and feet slide over edges until an end of theirs lies on them.
-TEST(Events, OfABodyOnStairsAreTheSameForAnyStep) { EXPECT_LT(apart("stairs", 0.7), 1e-8); }
+TEST(Events, OfABodyOnStairsAreTheSameForAnyStep) { EXPECT_LT(fallsApart("stairs", 0.7), 1e-8); }
 
 }  // namespace
 }  // namespace ragdoll::test

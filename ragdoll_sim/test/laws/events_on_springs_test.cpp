@@ -6,36 +6,37 @@
 
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/gravity.h"
 #include "support/worlds.h"
 
 namespace ragdoll::test {
 namespace {
 
-constexpr double kG = 9.81, kStiffness = 2000, kDamping = 20;
+constexpr double kFloorStiffness = 2000, kFloorDamping = 20;
 
 /// Of a mass of 1 kg over a floor: the gap [m] and its rate.
-struct Fall {
+struct GapAndRate {
   double gap = 0, rate = 0;
 };
 
-Fall inTheAir(const Fall& from, double t) {
+GapAndRate inTheAir(const GapAndRate& from, double t) {
   return {from.gap + from.rate * t - 0.5 * kG * t * t, from.rate - kG * t};
 }
 
 /// On spring and damper: a damped oscillator about the depth at rest.
-Fall onTheFloor(const Fall& from, double t) {
-  const double decay = 0.5 * kDamping, w = std::sqrt(kStiffness - decay * decay);
-  const double rest = -kG / kStiffness, a = from.gap - rest, b = (from.rate + decay * a) / w;
+GapAndRate onTheFloor(const GapAndRate& from, double t) {
+  const double decay = 0.5 * kFloorDamping, w = std::sqrt(kFloorStiffness - decay * decay);
+  const double rest = -kG / kFloorStiffness, a = from.gap - rest, b = (from.rate + decay * a) / w;
   const double c = std::cos(w * t), s = std::sin(w * t), e = std::exp(-decay * t);
   return {rest + e * (a * c + b * s), e * ((b * w - decay * a) * c - (a * w + decay * b) * s)};
 }
 
 /// [s] Until spring and damper would pull.
-double timeOnTheFloor(const Fall& from) {
-  double lo = 0.5 * M_PI / std::sqrt(kStiffness), hi = 2 * lo;
+double timeOnTheFloor(const GapAndRate& from) {
+  double lo = 0.5 * M_PI / std::sqrt(kFloorStiffness), hi = 2 * lo;
   const auto force = [&](double t) {
-    const Fall at = onTheFloor(from, t);
-    return -kStiffness * at.gap - kDamping * at.rate;
+    const GapAndRate at = onTheFloor(from, t);
+    return -kFloorStiffness * at.gap - kFloorDamping * at.rate;
   };
   for (int i = 0; i < 60; ++i) (force(0.5 * (lo + hi)) > 0 ? lo : hi) = 0.5 * (lo + hi);
   return lo;
@@ -45,7 +46,7 @@ Scene onSprings(const SkeletonSpec& skeleton, double height, double hz) {
   Scene scene = sceneOf(skeleton, Vec3(0, 0, height));
   scene.gravity = Vec3(0, 0, -kG);
   ObstacleSpec floor = floorPlane(0.5, 0);
-  floor.contact = {kStiffness, kDamping};
+  floor.contact = {kFloorStiffness, kFloorDamping};
   scene.obstacles.push_back(floor);
   scene.solver.method = Method::kRk;
   scene.solver.events = true;
@@ -56,16 +57,16 @@ Scene onSprings(const SkeletonSpec& skeleton, double height, double hz) {
 TEST(EventsOnSprings, ABallLandsAndLeavesByTheFormula) {
   const double radius = 0.1, gap = 0.05;
   const double lands = std::sqrt(2 * gap / kG);
-  const Fall landed = {0, -kG * lands};
+  const GapAndRate landed = {0, -kG * lands};
   const double stays = timeOnTheFloor(landed);
-  const Fall left = onTheFloor(landed, stays);
+  const GapAndRate left = onTheFloor(landed, stays);
   World world(onSprings(oneParticle(1, radius), radius + gap, 120));
   for (int n = 1; n < 25; ++n) {
     EXPECT_EQ(world.steps(1).handed_over, 0);
     const double t = n / 120.0;
-    const Fall exact = t < lands           ? inTheAir({gap, 0}, t)
-                       : t < lands + stays ? onTheFloor(landed, t - lands)
-                                           : inTheAir(left, t - lands - stays);
+    const GapAndRate exact = t < lands           ? inTheAir({gap, 0}, t)
+                             : t < lands + stays ? onTheFloor(landed, t - lands)
+                                                 : inTheAir(left, t - lands - stays);
     if (t > lands + stays && exact.gap < 0) break;
     ASSERT_NEAR(world.x(0).z() - radius, exact.gap, 1e-9) << n;
     ASSERT_NEAR(world.v(0).z(), exact.rate, 1e-7) << n;

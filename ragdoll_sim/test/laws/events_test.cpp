@@ -6,16 +6,14 @@
 #include <vector>
 
 #include "support/across_slope.h"
+#include "support/event_steps.h"
+#include "support/gravity.h"
 #include "support/limbs.h"
 
 namespace ragdoll::test {
 namespace {
 
-constexpr double kG = 9.81;
-constexpr double kStep = 1.0 / 120;
-constexpr double kNear = 1e-9;  ///< [m]
-
-Scene rkScene(const SkeletonSpec& skeleton, const Vec3& position, const ObstacleSpec& obstacle) {
+Scene rkSceneOf(const SkeletonSpec& skeleton, const Vec3& position, const ObstacleSpec& obstacle) {
   Scene scene = sceneOf(skeleton, position);
   scene.gravity = Vec3(0, 0, -kG);
   scene.obstacles.push_back(obstacle);
@@ -45,7 +43,7 @@ TEST(Events, ABlockOnASlopeStopsAndStaysOrSlidesBack) {
   const double angle = 0.35, radius = 0.1, speed = 1.7;
   const Vec3 along(std::cos(angle), 0, std::sin(angle)), up(-std::sin(angle), 0, std::cos(angle));
   for (const double friction : {0.6, 0.2, 0.0}) {
-    Scene scene = rkScene(oneParticle(3, radius), radius * up, slope(angle, friction));
+    Scene scene = rkSceneOf(oneParticle(3, radius), radius * up, slope(angle, friction));
     scene.ragdolls[0].velocity = speed * along;
     World world(scene);
     int handed_over = 0;
@@ -98,7 +96,7 @@ Eigen::Vector2d turningBack(double slope, double friction, double speed, double 
 /// Friction turns by half a turn within a millisecond, while it slips at a millimetre per second.
 TEST(Events, ABallThatAllButStopsOnASlopeTurnsBack) {
   const double angle = 0.5, friction = 0.4, aside = 1e-3, radius = 0.05, time = 0.5;
-  Scene scene = rkScene(oneParticle(1, radius), Vec3(0, 0, radius), floorPlane(friction));
+  Scene scene = rkSceneOf(oneParticle(1, radius), Vec3(0, 0, radius), floorPlane(friction));
   scene.gravity = kG * Vec3(std::sin(angle), 0, -std::cos(angle));
   scene.ragdolls[0].velocity = Vec3(-std::cos(aside), std::sin(aside), 0);
   World world(scene);
@@ -122,8 +120,8 @@ double bouncing(double height, double restitution, double time) {
 TEST(Events, ABallBouncesAsOftenAsItShould) {
   const double radius = 0.1, height = 0.8;
   for (const double restitution : {1.0, 0.8}) {
-    Scene scene = rkScene(oneParticle(2, radius), Vec3(0, 0, radius + height),
-                          floorPlane(0.4, restitution));
+    Scene scene = rkSceneOf(oneParticle(2, radius), Vec3(0, 0, radius + height),
+                            floorPlane(0.4, restitution));
     World world(scene);
     int handed_over = 0;
     for (int n = 1; n <= 300; ++n) {
@@ -143,8 +141,8 @@ TEST(Events, ABallLeavesASphereThatItSlidesOff) {
   sphere.radius = 0.4;
   sphere.friction = 0;
   const double radius = 0.1, reach = 0.5, start = 0.3;
-  Scene scene = rkScene(oneParticle(1, radius),
-                        reach * Vec3(std::sin(start), 0, std::cos(start)), sphere);
+  Scene scene =
+      rkSceneOf(oneParticle(1, radius), reach * Vec3(std::sin(start), 0, std::cos(start)), sphere);
   World world(scene);
   const int steps = 72;
   world.steps(steps);
@@ -206,7 +204,7 @@ TEST(Events, ARodTopplesLandsAndRocks) {
   const double radius = 0.05, restitution = 0.5;
   Rocking exact{0.5, 0.6};
   World world([&] {
-    Scene scene = rkScene(oneStick(1, 1, radius), Vec3(0, 0, radius), floorPlane(0, restitution));
+    Scene scene = rkSceneOf(oneStick(1, 1, radius), Vec3(0, 0, radius), floorPlane(0, restitution));
     scene.ragdolls[0].pose.orientation = Quat(Eigen::AngleAxisd(-exact.angle, Vec3::UnitY()));
     return scene;
   }());
@@ -303,7 +301,7 @@ TEST(Events, ARodThatTopplesBeginsToSlideWhereFrictionEnds) {
   ASSERT_TRUE(began > 0.1 && began < 0.35) << began;
   ASSERT_LT(end[2], -1e-4) << "it slides back";
   for (const double hz : {100, 300}) {
-    Scene scene = rkScene(oneStick(1, 1, radius), Vec3(0, 0, radius), floorPlane(exact.friction));
+    Scene scene = rkSceneOf(oneStick(1, 1, radius), Vec3(0, 0, radius), floorPlane(exact.friction));
     scene.ragdolls[0].pose.orientation =
         Quat(Eigen::AngleAxisd(angle - 0.5 * M_PI, Vec3::UnitY()));
     scene.solver.step = 1 / hz;

@@ -9,7 +9,7 @@ namespace {
 using namespace test;
 
 constexpr int kFalls = samples(100);  ///< of each scene
-constexpr double kSeconds = 10;       ///< until a body must be at rest
+constexpr double kFallSeconds = 10;   ///< until a body must be at rest
 
 class Falls : public testing::TestWithParam<std::string> {};
 
@@ -17,7 +17,7 @@ TEST_P(Falls, HoldTheBodyTogetherAndEndAtRest) {
   std::mt19937 random(2007);
   FallRecord record;
   for (int fall = 0; fall < kFalls; ++fall)
-    addFall(randomFall(GetParam(), random), kSeconds, record);
+    addFall(randomFall(GetParam(), random), kFallSeconds, record);
   tell(record);
   expectBodiesHold(record);
   EXPECT_LT(record.stick_mm, 2);
@@ -31,7 +31,7 @@ TEST_P(Falls, WithLimbsThatTouchKeepTheSame) {
   for (int fall = 0; fall < kSelfFalls; ++fall) {
     Scene scene = randomFall(GetParam(), random);
     scene.self_collision = true;
-    addFall(scene, kSeconds, record);
+    addFall(scene, kFallSeconds, record);
   }
   tell(record);
   expectBodiesHold(record);
@@ -51,7 +51,7 @@ TEST_P(Falls, LieStillWithoutSleep) {
     scene.solver.sleep = false;
     World world(scene);
     const int second = static_cast<int>(std::lround(1 / world.model.solver.step));
-    world.steps(2 * static_cast<int>(kSeconds) * second);
+    world.steps(2 * static_cast<int>(kFallSeconds) * second);
     double jitter = 0;
     for (int i = 0; i < second; ++i) {
       world.steps(1);
@@ -77,7 +77,7 @@ TEST_P(Falls, OfRelaxationAt240HzAnd40SweepsKeepJointsAndEndAtRest) {
     scene.solver.sweeps = 40;
     const double before = record.penetration_mm;
     record.penetration_mm = 0;
-    addFall(scene, kSeconds, record);
+    addFall(scene, kFallSeconds, record);
     deep += record.penetration_mm > 10;
     record.penetration_mm = std::max(record.penetration_mm, before);
   }

@@ -45,7 +45,7 @@ Scene crowd(int bodies, Numbers numbers) {
   return scene;
 }
 
-State after(const Scene& scene, int steps, int most_lanes = 0) {
+State fastAfter(const Scene& scene, int steps, int most_lanes = 0) {
   World world(scene);
   world.workspace.impl().fast.most_lanes = most_lanes;
   world.steps(steps);
@@ -56,19 +56,19 @@ class FastBits : public testing::TestWithParam<Numbers> {};
 
 TEST_P(FastBits, AreTheSameInPacksOfAnyWidth) {
   const Scene scene = crowd(19, GetParam());
-  const State wide = after(scene, 90);
+  const State wide = fastAfter(scene, 90);
   EXPECT_TRUE(wide.x.allFinite());
   for (const int lanes : {1, 2, 4, 8})
-    EXPECT_EQ(hash(after(scene, 90, lanes)), hash(wide)) << lanes;
+    EXPECT_EQ(hash(fastAfter(scene, 90, lanes)), hash(wide)) << lanes;
 }
 
 TEST_P(FastBits, DoNotDependOnTheNeighbours) {
   Scene scene = crowd(11, GetParam());
-  const State together = after(scene, 90);
+  const State together = fastAfter(scene, 90);
   const RagdollSpec last = scene.ragdolls.back();
   const Eigen::Index n = together.x.cols() / 11;
   scene.ragdolls = {last};
-  EXPECT_EQ(after(scene, 90).x, together.x.rightCols(n));
+  EXPECT_EQ(fastAfter(scene, 90).x, together.x.rightCols(n));
 }
 
 INSTANTIATE_TEST_SUITE_P(Numbers, FastBits, testing::Values(Numbers::kDouble, Numbers::kFloat));
@@ -83,12 +83,12 @@ TEST(Fast, FallsFreely) {
   EXPECT_LT((world.state.v.colwise() - Vec3(1, 0, 2 - 9.81)).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-const char* const kTumble =
+const char* const kFastTumble =
     "ragdolls: [{model: human, position: [0, 0, 3], angular_velocity: [1, 2, 0.5]}]\n"
     "gravity: [0, 0, 0]\n";
 
 TEST(Fast, KeepsLengthsAndMomentaInTheAir) {
-  World world(fastScene(kTumble));
+  World world(fastScene(kFastTumble));
   const Vec3 spin = angularMomentum(world.model, world.state);
   world.steps(300);
   EXPECT_LT(maxStickError(world.model, world.state), 1e-13);
@@ -99,7 +99,7 @@ TEST(Fast, KeepsLengthsAndMomentaInTheAir) {
 
 /// [m] RMS from rk after 0.3 s of a motion that no limit meets.
 double tumbleError(double rate) {
-  Scene scene = fastScene(kTumble);
+  Scene scene = fastScene(kFastTumble);
   for (RagdollSpec& r : scene.ragdolls) {
     auto free = std::make_shared<SkeletonSpec>(*r.skeleton);
     free->joints.clear();
@@ -108,9 +108,9 @@ double tumbleError(double rate) {
   Scene exact = scene;
   exact.solver.method = Method::kRk;
   exact.solver.step = 0.3 / 300;
-  const Points reference = after(exact, 300).x;
+  const Points reference = fastAfter(exact, 300).x;
   scene.solver.step = 1 / rate;
-  const Points ours = after(scene, static_cast<int>(std::lround(0.3 * rate))).x;
+  const Points ours = fastAfter(scene, static_cast<int>(std::lround(0.3 * rate))).x;
   return std::sqrt((ours - reference).colwise().squaredNorm().mean());
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/mechanics/joint_damping.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/ends.h"
 #include "support/mass_matrix.h"
 #include "support/worlds.h"
 
@@ -12,14 +13,6 @@ namespace ragdoll {
 namespace {
 
 using namespace test;
-
-Points endOf(Scene scene, Method method, double rate, double seconds) {
-  scene.solver.method = method;
-  scene.solver.step = 1 / rate;
-  World world(scene);
-  world.steps(static_cast<int>(std::lround(seconds * rate)));
-  return world.state.x;
-}
 
 /// The human's sticks and masses alone: nothing ends what is smooth.
 Scene limp(const std::string& text) {
@@ -31,7 +24,8 @@ Scene limp(const std::string& text) {
 }
 
 /// The order at which positions converge on those of `best`.
-double order(const Scene& scene, Method method, double rate, double seconds, const Points& best) {
+double orderTowards(const Scene& scene, Method method, double rate, double seconds,
+                    const Points& best) {
   const double coarse = (endOf(scene, method, rate, seconds) - best).norm();
   const double fine = (endOf(scene, method, 2 * rate, seconds) - best).norm();
   return std::log2(coarse / fine);
@@ -40,8 +34,8 @@ double order(const Scene& scene, Method method, double rate, double seconds, con
 /// After 0.2 s, against rk at 1920 steps a second.
 void expectOrders(const Scene& scene) {
   const Points best = endOf(scene, Method::kRk, 1920, 0.2);
-  EXPECT_GT(order(scene, Method::kShake, 240, 0.2, best), 1.8);
-  EXPECT_GT(order(scene, Method::kRk, 60, 0.2, best), 4.5);
+  EXPECT_GT(orderTowards(scene, Method::kShake, 240, 0.2, best), 1.8);
+  EXPECT_GT(orderTowards(scene, Method::kRk, 60, 0.2, best), 4.5);
 }
 
 TEST(Damping, OfABallIsOfSecondOrderInShakeAndExactInRk) {

@@ -3,6 +3,7 @@
 
 #include "core/step/workspace.h"
 #include "ragdoll_sim/core/measures.h"
+#include "support/gravity.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -10,15 +11,15 @@ namespace {
 
 using namespace test;
 
-constexpr double kG = 9.81, kH = 1.0 / 60;
+constexpr double kH = 1.0 / 60;
 
 /// Fall of the centre of mass from rest in n steps, in units of g h^2.
-struct Fall {
+struct FreeFall {
   Integrator integrator;
   double (*steps)(double n);
 };
 
-class Ballistic : public testing::TestWithParam<Fall> {};
+class Ballistic : public testing::TestWithParam<FreeFall> {};
 
 TEST_P(Ballistic, CentreOfMassFollowsTheClosedForm) {
   SkeletonSpec body = oneStick(1, 3);
@@ -41,11 +42,12 @@ TEST_P(Ballistic, CentreOfMassFollowsTheClosedForm) {
 
 INSTANTIATE_TEST_SUITE_P(
     Integrators, Ballistic,
-    testing::Values(Fall{Integrator::kVerlet, [](double n) { return n * (n + 1) / 2; }},
-                    Fall{Integrator::kSymplecticEuler, [](double n) { return n * (n + 1) / 2; }},
-                    Fall{Integrator::kEuler, [](double n) { return n * (n - 1) / 2; }},
-                    Fall{Integrator::kMidpoint, [](double n) { return n * n / 2; }},
-                    Fall{Integrator::kVelocityVerlet, [](double n) { return n * n / 2; }}));
+    testing::Values(FreeFall{Integrator::kVerlet, [](double n) { return n * (n + 1) / 2; }},
+                    FreeFall{Integrator::kSymplecticEuler,
+                             [](double n) { return n * (n + 1) / 2; }},
+                    FreeFall{Integrator::kEuler, [](double n) { return n * (n - 1) / 2; }},
+                    FreeFall{Integrator::kMidpoint, [](double n) { return n * n / 2; }},
+                    FreeFall{Integrator::kVelocityVerlet, [](double n) { return n * n / 2; }}));
 
 TEST(Weightless, PokeGivesItsImpulseAndNothingElseChangesMomentum) {
   Scene scene = sceneOf(oneStick(1, 3));

@@ -10,20 +10,20 @@
 namespace ragdoll::test {
 namespace {
 
-constexpr double kRadius = 0.1;
+constexpr double kElasticRadius = 0.1;
 
 /// A ball that a surface without friction throws back as fast as it came.
-struct Ball {
+struct ElasticBall {
   Model model;
   Inputs inputs;
   Workspace workspace;
   State state;
 
-  Ball(const Vec3& position, const Vec3& velocity, ObstacleSpec obstacle, double step,
-       double gravity = 0) {
+  ElasticBall(const Vec3& position, const Vec3& velocity, ObstacleSpec obstacle, double step,
+              double gravity = 0) {
     SkeletonSpec skeleton;
     skeleton.name = "ball";
-    skeleton.particles.push_back(particle("p", Vec3::Zero(), 1, kRadius));
+    skeleton.particles.push_back(particle("p", Vec3::Zero(), 1, kElasticRadius));
     Scene scene = sceneOf(skeleton, position);
     scene.ragdolls[0].velocity = velocity;
     scene.gravity = Vec3(0, 0, -gravity);
@@ -48,14 +48,14 @@ TEST(Impact, BesideTheMiddleOfASphereTurnsTheBallByTheNormalAtFirstTouch) {
   ObstacleSpec sphere;
   sphere.type = ObstacleSpec::Type::kSphere;
   sphere.radius = 0.3;
-  const double x = 0.2, reach = sphere.radius + kRadius, speed = 3;
+  const double x = 0.2, reach = sphere.radius + kElasticRadius, speed = 3;
   const double z = std::sqrt(reach * reach - x * x);  // of the ball at the touch
   const Vec3 normal(x / reach, 0, z / reach), in(0, 0, -speed);
   const Vec3 out = in - 2 * normal.dot(in) * normal;
   const double time = (1 - z) / speed;
   const Vec3 end = Vec3(x, 0, z) + (1 - time) * out;
   for (const double hz : {30, 60, 120, 240, 1000, 4000}) {
-    Ball ball(Vec3(x, 0, 1), in, sphere, 1 / hz);
+    ElasticBall ball(Vec3(x, 0, 1), in, sphere, 1 / hz);
     ball.run(1);
     EXPECT_NEAR((ball.state.x.col(0) - end).norm(), 0, 1e-6) << hz << " Hz";
   }
@@ -67,12 +67,12 @@ TEST(Impact, AtABoxsEdgeTurnsTheBallByTheNormalAtFirstTouch) {
   box.type = ObstacleSpec::Type::kBox;
   box.size = Vec3(1, 1, 1);
   box.pose.position = Vec3(-0.5, 0, -0.5);  // an edge along y through the origin
-  const double x = 0.05, speed = 3, z = std::sqrt(kRadius * kRadius - x * x);
-  const Vec3 normal(x / kRadius, 0, z / kRadius), in(0, 0, -speed);
+  const double x = 0.05, speed = 3, z = std::sqrt(kElasticRadius * kElasticRadius - x * x);
+  const Vec3 normal(x / kElasticRadius, 0, z / kElasticRadius), in(0, 0, -speed);
   const Vec3 out = in - 2 * normal.dot(in) * normal;
   const Vec3 end = Vec3(x, 0, z) + (1 - (1 - z) / speed) * out;
   for (const double hz : {60, 120, 1000}) {
-    Ball ball(Vec3(x, 0, 1), in, box, 1 / hz);
+    ElasticBall ball(Vec3(x, 0, 1), in, box, 1 / hz);
     ball.run(1);
     EXPECT_NEAR((ball.state.x.col(0) - end).norm(), 0, 1e-5) << hz << " Hz";
   }
@@ -81,7 +81,7 @@ TEST(Impact, AtABoxsEdgeTurnsTheBallByTheNormalAtFirstTouch) {
 /// A step that ends just above the surface leaves the bounce to the next one.
 TEST(Impact, AGapOfAWholeNumberOfStepsBounces) {
   for (const double hz : {30, 60, 120, 240, 1000}) {
-    Ball ball(Vec3(0, 0, 0.2), Vec3(0, 0, -1), floorPlane(), 1 / hz);
+    ElasticBall ball(Vec3(0, 0, 0.2), Vec3(0, 0, -1), floorPlane(), 1 / hz);
     ball.run(1);
     EXPECT_NEAR(ball.state.v(2, 0), 1, 1e-12) << hz << " Hz";
     EXPECT_NEAR(ball.state.x(2, 0), 1, 1e-6) << hz << " Hz";
@@ -90,7 +90,7 @@ TEST(Impact, AGapOfAWholeNumberOfStepsBounces) {
 
 /// Dropped from 5 cm it comes up to 5 cm after hundreds of bounces.
 TEST(Impact, AnElasticBallBouncesOn) {
-  Ball ball(Vec3(0, 0, 0.15), Vec3::Zero(), floorPlane(), 1.0 / 120, 9.81);
+  ElasticBall ball(Vec3(0, 0, 0.15), Vec3::Zero(), floorPlane(), 1.0 / 120, 9.81);
   ball.run(60);
   double highest = 0;
   for (int i = 0; i < 120; ++i) {

@@ -13,7 +13,7 @@
 namespace ragdoll {
 namespace {
 
-struct Meeting {
+struct MovingMeeting {
   std::string obstacle, method;
   double spin = 0;  ///< [rad/s] of the bar
   double hz = 0;
@@ -23,7 +23,7 @@ constexpr double kSpeed = 2;    ///< [m/s]
 constexpr double kUntil = 0.2;  ///< [s]
 
 /// Where a spinning bar ends, seen from the obstacle's start. moves: the obstacle does.
-Points endOf(const Meeting& meeting, bool moves, int& substeps) {
+Points barAfter(const MovingMeeting& meeting, bool moves, int& substeps) {
   Scene scene = parseScene(
       "gravity: [0, 0, 0]\nragdolls: [{position: [0.5037, 0.2, 0], model: {particles: {a: "
       "{position: [-0.2, 0, 0], "
@@ -62,10 +62,10 @@ TEST(MovingObstacle, DoesWhatOneAtRestDoesToWhatMoves) {
       for (const char* method : {"shake", "rk"})
         for (const double spin : {10.0, 60.0})
           for (const double hz : {120.0, 250.0, 500.0, 1000.0, 4000.0}) {
-            const Meeting meeting{thing + give + ", friction: 0.3", method, spin, hz};
+            const MovingMeeting meeting{thing + give + ", friction: 0.3", method, spin, hz};
             int cut = 0, also_cut = 0;
-            const Points still = endOf(meeting, false, cut);
-            const Points moving = endOf(meeting, true, also_cut);
+            const Points still = barAfter(meeting, false, cut);
+            const Points moving = barAfter(meeting, true, also_cut);
             EXPECT_GT(cut, kUntil * hz) << "an impact cuts a step";
             EXPECT_EQ(cut, also_cut) << meeting.obstacle << method << spin << " " << hz;
             EXPECT_LT((still - moving).cwiseAbs().maxCoeff(), 1e-8)

@@ -20,7 +20,7 @@ INSTANTIATE_TEST_SUITE_P(Presets, PairEnergy, testing::Values("thesis", "balance
                          [](const auto& info) { return std::string(info.param); });
 
 /// Two humans, turned at random, weightless; the second comes down on the first.
-Scene thrown(const char* solver, double speed, unsigned seed) {
+Scene twoThatMeet(const char* solver, double speed, unsigned seed) {
   std::mt19937 random(seed);
   const auto uniform = [&random](double reach) {
     return reach * (2 * (static_cast<double>(random()) / 4294967296.0) - 1);
@@ -42,7 +42,7 @@ TEST_P(PairEnergy, NeverRisesAndMomentumStays) {
   for (const double speed : {3.0, 30.0}) {
     double lost = 0;
     for (int seed = 0; seed < samples(60); ++seed) {
-      World world(thrown(GetParam(), speed, seed));
+      World world(twoThatMeet(GetParam(), speed, seed));
       const double before = kineticEnergy(world.model, world.state);
       const Vec3 momentum_before = momentum(world.model, world.state);
       double most = 0;

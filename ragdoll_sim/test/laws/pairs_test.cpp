@@ -23,7 +23,7 @@ using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
 
-constexpr double kRadius = 0.05;
+constexpr double kPairRadius = 0.05;
 
 class Pairs : public testing::TestWithParam<Method> {};
 INSTANTIATE_TEST_SUITE_P(Methods, Pairs, testing::Values(Method::kJakobsen, Method::kShake),
@@ -34,7 +34,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Pairs, testing::Values(Method::kJakobsen, Meth
 /// Two sticks of 1 m along x and y that meet head-on along z at `speed` each, their middles, or
 /// `offset` from the upper one's.
 Scene headOn(Method method, double speed, double offset = 0) {
-  Scene scene = sceneOf(oneStick(1, 1, kRadius), Vec3(offset - 0.5, 0, 0.5));
+  Scene scene = sceneOf(oneStick(1, 1, kPairRadius), Vec3(offset - 0.5, 0, 0.5));
   scene.ragdolls.push_back(scene.ragdolls[0]);
   scene.ragdolls[0].velocity = Vec3(0, 0, -speed);
   scene.ragdolls[1].name = "other";
@@ -47,7 +47,7 @@ Scene headOn(Method method, double speed, double offset = 0) {
   return scene;
 }
 
-Vec3 momentum(const World& world) {
+Vec3 momentumOf(const World& world) {
   Vec3 sum = Vec3::Zero();
   for (const Ragdoll& r : world.model.ragdolls) {
     const Skeleton& s = world.model.skeletonOf(r);
@@ -59,7 +59,7 @@ Vec3 momentum(const World& world) {
 double gapBetween(const World& world) {
   const auto axisOf = [&](int r) {
     const int first = world.model.ragdolls[r].first;
-    return CapsuleAxis{world.x(first), world.x(first + 1), kRadius, kRadius};
+    return CapsuleAxis{world.x(first), world.x(first + 1), kPairRadius, kPairRadius};
   };
   const CapsuleAxis a = axisOf(0), b = axisOf(1);
   return gapAt(a, b, nearestPoints(a, b));
@@ -68,7 +68,7 @@ double gapBetween(const World& world) {
 TEST_P(Pairs, HeadOnConservesMomentumAndDoesNotPassThrough) {
   for (const double speed : {1.0, 10.0, 100.0}) {
     World world(headOn(GetParam(), speed));
-    const Vec3 before = momentum(world);
+    const Vec3 before = momentumOf(world);
     for (int i = 0; i < 60; ++i) {
       world.steps(1);
       const double above = 0.5 * (world.x(0).z() + world.x(1).z());
@@ -77,19 +77,20 @@ TEST_P(Pairs, HeadOnConservesMomentumAndDoesNotPassThrough) {
       EXPECT_GT(gapBetween(world), -1e-4) << speed << " m/s, step " << i;
     }
     EXPECT_NEAR(world.v(0).z() - world.v(2).z(), 0, 1e-6 * speed) << "plastic, " << speed;
-    EXPECT_LT((momentum(world) - before).norm(), 1e-12 * speed) << speed;
+    EXPECT_LT((momentumOf(world) - before).norm(), 1e-12 * speed) << speed;
   }
 }
 
 TEST_P(Pairs, EccentricHitConservesMomentum) {
   for (const double speed : {1.0, 10.0, 100.0}) {
     Scene scene = headOn(GetParam(), speed, 0.3);
-    scene.ragdolls[1].skeleton = std::make_shared<const SkeletonSpec>(oneStick(0.5, 3, kRadius));
+    scene.ragdolls[1].skeleton =
+        std::make_shared<const SkeletonSpec>(oneStick(0.5, 3, kPairRadius));
     World world(scene);
-    const Vec3 before = momentum(world);
+    const Vec3 before = momentumOf(world);
     world.steps(60);
     EXPECT_GT(std::abs(world.v(0).z() - world.v(1).z()), 0.01 * speed);  // it turns
-    EXPECT_LT((momentum(world) - before).norm(), 1e-12 * 10 * speed) << speed;
+    EXPECT_LT((momentumOf(world) - before).norm(), 1e-12 * 10 * speed) << speed;
   }
 }
 
@@ -110,14 +111,14 @@ TEST_P(Pairs, CrosswiseRestAtTheSumOfRadii) {
   scene.solver.step = 1.0 / 240;
   World world(scene);
   world.steps(3 * 240);
-  EXPECT_NEAR(0.5 * (world.x(2).z() + world.x(3).z()), kRadius, 1e-4);
+  EXPECT_NEAR(0.5 * (world.x(2).z() + world.x(3).z()), kPairRadius, 1e-4);
   EXPECT_NEAR(gapBetween(world), 0, 5e-4);
 }
 
 TEST_P(Pairs, ABodyThatLandsOnASleeperWakesIt) {
   Scene scene = headOn(GetParam(), 0);
   scene.ragdolls[0].pose.position.z() = 3;
-  scene.ragdolls[1].pose.position.z() = kRadius;
+  scene.ragdolls[1].pose.position.z() = kPairRadius;
   scene.gravity = Vec3(0, 0, -9.81);
   scene.obstacles = {floorPlane(0.6)};
   scene.solver.step = 1.0 / 240;
@@ -139,8 +140,8 @@ TEST_P(Pairs, ABodyThatLandsOnASleeperWakesIt) {
 /// Two sticks, one crosswise on the other on the floor.
 Scene crosswise(Method method) {
   Scene scene = headOn(method, 0);
-  scene.ragdolls[0].pose.position.z() = 3.05 * kRadius;
-  scene.ragdolls[1].pose.position.z() = 1.05 * kRadius;
+  scene.ragdolls[0].pose.position.z() = 3.05 * kPairRadius;
+  scene.ragdolls[1].pose.position.z() = 1.05 * kPairRadius;
   scene.gravity = Vec3(0, 0, -9.81);
   scene.obstacles = {floorPlane(0.6)};
   scene.solver.step = 1.0 / 240;

@@ -14,7 +14,7 @@ namespace {
 using namespace test;
 
 /// Three humans without weight that are thrown at each other, one of them spinning.
-Scene thrown(unsigned seed) {
+Scene threeThatMeet(unsigned seed) {
   std::mt19937 random(seed);
   const auto any = [&](double most) {
     return most * (2.0 * static_cast<double>(random()) / 4294967295.0 - 1);
@@ -40,7 +40,7 @@ Scene thrown(unsigned seed) {
 
 TEST(WeightlessPile, KeepsItsAngularMomentum) {
   for (unsigned seed = 0; seed < 24; ++seed) {
-    World world(thrown(seed));
+    World world(threeThatMeet(seed));
     const Vec3 start = angularMomentum(world.model, world.state);
     const double energy = kineticEnergy(world.model, world.state);
     for (int i = 0; i < 240; ++i) world.steps(1);

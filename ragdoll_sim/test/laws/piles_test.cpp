@@ -7,7 +7,7 @@ namespace {
 
 using namespace test;
 
-constexpr double kSeconds = 10;  ///< until a pile must sleep
+constexpr double kPileSeconds = 10;  ///< until a pile must sleep
 
 class Piles : public testing::TestWithParam<int> {};
 
@@ -15,7 +15,8 @@ TEST_P(Piles, OfRandomPosesComeToRestAndSleep) {
   const int bodies = GetParam(), piles = samples(60 / bodies / bodies);
   std::mt19937 random(2007);
   FallRecord record;
-  for (int pile = 0; pile < piles; ++pile) addFall(randomPile(bodies, random), kSeconds, record);
+  for (int pile = 0; pile < piles; ++pile)
+    addFall(randomPile(bodies, random), kPileSeconds, record);
   tell(record);
   expectBodiesHold(record);
   EXPECT_LT(record.overlap_mm, kOverlap);

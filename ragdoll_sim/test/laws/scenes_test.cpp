@@ -11,13 +11,13 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kSeconds = 8;
+constexpr double kSceneSeconds = 8;
 
 class ShippedScene : public testing::TestWithParam<const char*> {};
 
 TEST_P(ShippedScene, EndsOutsideOfEveryObstacleWithItsSticksWhole) {
   test::World world(loadScene(GetParam()));
-  world.steps(static_cast<int>(kSeconds / world.model.solver.step));
+  world.steps(static_cast<int>(kSceneSeconds / world.model.solver.step));
   ASSERT_TRUE(world.state.x.allFinite() && world.state.v.allFinite());
   EXPECT_LT(maxPenetration(world.model, world.state), 1e-3);
   EXPECT_LT(maxStickPenetration(world.model, world.state), 1e-3);
@@ -28,7 +28,7 @@ TEST_P(ShippedScene, EndsOutsideOfEveryObstacleByRelaxation) {
   Scene scene = loadScene(GetParam());
   applySetting(scene, "solver.preset", "thesis");
   test::World world(scene);
-  world.steps(static_cast<int>(kSeconds / world.model.solver.step));
+  world.steps(static_cast<int>(kSceneSeconds / world.model.solver.step));
   ASSERT_TRUE(world.state.x.allFinite() && world.state.v.allFinite());
   EXPECT_LT(maxPenetration(world.model, world.state), 5e-3);
   EXPECT_LT(maxStickPenetration(world.model, world.state), 2e-2);

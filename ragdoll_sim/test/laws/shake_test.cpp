@@ -8,16 +8,13 @@
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
-#include "support/worlds.h"
+#include "support/gravity.h"
+#include "support/limbs.h"
 
 namespace ragdoll {
 namespace {
 
 using namespace test;
-
-constexpr double kG = 9.81;
-
-double rad(double deg) { return deg * M_PI / 180; }
 
 /// The shipped human, without its joints' limits, so that the motion is smooth.
 Scene smoothHuman(const std::string& text, Method method, double step) {

@@ -11,12 +11,11 @@
 #include "ragdoll_sim/core/start_state.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/world/contacts.h"
+#include "support/gravity.h"
 #include "support/worlds.h"
 
 namespace ragdoll::test {
 namespace {
-
-constexpr double kG = 9.81;
 
 double energyOf(const World& world) {
   return kineticEnergy(world.model, world.state) + potentialEnergy(world.model, world.state) +
@@ -24,7 +23,7 @@ double energyOf(const World& world) {
 }
 
 /// Of 1 kg, 0.4 m long, with radii of 5 cm; lumped: half of its mass in each end.
-std::string bar(const std::string& contact, bool lumped = false) {
+std::string barModel(const std::string& contact, bool lumped = false) {
   const std::string mass = lumped ? ", mass: 0.5" : "";
   return "model: {particles: {a: {position: [-0.2, 0, 0], radius: 0.05" + mass +
          "}, b: {position: [0.2, 0, 0], radius: 0.05" + mass +
@@ -38,7 +37,7 @@ struct Throw {
   double friction = 0, hz = 120, stiffness = 20000;
 };
 
-Scene thrown(const Throw& t) {
+Scene thrownBar(const Throw& t) {
   std::mt19937 random(t.seed);
   const auto upTo = [&](double most) {
     return std::to_string(std::uniform_real_distribution<double>(-most, most)(random));
@@ -53,7 +52,7 @@ Scene thrown(const Throw& t) {
   text += upTo(3) + ", ";
   text += upTo(3) + ", ";
   text += upTo(3) + "]\n    ";
-  text += bar(", contact: {stiffness: 1}", t.lumped);
+  text += barModel(", contact: {stiffness: 1}", t.lumped);
   text +=
       "\nobstacles: [{type: box, position: [0, 0, -0.2], size: [0.3, 3, 0.4]}]\nsolver: {sleep: "
       "false}\n";
@@ -72,7 +71,7 @@ struct Account {
 };
 
 Account throwIt(const Throw& t) {
-  World world(thrown(t));
+  World world(thrownBar(t));
   const double start = energyOf(world);
   double last = start;
   Account account;
@@ -104,9 +103,9 @@ TEST(SoftBoxEdge, SticksThrownAtItWithoutFrictionKeepTheirEnergy) {
       EXPECT_LT(throwIt({seed, lumped, 0, 4000, 20000}).loss, 0.005) << seed << lumped;
 }
 
-Scene lying(double x, double width, double damping) {
+Scene barOnTheBox(double x, double width, double damping) {
   Scene scene = parseScene(
-      "ragdolls: [{position: [" + std::to_string(x) + ", 0, 0.05], " + bar("") +
+      "ragdolls: [{position: [" + std::to_string(x) + ", 0, 0.05], " + barModel("") +
       "}]\nobstacles: [{type: box, position: [0, 0, -0.2], size: [" + std::to_string(width) +
       ", 3, 0.4], friction: 0.5, stiffness: 20000}]\nsolver: {sleep: false}\n");
   scene.gravity = Vec3(0, 0, -kG);
@@ -121,7 +120,7 @@ TEST(SoftBoxEdge, AStickRestsOnBothItsSprings) {
   for (const double x : {0.0, 0.4})
     for (const double width : {0.1, 1.0}) {
       if (width < 1 && x > 0) continue;
-      World world(lying(x, width, 200));
+      World world(barOnTheBox(x, width, 200));
       Contacts contacts(world.model);
       world.workspace.keepContacts(&contacts.log());
       double force = 0, along = 0;
@@ -143,7 +142,7 @@ TEST(SoftBoxEdge, AStickRestsOnBothItsSprings) {
 }
 
 /// Shake against rk from event to event, both with the same springs.
-double errorOf(Scene scene, double until, double hz, const Points& exact) {
+double errorOfShake(Scene scene, double until, double hz, const Points& exact) {
   scene.solver.method = Method::kShake;
   scene.solver.step = 1 / hz;
   World world(scene);
@@ -152,7 +151,7 @@ double errorOf(Scene scene, double until, double hz, const Points& exact) {
 }
 
 TEST(SoftBoxEdge, ABarThatTipsOverItIsOfSecondOrder) {
-  Scene scene = lying(0.52, 1, 0);
+  Scene scene = barOnTheBox(0.52, 1, 0);
   scene.obstacles[0].friction = 0;
   const double until = 0.4;
   Scene exact = scene;
@@ -164,8 +163,8 @@ TEST(SoftBoxEdge, ABarThatTipsOverItIsOfSecondOrder) {
   for (int i = 0; i < std::lround(until / 1e-3); ++i) handed_over += world.steps(1).handed_over;
   EXPECT_EQ(handed_over, 0);
   EXPECT_LT(world.x(1).z(), 0) << "it has tipped";
-  const double coarse = errorOf(scene, until, 250, world.state.x);
-  const double fine = errorOf(scene, until, 16000, world.state.x);
+  const double coarse = errorOfShake(scene, until, 250, world.state.x);
+  const double fine = errorOfShake(scene, until, 16000, world.state.x);
   EXPECT_GT(std::log2(coarse / fine) / 6, 1.9);
   EXPECT_LT(fine, 2e-6);
 }

@@ -16,9 +16,9 @@ namespace {
 
 using namespace test;
 
-constexpr double kStiffness = 200;  ///< [N m/rad]
-constexpr double kGravity = 1;      ///< [m/s^2] weak, so that the lever stays level to 2e-2 rad
-constexpr double kStep = 1e-4;      ///< [s]
+constexpr double kLimitStiffness = 200;  ///< [N m/rad]
+constexpr double kWeakGravity = 1;   ///< [m/s^2] weak, so that the lever stays level to 2e-2 rad
+constexpr double kLeverStep = 1e-4;  ///< [s]
 
 /// A rod of 1 m, 1 kg at its end, hinged on three pinned particles; level, the limit at its level.
 SkeletonSpec lever(double stiffness, double damping) {
@@ -37,14 +37,14 @@ SkeletonSpec lever(double stiffness, double damping) {
 
 class SoftLimit : public testing::TestWithParam<Method> {
  protected:
-  Scene scene(double stiffness, double damping, double step = kStep) const {
+  Scene scene(double stiffness, double damping, double step = kLeverStep) const {
     Scene scene = sceneOf(lever(stiffness, damping));
     for (const char* name : {"a", "b", "c"}) {
       PinSpec pin;
       pin.particle = name;
       scene.pins.push_back(pin);
     }
-    scene.gravity = Vec3(0, 0, -kGravity);
+    scene.gravity = Vec3(0, 0, -kWeakGravity);
     scene.solver.method = GetParam();
     scene.solver.step = step;
     scene.solver.sleep = false;
@@ -59,11 +59,11 @@ double sag(const World& world) { return std::atan2(-world.x(3).z(), world.x(3).x
 
 /// [rad] of I a'' + d a' + k a = m g l, all of the lever, from rest at 0.
 double oscillator(double damping, double t) {
-  const double rate = damping / 2, square = kStiffness - rate * rate;
+  const double rate = damping / 2, square = kLimitStiffness - rate * rate;
   const double w = std::sqrt(std::abs(square));
   const double co = square > 0 ? std::cos(w * t) : std::cosh(w * t);
   const double si = square > 0 ? std::sin(w * t) : std::sinh(w * t);
-  return kGravity / kStiffness * (1 - std::exp(-rate * t) * (co + rate / w * si));
+  return kWeakGravity / kLimitStiffness * (1 - std::exp(-rate * t) * (co + rate / w * si));
 }
 
 /// Largest distance from the formula over 1.5 s, of the angle of rest.
@@ -74,31 +74,32 @@ double worstError(const Scene& scene, double damping) {
     world.steps(1);
     worst = std::max(worst, std::abs(sag(world) - oscillator(damping, world.state.time)));
   }
-  return worst * kStiffness / kGravity;
+  return worst * kLimitStiffness / kWeakGravity;
 }
 
 TEST_P(SoftLimit, SwingsUndampedDecaysUnderdampedCreepsOverdamped) {
   const double most = GetParam() == Method::kJakobsen ? 2e-2 : 3e-3;
   for (const double damping : {0.0, 4.0, 20.0, 60.0, 500.0})
-    EXPECT_LT(worstError(scene(kStiffness, damping), damping), most) << damping << " N m s/rad";
+    EXPECT_LT(worstError(scene(kLimitStiffness, damping), damping), most)
+        << damping << " N m s/rad";
 }
 
 TEST_P(SoftLimit, IsOfFirstOrder) {
-  const double coarse = worstError(scene(kStiffness, 4, 1e-3), 4);
-  EXPECT_NEAR(coarse / worstError(scene(kStiffness, 4, 5e-4), 4), 2, 0.2);
+  const double coarse = worstError(scene(kLimitStiffness, 4, 1e-3), 4);
+  EXPECT_NEAR(coarse / worstError(scene(kLimitStiffness, 4, 5e-4), 4), 2, 0.2);
 }
 
 TEST_P(SoftLimit, ThrowsBackByTheFormulaAndNeverPulls) {
   const double tolerance = GetParam() == Method::kJakobsen ? 3e-3 : 2e-4;
   for (const double damping : {0.0, 4.0, 20.0}) {
-    Scene free = scene(kStiffness, damping);
+    Scene free = scene(kLimitStiffness, damping);
     free.gravity.setZero();
     World world(free);
     world.state.v.col(3) = Vec3(0, 0, -0.1);
     world.steps(6000);
     // The torque ends where the acceleration does, tan(w t) = 2 rate w / (rate^2 - w^2); by then
     // the speed has decayed as the envelope has.
-    const double rate = damping / 2, w = std::sqrt(kStiffness - rate * rate);
+    const double rate = damping / 2, w = std::sqrt(kLimitStiffness - rate * rate);
     const double end = std::atan2(2 * rate * w, rate * rate - w * w) / w;
     EXPECT_NEAR(world.v(3).norm() / 0.1, std::exp(-rate * end), tolerance);
     EXPECT_LT(sag(world), 0) << "has left the limit";

@@ -10,10 +10,10 @@ namespace {
 
 using namespace test;
 
-constexpr double kRadius = 0.06;
+constexpr double kStickRadius = 0.06;
 
 /// A frictionless box whose upper edge along y passes through the origin.
-ObstacleSpec box(double restitution) {
+ObstacleSpec boxWithAnEdge(double restitution) {
   ObstacleSpec o;
   o.type = ObstacleSpec::Type::kBox;
   o.size = Vec3(2, 2, 2);
@@ -23,15 +23,15 @@ ObstacleSpec box(double restitution) {
 }
 
 /// A stick at 45 degrees across that edge, `off` [m] its middle along it, that comes at 2 m/s.
-Scene across(double off, double restitution, double rate) {
-  Scene scene = sceneOf(oneStick(1, 1, kRadius));
+Scene stickAcrossAnEdge(double off, double restitution, double rate) {
+  Scene scene = sceneOf(oneStick(1, 1, kStickRadius));
   const Vec3 along = Vec3(1, 0, -1).normalized(), normal = Vec3(1, 0, 1).normalized();
   RagdollSpec& r = scene.ragdolls[0];
   r.pose.orientation = Quat::FromTwoVectors(Vec3::UnitX(), along);
-  r.pose.position = (off - 0.5) * along + (kRadius + 0.137) * normal;
+  r.pose.position = (off - 0.5) * along + (kStickRadius + 0.137) * normal;
   r.velocity = -2 * normal;
   scene.gravity.setZero();
-  scene.obstacles = {box(restitution)};
+  scene.obstacles = {boxWithAnEdge(restitution)};
   scene.solver.step = 1 / rate;
   return scene;
 }
@@ -40,7 +40,7 @@ TEST(StickAcrossAnEdge, IsPushedWhereItTouches) {
   for (const double rate : {60.0, 240.0, 1000.0})
     for (const double restitution : {0.0, 0.5})
       for (const double off : {0.0, 0.1, 0.25}) {
-        World world(across(off, restitution, rate));
+        World world(stickAcrossAnEdge(off, restitution, rate));
         world.steps(static_cast<int>(0.1 * rate));  // 31 ms after the touch
         // Two masses of 1 kg, each 0.5 m from the middle: of the impulse J at `off` each gets the
         // half and what turns.
@@ -57,15 +57,15 @@ TEST(StickAcrossAnEdge, IsPushedWhereItTouches) {
 
 TEST(StickOverAFace, RestsOnBothEndsOfWhatLiesOnIt) {
   for (const double over : {0.2, 0.45}) {  // of it is beyond the edge
-    Scene scene = sceneOf(oneStick(1, 1, kRadius), Vec3(over - 1, 0, kRadius));
-    scene.obstacles = {box(0)};
+    Scene scene = sceneOf(oneStick(1, 1, kStickRadius), Vec3(over - 1, 0, kStickRadius));
+    scene.obstacles = {boxWithAnEdge(0)};
     World world(scene);
     world.steps(240);
-    EXPECT_NEAR(world.x(0).z(), kRadius, 1e-6);
-    EXPECT_NEAR(world.x(1).z(), kRadius, 1e-6);
+    EXPECT_NEAR(world.x(0).z(), kStickRadius, 1e-6);
+    EXPECT_NEAR(world.x(1).z(), kStickRadius, 1e-6);
   }
-  Scene scene = sceneOf(oneStick(1, 1, kRadius), Vec3(0.55 - 1, 0, kRadius));
-  scene.obstacles = {box(0)};
+  Scene scene = sceneOf(oneStick(1, 1, kStickRadius), Vec3(0.55 - 1, 0, kStickRadius));
+  scene.obstacles = {boxWithAnEdge(0)};
   World world(scene);
   world.steps(30);
   EXPECT_LT(world.x(1).z(), 0.05);  // its middle is beyond the edge: it tips

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "support/gravity.h"
 #include "support/limbs.h"
 
 namespace ragdoll {
@@ -14,13 +15,12 @@ namespace {
 
 using namespace test;
 
-constexpr double kG = 9.81;
 constexpr double kLength = 0.4, kMass = 1.5;    ///< [m], [kg] of each rod
 constexpr double kCom = 0.45, kGyration = 0.3;  ///< fractions of the length
 const Vec3 kStart(1.2, 1.0, 0.3);               ///< [rad] from hanging
 const Vec3 kStartRate(-2, 12, -14);             ///< [rad/s]
 constexpr double kStop = 0.3;                   ///< [rad] between the first two
-constexpr double kSeconds = 0.4;
+constexpr double kChainSeconds = 0.4;
 
 struct Chain {
   Vec3 angle, rate;  ///< of the rods, from hanging
@@ -69,7 +69,7 @@ Vec3 accelerations(const Chain& c, bool held) {
 }
 
 /// A step of the classic Runge-Kutta method.
-Chain after(const Chain& c, double h, bool held) {
+Chain chainAfter(const Chain& c, double h, bool held) {
   const auto at = [&](const Chain& k, double share) {
     return Chain{c.angle + share * h * k.angle, c.rate + share * h * k.rate};
   };
@@ -89,13 +89,13 @@ struct Stopped {
 };
 
 Stopped byLagrangian(int steps) {
-  const double h = kSeconds / steps;
+  const double h = kChainSeconds / steps;
   Stopped out{{kStart, kStartRate}};
   Chain& c = out.end;
   bool held = false;
   for (int n = 0; n < steps; ++n) {
     held = held && kPress.dot(accelerations(c, false)) < 0;
-    const Chain next = after(c, h, held);
+    const Chain next = chainAfter(c, h, held);
     if (held || bend(next) < kStop || kPress.dot(next.rate) > 0) {
       c = next;
       out.pressed += held ? h : 0;
@@ -103,13 +103,13 @@ Stopped byLagrangian(int steps) {
     }
     double lo = 0, hi = h;
     for (int i = 0; i < 60; ++i)
-      (bend(after(c, 0.5 * (lo + hi), false)) < kStop ? lo : hi) = 0.5 * (lo + hi);
-    c = after(c, lo, false);
+      (bend(chainAfter(c, 0.5 * (lo + hi), false)) < kStop ? lo : hi) = 0.5 * (lo + hi);
+    c = chainAfter(c, lo, false);
     out.blow = std::max(out.blow, -kPress.dot(c.rate));
     const Eigen::Matrix3d W = massAt(c.angle).inverse();
     c.rate -= W * kPress * kPress.dot(c.rate) / kPress.dot(W * kPress);
     held = kPress.dot(accelerations(c, false)) < 0;
-    c = after(c, h - lo, held);
+    c = chainAfter(c, h - lo, held);
   }
   return out;
 }
@@ -122,9 +122,9 @@ Points particlesOf(const Vec3& angle) {
 }
 
 /// [m] RMS after kSeconds at so many steps per second.
-double errorOf(Method method, int rate) {
+double chainError(Method method, int rate) {
   static const Points exact = particlesOf(byLagrangian(8000).end.angle);
-  const int steps = static_cast<int>(std::lround(kSeconds * rate));
+  const int steps = static_cast<int>(std::lround(kChainSeconds * rate));
   const Points x = particlesOf(kStart);
   const std::vector<std::string> names = {"a", "b", "c", "d"};
   SkeletonSpec s;
@@ -144,7 +144,7 @@ double errorOf(Method method, int rate) {
   scene.pins = {pin};
   scene.solver.method = method;
   scene.solver.events = true;  // of rk
-  scene.solver.step = kSeconds / steps;
+  scene.solver.step = kChainSeconds / steps;
   World world(scene);
   for (int i = 0; i < 3; ++i)
     world.state.v.col(i + 1) =
@@ -156,11 +156,11 @@ double errorOf(Method method, int rate) {
 
 /// Least-squares slope of log error over log step; no rate is a multiple of another, so that the
 /// stop falls anywhere in its step.
-double order(Method method) {
+double orderOfTheChain(Method method) {
   double sx = 0, sy = 0, sxx = 0, sxy = 0;
   const std::vector<int> rates = {160, 230, 310, 440, 610, 890, 1270, 1810};
   for (const int rate : rates) {
-    const double x = -std::log(rate), y = std::log(errorOf(method, rate));
+    const double x = -std::log(rate), y = std::log(chainError(method, rate));
     sx += x, sy += y, sxx += x * x, sxy += x * y;
   }
   const double n = static_cast<double>(rates.size());
@@ -175,16 +175,16 @@ TEST(Stop, OfTheReferenceIsReachedAndPressedUpon) {
 }
 
 TEST(Stop, IsLocatedInTheStepSoThatTheOrderStays) {
-  EXPECT_NEAR(order(Method::kShake), 2, 0.02);
+  EXPECT_NEAR(orderOfTheChain(Method::kShake), 2, 0.02);
   for (const int rate : {60, 240, 890}) {
-    EXPECT_LT(errorOf(Method::kShake, rate), 40.0 / (rate * rate)) << rate;
+    EXPECT_LT(chainError(Method::kShake, rate), 40.0 / (rate * rate)) << rate;
   }
 }
 
 TEST(Stop, IsAnEventOfRkWhichKeepsItsOrderThroughIt) {
-  EXPECT_LT(errorOf(Method::kRk, 120), 1e-6);
-  EXPECT_LT(errorOf(Method::kRk, 480), 1e-9);
-  EXPECT_NEAR(order(Method::kRk), 5, 0.5);
+  EXPECT_LT(chainError(Method::kRk, 120), 1e-6);
+  EXPECT_LT(chainError(Method::kRk, 480), 1e-9);
+  EXPECT_NEAR(orderOfTheChain(Method::kRk), 5, 0.5);
 }
 
 }  // namespace

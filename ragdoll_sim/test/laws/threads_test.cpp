@@ -50,14 +50,14 @@ constexpr char kPile[] =
     "obstacles: [{type: plane, friction: 0.8}]\n"
     "pokes: [{at: 0.2, body: low_1/pelvis, force: [0, 100, 300], duration: 0.1}]\n";
 const std::string kFolded = std::string(kApart) + "self_collision: true\n";
-const std::string kDamped = "solver: {damping: 3, joint_damping: 6}\n";
+const std::string kDampedSolver = "solver: {damping: 3, joint_damping: 6}\n";
 
 class Threads : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(
     Methods, Threads,
     testing::Values(Case{"Shake", "balanced", kApart, 0.8}, Case{"Rk", "reference", kApart, 0.6},
                     Case{"ShakeOfPairs", "draft", kPile, 0.7, false, true},
-                    Case{"Asleep", "draft", kPile + kDamped, 5, true, true},
+                    Case{"Asleep", "draft", kPile + kDampedSolver, 5, true, true},
                     Case{"Fast", "fast", kApart, 1.5}, Case{"Thesis", "thesis", kPile, 0.7},
                     Case{"FastThatHandsOn", "fast", kFolded, 1.5, false, false, true}),
     [](const auto& info) { return info.param.name; });

@@ -53,7 +53,7 @@ void removeJoints(Scene& scene) {
 }
 
 /// A human without joints that swings from a hand.
-Scene hung() {
+Scene swingingByAHand() {
   Scene scene = parseScene(
       "ragdolls: [{model: human_lumped, position: [0, 0, 2]}]\npins: [ragdoll/right_hand]\n");
   removeJoints(scene);
@@ -61,10 +61,10 @@ Scene hung() {
 }
 
 TEST(Tolerance, OfRkIsMoreThanTheErrorOfASmoothMotionFromAnyStep) {
-  const Points best = runOf(hung(), Method::kRk, 1.0 / 16000, 0, 1).x;
+  const Points best = runOf(swingingByAHand(), Method::kRk, 1.0 / 16000, 0, 1).x;
   for (const double step : {1e-3, 1.0 / 120, 1.0 / 30, 0.1})
     for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-8}) {
-      const Outcome run = runOf(hung(), Method::kRk, step, tolerance, 1);
+      const Outcome run = runOf(swingingByAHand(), Method::kRk, step, tolerance, 1);
       EXPECT_LT(distance(run.x, best), tolerance) << step;
       EXPECT_EQ(run.report.tolerance_missed, 0);
       EXPECT_GT(run.report.error_estimate, 0);
@@ -73,17 +73,18 @@ TEST(Tolerance, OfRkIsMoreThanTheErrorOfASmoothMotionFromAnyStep) {
 }
 
 TEST(Tolerance, OfShakeIsATenthOfTheErrorOfASmoothMotionAtMostFromAnyStep) {
-  const Points best = runOf(hung(), Method::kRk, 1.0 / 16000, 0, 1).x;
+  const Points best = runOf(swingingByAHand(), Method::kRk, 1.0 / 16000, 0, 1).x;
   for (const double step : {1e-3, 1.0 / 120, 0.1})
     for (const double tolerance : {1e-2, 1e-3, 1e-4})
-      EXPECT_LT(distance(runOf(hung(), Method::kShake, step, tolerance, 1).x, best), 10 * tolerance)
+      EXPECT_LT(distance(runOf(swingingByAHand(), Method::kShake, step, tolerance, 1).x, best),
+                10 * tolerance)
           << step;
 }
 
 enum class Kind { kSmooth, kLimits, kContact, kDamped };
 
 /// A body that turns at random: without joints and with, by a hand; onto the ground, and damped.
-Scene sceneOf(Kind kind, std::mt19937& random) {
+Scene sceneOfKind(Kind kind, std::mt19937& random) {
   std::uniform_real_distribution<double> turn(-180, 180), speed(-3, 3);
   const bool falls = kind == Kind::kContact || kind == Kind::kDamped;
   Scene scene = parseScene(
@@ -113,7 +114,7 @@ std::vector<Window> windowsOf(Kind kind, int count) {
   std::vector<Window> windows;
   for (int seed = 0; seed < count; ++seed) {
     std::mt19937 random(seed + 1000 * static_cast<int>(kind));
-    Window w{sceneOf(kind, random), {}, {}};
+    Window w{sceneOfKind(kind, random), {}, {}};
     World world(w.scene);
     world.steps(24 + static_cast<int>(random() % 240));
     w.start = world.state;
@@ -193,7 +194,7 @@ TEST(Tolerance, GivesTheSameBitsForAnyNumberOfThreads) {
 }
 
 TEST(Tolerance, OfBodiesThatMeetIsControlledToo) {
-  Scene scene = test::sceneOf(oneStick(1, 1, 0.1));
+  Scene scene = test::sceneOfKind(oneStick(1, 1, 0.1));
   scene.gravity.setZero();
   scene.ragdolls.push_back(scene.ragdolls[0]);
   scene.ragdolls[0].name = "a";

@@ -5,11 +5,10 @@
 #include <array>
 #include <cmath>
 
+#include "support/gravity.h"
 #include "support/worlds.h"
 
 namespace ragdoll::test::double_pendulum {
-
-constexpr double kG = 9.81;
 
 struct Rod {
   double length, mass;   ///< [m], [kg]

@@ -19,19 +19,19 @@
 namespace ragdoll::test {
 
 /// How an input was taken: `broken` names the law that does not hold.
-struct Outcome {
+struct Taken {
   bool accepted = false;
   std::string broken;
 };
 
-inline Outcome refusedWith(const std::string& message, const std::string& place) {
+inline Taken refusedWith(const std::string& message, const std::string& place) {
   if (message.find(place) == std::string::npos) return {false, "no '" + place + "' in: " + message};
   if (message.size() > Error::kLongest + 10) return {false, "a message of " + std::to_string(message.size())};
   return {false, ""};
 }
 
 /// An error that names the text, or a scene whose own text is the same scene.
-inline Outcome takeScene(const std::string& text) {
+inline Taken takeScene(const std::string& text) {
   try {
     const Scene scene = parseScene(text, "input.yaml");
     const Model model = buildModel(scene);
@@ -44,7 +44,7 @@ inline Outcome takeScene(const std::string& text) {
 }
 
 /// The same for a model file, in a scene of one body.
-inline Outcome takeModel(const std::string& text) {
+inline Taken takeModel(const std::string& text) {
   try {
     Scene scene;
     scene.where = "input.yaml";
@@ -90,7 +90,7 @@ inline std::vector<std::uint8_t> snapshotAfter(const Model& model, int steps) {
 
 /// An error that says snapshot, or a moment with which the world goes on and which gives the same
 /// bytes again.
-inline Outcome takeSnapshot(const Model& model, const std::vector<std::uint8_t>& bytes) {
+inline Taken takeSnapshot(const Model& model, const std::vector<std::uint8_t>& bytes) {
   try {
     const Moment moment = fromBytes(model, bytes);
     if (toBytes(model, moment) != bytes) return {true, "other bytes"};

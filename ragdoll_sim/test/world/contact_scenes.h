@@ -7,10 +7,11 @@
 #include "ragdoll_sim/core/findings.h"
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/world/contacts.h"
+#include "support/gravity.h"
 
 namespace ragdoll {
 
-constexpr double kG = 9.81;  ///< [m/s^2]
+using test::kG;
 
 inline double massOf(const Model& model, int ragdoll) {
   return pointMasses(model.skeletonOf(model.ragdolls[ragdoll])).sum();

@@ -11,7 +11,8 @@
 namespace ragdoll {
 namespace {
 
-using namespace test;
+using test::kStep;
+using test::particles;
 
 TEST(InParallel, DoesEachPartOnce) {
   for (const int threads : {1, 3, 0}) {

@@ -14,11 +14,12 @@
 #include "ragdoll_sim/core/step.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/world/world.h"
+#include "support/gravity.h"
 
 namespace ragdoll {
 namespace {
 
-const double kG = 9.81;
+using test::kG;
 
 /// A tetrahedron of 1 kg each, a bone beside it, and a sensor.
 std::string bodyWith(const std::string& sensor, const std::string& rest = "") {
@@ -188,7 +189,7 @@ TEST(Imu, ABoneHasNoTwistAndSaysSo) {
 }
 
 /// [m/s] that the samples of a body that does not turn add up to.
-Vec3 sumOf(const std::vector<ImuSample>& samples, const Vec3& gravity, double interval) {
+Vec3 sumOfSamples(const std::vector<ImuSample>& samples, const Vec3& gravity, double interval) {
   Vec3 sum = Vec3::Zero();
   for (const ImuSample& sample : samples)
     sum += interval * (sample.pose.orientation * sample.acceleration + gravity);
@@ -214,7 +215,8 @@ solver: {step: )";
     const int steps = static_cast<int>(std::lround(0.8 / model.solver.step));
     const auto samples = run(model, steps, state);
     ASSERT_EQ(samples.size(), 12u) << step;
-    EXPECT_LT((sumOf(samples, model.gravity, 1.0 / 15) - state.v.col(0)).norm(), 1e-9) << step;
+    EXPECT_LT((sumOfSamples(samples, model.gravity, 1.0 / 15) - state.v.col(0)).norm(), 1e-9)
+        << step;
   }
 }
 

@@ -17,7 +17,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kG = HeadInjury::kG;
+constexpr double kStandardG = HeadInjury::kG;
 
 /// A half sine of so many g over `duration` [s], in exact means over steps of h.
 double halfSine(double peak, double duration, double h) {
@@ -27,7 +27,8 @@ double halfSine(double peak, double duration, double h) {
     return peak * duration / M_PI * (1 - std::cos(M_PI * t / duration));
   };
   for (int i = 0; i < 10; ++i) injury.add(0, h);
-  for (int i = 0; i < steps; ++i) injury.add(kG * (integral((i + 1) * h) - integral(i * h)) / h, h);
+  for (int i = 0; i < steps; ++i)
+    injury.add(kStandardG * (integral((i + 1) * h) - integral(i * h)) / h, h);
   for (int i = 0; i < 10; ++i) injury.add(0, h);
   return injury.hic15();
 }
@@ -50,11 +51,11 @@ TEST(HeadInjury, HalfSine) {
 
 TEST(HeadInjury, ConstantAcceleration) {
   HeadInjury injury;
-  for (int i = 0; i < 100; ++i) injury.add(100 * kG, 0.001);
+  for (int i = 0; i < 100; ++i) injury.add(100 * kStandardG, 0.001);
   EXPECT_NEAR(injury.hic15(), 0.015 * 1e5, 1e-6);
   EXPECT_NEAR(injury.peakG(), 100, 1e-12);
   HeadInjury coarse;  // a step longer than the window
-  for (int i = 0; i < 10; ++i) coarse.add(100 * kG, 0.02);
+  for (int i = 0; i < 10; ++i) coarse.add(100 * kStandardG, 0.02);
   EXPECT_NEAR(coarse.hic15(), 0.015 * 1e5, 1e-6);
 }
 
@@ -71,7 +72,7 @@ TEST(HeadInjury, FreeFallIsOneG) {
     step(model, inputs, workspace, state);
     heads.end(model, state);
   }
-  EXPECT_NEAR(heads.heads()[0].injury.peakG(), 9.81 / kG, 1e-9);
+  EXPECT_NEAR(heads.heads()[0].injury.peakG(), 9.81 / kStandardG, 1e-9);
 }
 
 struct FallRun {

@@ -8,11 +8,12 @@
 
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/world/world.h"
+#include "support/gravity.h"
 
 namespace ragdoll {
 namespace {
 
-const double kG = 9.81;
+using test::kG;
 
 /// [N] by the body on each pin, mean over so many steps.
 std::vector<Vec3> forces(World& world, int steps) {

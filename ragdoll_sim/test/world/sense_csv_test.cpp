@@ -11,7 +11,8 @@
 namespace ragdoll {
 namespace {
 
-using namespace test;
+using test::floorPlane;
+using test::particles;
 
 std::size_t columns(const std::string& row) {
   return 1 + static_cast<std::size_t>(std::count(row.begin(), row.end(), ','));

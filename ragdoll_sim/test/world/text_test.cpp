@@ -11,7 +11,8 @@
 namespace ragdoll {
 namespace {
 
-using namespace test;
+using test::floorPlane;
+using test::particles;
 
 TEST(Text, ListsTwentyNamesAndCountsTheRest) {
   std::vector<std::string> names(20, "a");

@@ -14,7 +14,7 @@ struct Sum {
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();  ///< [N], [N m] about the world's origin
 };
 
-Sum sumOf(const World& world, const std::vector<Poke>& pokes) {
+Sum sumOfPokes(const World& world, const std::vector<Poke>& pokes) {
   Sum sum;
   for (const Poke& poke : pokes) {
     const Vec3 at = world.state().x.col(poke.body.particles[0]);
@@ -31,7 +31,7 @@ TEST(WrenchPokes, AreTheForceInTheFramesAxes) {
   const World world(parseScene(kTurned));
   const std::string frame = "ragdoll/pelvis";
   const Vec3 force(100, 50, -80);
-  const Sum sum = sumOf(world, wrenchPokes(world, frame, force, Vec3::Zero()));
+  const Sum sum = sumOfPokes(world, wrenchPokes(world, frame, force, Vec3::Zero()));
   EXPECT_LT((sum.force - world.frame(frame)->orientation * force).norm(), 1e-9);
 }
 
@@ -39,7 +39,7 @@ TEST(WrenchPokes, ATorqueIsAMomentWithoutForce) {
   const World world(parseScene(kTurned));
   const std::string frame = "ragdoll/pelvis";
   const Vec3 torque(3, -4, 12);
-  const Sum sum = sumOf(world, wrenchPokes(world, frame, Vec3::Zero(), torque));
+  const Sum sum = sumOfPokes(world, wrenchPokes(world, frame, Vec3::Zero(), torque));
   EXPECT_LT(sum.force.norm(), 1e-9);
   EXPECT_LT((sum.moment - world.frame(frame)->orientation * torque).norm(), 1e-9);
 }
