@@ -194,7 +194,7 @@ TEST(Tolerance, GivesTheSameBitsForAnyNumberOfThreads) {
 }
 
 TEST(Tolerance, OfBodiesThatMeetIsControlledToo) {
-  Scene scene = test::sceneOfKind(oneStick(1, 1, 0.1));
+  Scene scene = test::sceneOf(oneStick(1, 1, 0.1));
   scene.gravity.setZero();
   scene.ragdolls.push_back(scene.ragdolls[0]);
   scene.ragdolls[0].name = "a";
