@@ -264,8 +264,8 @@ double takeEnergyOut(Island& island, const std::vector<Body*>& bodies, double ga
 
 bool removeEnergy(Island& island, double gain) {
   if (!(gain > 0)) return true;
-  double energy = std::max(1.0, kineticEnergyOf(island));
   const double left = takeEnergyOut(island, island.bodies, gain);
+  double energy = std::max(1.0, kineticEnergyOf(island));  // without what was gained
   if (left <= kRedoGain * energy) return true;
   for (Body* body : island.bodies) energy += kineticEnergyBefore(*body);
   if (island.context.model.compliant) {  // springs may have held it all

@@ -113,13 +113,13 @@ void turnContacts(Island& island, double over) {
   for (Body* body : island.bodies) turnContacts(*body, over);
   PairSet& pairs = island.pairs;
   const Body& any = *island.bodies[0];
-  if (!hasTurned(any, pairs.contacts)) return;
+  if (!hasTurned(any, pairs.contacts, over)) return;
   pairs.missed.clear();
   island.s.detector.appendBetween(island.context.model, island.context.state, island.s.all,
                                   island.context.state.x, posesAfter(island),
                                   PairSearch::touches(kNearBody), pairs.missed);
   for (Contact& c : pairs.contacts)
-    if (turnAs(any, pairs.missed, c)) startPair(island, c, over);
+    if (hasTurned(any, c, over) && turnAs(pairs.missed, c)) startPair(island, c, over);
 }
 
 bool findMissed(Island& island, double h) {
