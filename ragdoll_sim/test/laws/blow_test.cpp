@@ -88,6 +88,64 @@ TEST(Blow, ThatLiftsABallTakesNothingBackFromTheFloor) {
         << rate;
 }
 
+/// Balls on a floor that a smaller one, which flies above it, meets from below.
+Scene flyUnder(const Vec3& velocity) {
+  Scene scene = sceneOf(oneParticle(2, 0.1), Vec3(0, 0, 0.1));
+  scene.ragdolls.push_back(sceneOf(oneParticle(3, 0.02), Vec3(-0.3, 0.01, 0.03)).ragdolls[0]);
+  scene.ragdolls[1].name = "other";
+  scene.ragdolls[1].velocity = velocity;
+  scene.ragdoll_collision = true;
+  scene.obstacles = {floorPlane(0.5)};
+  return scene;
+}
+
+/// The floor lets go in the blow: nothing outside acts in it, and friction of two balls, which have
+/// no spin, can take nothing from their motion past each other, though the floor has borne one
+/// until then.
+TEST(Blow, ThatLiftsABallLeavesTheMotionPastIt) {
+  Scene scene = flyUnder(Vec3(3, 0, 0.4));
+  scene.gravity = Vec3(0, 0, -kG);
+  const Points exact = endOf(scene, Method::kRk, 1e-3, 0.14);
+  ASSERT_GT(exact(2, 0), 0.12) << "it was lifted";
+  for (const double rate : {100.0, 200.0, 400.0, 1000.0, 4000.0})
+    EXPECT_LT(largest(endOf(scene, Method::kShake, 1 / rate, 0.14) - exact), 5 / (rate * rate))
+        << rate;
+}
+
+/// A blow lifts the ball at `up`, and comes at `time`, both without gravity.
+void findLift(const Scene& scene, double& time, double& up) {
+  const RagdollSpec &ball = scene.ragdolls[0], &other = scene.ragdolls[1];
+  const Vec3 way = ball.pose.position - other.pose.position, rate = -other.velocity;
+  const double a = rate.squaredNorm(), b = way.dot(rate), c = way.squaredNorm() - 0.12 * 0.12;
+  time = (-b - std::sqrt(b * b - a * c)) / a;
+  const Vec3 normal = (way + time * rate).normalized();
+  up = -normal.dot(rate) / (1 / 2.0 + 1 / 3.0) / 2 * normal.z();
+}
+
+/// A third ball comes down on it when it is `opened` off a floor that throws back.
+double bounceOf(double opened, Method method, double h) {
+  Scene scene = flyUnder(Vec3(3, 0, 0.4));
+  scene.gravity.setZero();
+  scene.obstacles[0].restitution = 0.5;
+  double time = 0, up = 0;
+  findLift(scene, time, up);
+  const double later = opened / up, down = 2;
+  const double height = 0.3 + down * (time + later) + up * later;
+  scene.ragdolls.push_back(sceneOf(oneParticle(4, 0.1), Vec3(0, 0, height)).ragdolls[0]);
+  scene.ragdolls[2].name = "third";
+  scene.ragdolls[2].velocity = Vec3(0, 0, -down);
+  return endOf(scene, method, h, 0.12)(2, 0);
+}
+
+/// What a blow has opened by less than the smallest steps tell is still in the next one, and does
+/// not bounce; what is farther comes back by itself. The methods agree which.
+TEST(Blow, ThatFollowsAnotherAtOnceMeetsTheSameInBothMethods) {
+  for (const double opened : {4e-9, 1e-7}) {
+    const double exact = bounceOf(opened, Method::kRk, 1e-3);
+    EXPECT_NEAR(bounceOf(opened, Method::kShake, 1.0 / 16000), exact, 1e-5) << opened;
+  }
+}
+
 /// A ball slides down a sphere until another hits it: where it presses has turned by then.
 TEST(Blow, OnABallThatSlidesDownASphereIsOfSecondOrder) {
   Scene scene = sceneOf(oneParticle(2, 0.05), Vec3(0.1, 0, std::sqrt(0.25 * 0.25 - 0.1 * 0.1)));

@@ -163,11 +163,71 @@ void join(const Island& island, int first, int second, std::vector<int>& group_o
   std::replace(group_of.begin(), group_of.end(), gone, kept);
 }
 
-/// One number for bodies that pressed on each other.
-void findGroups(const Island& island, std::vector<int>& group_of) {
+/// Each body by itself.
+void startGroups(const Island& island, std::vector<int>& group_of) {
   group_of.resize(island.bodies.size());
   std::iota(group_of.begin(), group_of.end(), 0);
+}
+
+/// of(bodies) of each group that island.s.group tells.
+template <class Of>
+void forEachGroup(Island& island, const Of& of) {
+  const std::vector<int>& group_of = island.s.group;
+  std::vector<Body*>& grouped = island.s.grouped;
+  for (std::size_t k = 0; k < group_of.size(); ++k) {
+    grouped.clear();
+    for (std::size_t i = k; i < group_of.size(); ++i)
+      if (group_of[i] == static_cast<int>(k)) grouped.push_back(island.bodies[i]);
+    if (!grouped.empty()) of(grouped);
+  }
+}
+
+/// One number for bodies that pressed on each other.
+void findGroups(const Island& island, std::vector<int>& group_of) {
+  startGroups(island, group_of);
   for (const BodyPair& pair : island.pairs.pushed) join(island, pair.first, pair.second, group_of);
+}
+
+/// What pressed in the last solution of velocities: of(contact, its first row).
+template <class Of>
+void forEachPushed(const Island& island, const Of& of) {
+  const JointSchur& joint = island.s.joint;
+  int row = 0;
+  for (const Body* body : island.bodies)
+    for (int i = 0; i < body->constraints.own_rows; ++i, ++row) {
+      const Schur::Row& own = body->memory->schur.row(i);
+      if (own.kind == Schur::Row::Kind::kNormal && island.s.p[row] > 0)
+        of(body->touching.contacts[own.source], row);
+    }
+  for (const Contact& pair : island.pairs.touching) {
+    if (island.s.p[row] > 0) of(pair, row);
+    row += 3;
+  }
+}
+
+/// What a blow did to bodies that it pressed on each other.
+struct Blow {
+  bool held = false;           ///< something outside pressed on them
+  Vec3 couple = Vec3::Zero();  ///< [kg m^2/s] of friction, whose two forces are apart
+};
+
+Blow blowOn(const Island& island, const std::vector<Body*>& bodies) {
+  const JointSchur& joint = island.s.joint;
+  Blow blow;
+  const auto isOf = [&](int ragdoll) {
+    return std::any_of(bodies.begin(), bodies.end(),
+                       [&](const Body* body) { return body->index == ragdoll; });
+  };
+  forEachPushed(island, [&](const Contact& c, int row) {
+    const bool one = isOf(c.ragdoll), other = c.other < 0 ? one : isOf(c.other);
+    blow.held = blow.held || one != other || (one && c.obstacle >= 0);
+    if (!one || !other || c.obstacle >= 0 || !(c.friction > 0)) return;
+    Vec3 friction = Vec3::Zero();
+    for (int k = row + 1; k < row + 3; ++k) friction += island.s.p[k] * joint.row(k).direction;
+    blow.couple += c.of(island.context.state.x).cross(friction);
+  });
+  for (const Body* body : bodies) blow.held = blow.held || !body->pinned->pins.empty();
+  return blow;
 }
 
 /// Whether a contact between two bodies presses in the present stage.
@@ -224,20 +284,14 @@ void findTurns(Island& island, TurnOf of) {
   for (Body* body : island.bodies) body->turn.setZero();
   if (!anyRubs(island, pairs, of)) return;
   std::vector<int>& group_of = island.s.group;
-  group_of.resize(island.bodies.size());
-  std::iota(group_of.begin(), group_of.end(), 0);
+  startGroups(island, group_of);
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (pressesNow(island, i, of)) join(island, pairs[i].ragdoll, pairs[i].other, group_of);
-  std::vector<Body*>& grouped = island.s.grouped;
-  for (std::size_t k = 0; k < group_of.size(); ++k) {
-    grouped.clear();
-    for (std::size_t i = k; i < group_of.size(); ++i)
-      if (group_of[i] == static_cast<int>(k)) grouped.push_back(island.bodies[i]);
-    if (grouped.empty() || isHeld(island, grouped) || pressesOnSleeper(island, pairs, of, grouped))
-      continue;
-    const Vec3 turn = turnOf(grouped, of);
-    for (Body* body : grouped) body->turn = turn;
-  }
+  forEachGroup(island, [&](const std::vector<Body*>& bodies) {
+    if (isHeld(island, bodies) || pressesOnSleeper(island, pairs, of, bodies)) return;
+    const Vec3 turn = turnOf(bodies, of);
+    for (Body* body : bodies) body->turn = turn;
+  });
 }
 
 Vec3 commonTurn(const Island& island, const Contact& pair) {
@@ -261,15 +315,27 @@ bool pressesItself(const Island& island) {
 }
 
 void restoreAngularMomentum(Island& island, double took) {
+  findGroups(island, island.s.group);
+  forEachGroup(island,
+               [&](const std::vector<Body*>& bodies) { restoreGroup(island, bodies, took); });
+}
+
+void restoreAfterBlow(Island& island) {
+  if (island.s.joint.size() == 0) return;
   std::vector<int>& group_of = island.s.group;
-  std::vector<Body*>& grouped = island.s.grouped;
-  findGroups(island, group_of);
-  for (std::size_t k = 0; k < group_of.size(); ++k) {
-    grouped.clear();
-    for (std::size_t i = k; i < group_of.size(); ++i)
-      if (group_of[i] == static_cast<int>(k)) grouped.push_back(island.bodies[i]);
-    if (!grouped.empty()) restoreGroup(island, grouped, took);
-  }
+  startGroups(island, group_of);
+  forEachPushed(island, [&](const Contact& c, int) {
+    if (c.other >= 0) join(island, c.ragdoll, c.other, group_of);
+  });
+  forEachGroup(island, [&](const std::vector<Body*>& bodies) {
+    const Blow blow = blowOn(island, bodies);
+    if (blow.held || blow.couple.isZero(0)) return;
+    const auto x = [](const Body& body) { return body.x(); };
+    const auto v = [](const Body& body) { return body.v(); };
+    const RigidMotion drift = driftOf(bodies, x, v);
+    const Rotation now = rotationOf(bodies, drift, x, v);
+    giveSpin(island, bodies, drift.centre, spinOf(now.inertia, -blow.couple, true), now);
+  });
 }
 
 }  // namespace ragdoll

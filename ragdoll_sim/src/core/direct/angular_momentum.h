@@ -31,4 +31,8 @@ bool turnTogether(const Island& island);
 /// sleepers take part.
 void restoreAngularMomentum(Island& island, double took);
 
+/// After a blow, which velocities were solved for last: what its friction took of bodies that it
+/// pressed on each other, and nothing outside on them, whatever held them until then.
+void restoreAfterBlow(Island& island);
+
 }  // namespace ragdoll

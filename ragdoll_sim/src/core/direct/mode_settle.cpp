@@ -5,6 +5,7 @@
 #include "core/direct/mode_constants.h"
 #include "core/direct/mode_motion.h"
 #include "core/direct/mode_rows.h"
+#include "core/direct/tolerances.h"
 
 namespace ragdoll {
 namespace {
@@ -36,9 +37,18 @@ bool staysWithin(Island& island, const ModeRow& row, const RowPlace& place) {
   return placeOf(island, row, ahead.x.data(), ahead.v.data(), false).inside;
 }
 
+/// Below which gap a row touches. In a blow, which may close what the one before has opened: as in
+/// the smallest steps of shake. Where blows follow each other within a microsecond it matters what
+/// is still in the next one, and two measures of that would give the methods two limits.
+double closeness(const ModeRow& row, bool blow) {
+  if (!blow) return kClosedGap;
+  const Tolerances smallest = tolerancesFor(0);
+  return row.isContact() ? smallest.touching : smallest.touching_angle;
+}
+
 /// What touches at mode.start; whether some of it approaches. pressed: what pressed in the last
-/// step may be a little off. leaves: what opens counts as closed, too; an impact may close it.
-void findClosed(Island& island, bool pressed, bool leaves, bool& impact) {
+/// step may be a little off. blow: what opens counts as closed, too; an impact may close it.
+void findClosed(Island& island, bool pressed, bool blow, bool& impact) {
   Mode& mode = island.s.mode;
   impact = false;
   lookAhead(mode);
@@ -49,18 +59,18 @@ void findClosed(Island& island, bool pressed, bool leaves, bool& impact) {
       continue;
     }
     row.gap_start = gapOf(island, row, mode.start.x.data());
-    double close = kClosedGap;
-    if (pressed && row.gap_start < kTouching / kLever) close = kTouching;
-    if (row.gap_start >= close) continue;
+    const double close = closeness(row, blow);
+    const bool may_be_off = pressed && row.gap_start < kTouching / kLever;
+    if (row.gap_start >= (may_be_off ? kTouching : close)) continue;
     const RowPlace place = placeOf(island, row, mode.start.x.data(), mode.start.v.data(), false);
     if (!staysWithin(island, row, place)) continue;
-    if (pressed && row.gap_start >= kClosedGap) {
+    if (pressed && row.gap_start >= close) {
       const Tolerances& tolerances = island.bodies[0]->tolerances;
       const double touching = row.isContact() ? tolerances.touching : tolerances.touching_angle;
       if (row.gap_start >= touching || !hasPressed(island, row, place)) continue;
     }
     const double rate = rateOf(island, row, place, mode.start.v.data());
-    row.closed = leaves || rate <= kLeaving;
+    row.closed = blow || rate <= kLeaving;
     impact = impact || rate < -kRestApproach;
   }
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/direct/angular_momentum.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/driving.h"
@@ -43,6 +44,7 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
   if (!(impact.time > 0)) {
     dampWithin(island, damping);
     bounce(island);
+    restoreAfterBlow(island);
     return trial;
   }
   trial.ok = freeMotions(island, impact.time);
@@ -50,7 +52,9 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
   for (Body* body : island.bodies) limitDepenetration(*body, impact.time, h);
   for (Contact& pair : island.pairs.contacts) limitDepenetration(island, pair, impact.time);
   trial.ok = trial.ok && solvePositions(island, impact.time, trial.contacts);
-  if (trial.ok) finishMotion(island, impact.time, true, Stage::kImpact, damping);
+  if (!trial.ok) return trial;
+  finishMotion(island, impact.time, true, Stage::kImpact, damping);
+  restoreAfterBlow(island);
   return trial;
 }
 

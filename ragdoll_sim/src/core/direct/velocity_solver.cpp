@@ -355,12 +355,12 @@ void bounce(Island& island) {
 }
 
 void solveVelocities(Island& island, Stage stage, double h, double damping) {
+  JointSchur& joint = island.s.joint;
+  joint.clear();
   if (!touches(island)) {
     dampWithin(island, damping);
     return;
   }
-  JointSchur& joint = island.s.joint;
-  joint.clear();
   for (Body* body : island.bodies) {
     buildTouchingRows(*body, h);
     joint.addBody(body->memory->schur);
