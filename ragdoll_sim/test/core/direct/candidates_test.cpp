@@ -47,6 +47,21 @@ TEST(Candidates, AreWhatTheMotionComesNearTo) {
       1e-15);
 }
 
+/// A ball that goes along a large sphere: its normal hardly turns, but the plane of the end passes
+/// 10 um below the start. A blow at a millionth of the step leaves no time to sink there.
+TEST(Candidates, HaveThePlaneOfThePartThatABlowLeaves) {
+  DirectIsland one(ballAt({0, 0, 5 + kBallRadius}, {sphere(Vec3::Zero(), 5)}));
+  Body& body = one.body();
+  body.motion.dx.setZero(3, 1);
+  body.motion.dx(0, 0) = 0.01;
+  findCandidates(body, one.h);
+  ASSERT_EQ(body.constraints.contacts.size(), 1U);
+  body.motion.dx *= 1e-6;
+  EXPECT_NEAR(gapAfter(body, body.constraints.contacts[0]), -1e-5, 1e-6);
+  turnContacts(body, 1e-6 * one.h);
+  EXPECT_NEAR(gapAfter(body, body.constraints.contacts[0]), 0, 1e-12);
+}
+
 TEST(Candidates, BecomeActiveOnceViolated) {
   DirectIsland one(ballAt({0, 0, kBallRadius + 4e-3}, {floorPlane()}));
   Body& body = one.body();

@@ -37,5 +37,15 @@ TEST(Energy, IsRemovedFromTheInnerMotionAndMomentumStays) {
   EXPECT_LT((momentum(one.world.model, one.world.state) - momentum_before).norm(), 1e-12);
 }
 
+/// A flight of 37.5 J and a bending of 0.3 MJ from nowhere: 19 J of it that do not come out again are
+/// half of the flight, however small beside what was gained.
+TEST(Energy, WhatWasGainedIsNoMeasureOfWhatMayBeLeft) {
+  DirectIsland one(weightless(chainOfThree(), Vec3(5, 0, 0)));
+  save(one.island);
+  const double before = kineticEnergy(one.body());
+  one.body().v().row(1) += 300 * Eigen::RowVector3d(1, -2, 1);
+  EXPECT_FALSE(removeEnergy(one.island, kineticEnergy(one.body()) - 0.5 * before));
+}
+
 }  // namespace
 }  // namespace ragdoll
