@@ -155,14 +155,14 @@ void rememberPairs(Island& island, double h) {
   }
 }
 
-double worstPairResidual(const Island& island) {
+double worstPairResidual(const Island& island, bool closed) {
   const PairSet& pairs = island.pairs;
   double worst = 0;
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
     if (pairs.row[i] < 0) continue;
     const double p = island.s.total[pairs.row[i]];
     const double slack = pairs.springs[i].slack(pairGapAfter(island, pairs.contacts[i]), p);
-    worst = std::max(worst, residual(slack, p));
+    worst = std::max(worst, residual(slack, p, closed));
   }
   return worst;
 }

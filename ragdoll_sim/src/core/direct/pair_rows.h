@@ -22,6 +22,6 @@ int addPairRows(Island& island, const Contact& contact, int source, bool smooth 
 void rememberPairs(Island& island, double h);
 
 /// [m] the worst among the pairs' rows.
-double worstPairResidual(const Island& island);
+double worstPairResidual(const Island& island, bool closed);
 
 }  // namespace ragdoll

@@ -26,11 +26,14 @@ void forgetImpulses(Island& island) {
   island.pairs.pressing.clear();
 }
 
-double worst(Island& island) {
-  double residual = worstPairResidual(island);
-  for (Body* body : island.bodies) residual = std::max(residual, worstResidual(*body));
-  return residual;
+double worstOf(Island& island, bool closed) {
+  double worst = worstPairResidual(island, closed);
+  for (Body* body : island.bodies) worst = std::max(worst, worstResidual(*body, closed));
+  return worst;
 }
+
+/// [m] What is violated.
+double violationOf(Island& island) { return worstOf(island, false); }
 
 void assemble(Island& island, bool at_end) {
   for (Body* body : island.bodies) {
@@ -106,7 +109,7 @@ bool solveRows(Island& island, double h) {
       s.p = s.total;
     }
     if (!solveRound(island, {fresh, true, false})) return false;
-    const double now = worst(island);
+    const double now = worstOf(island, true);
     if (now < island.bodies[0]->tolerances.contact) return true;
     if (round > 1 && now > kSlop && now > kProgress * violation) return true;
     violation = now;
@@ -123,7 +126,7 @@ bool solveRowsImplicitly(Island& island, double h) {
   // Bodies that relaxation moves sank in more with it (test/laws/lying_start_test.cpp).
   const bool on_and_on =
       island.bodies[0]->overlaps == OverlapPolicy::kResolve && !island.context.relaxed;
-  double violation = worst(island);
+  double violation = violationOf(island);
   bool done = violation < island.bodies[0]->tolerances.contact;
   for (int round = 0; round < kImplicitRounds && !done; ++round) {
     buildRows(island, h, false);
@@ -133,12 +136,12 @@ bool solveRowsImplicitly(Island& island, double h) {
     evaluateGaps(island, h);
     s.p = s.total;
     if (!solveRound(island, {round == 0, false, on_and_on})) return false;
-    const double now = worst(island);
+    const double now = violationOf(island);
     done = now < island.bodies[0]->tolerances.contact;
     if (!done && round > 1 && now > kProgress * violation) break;
     violation = now;
   }
-  return worst(island) <= kSlop;
+  return violationOf(island) <= kSlop;
 }
 
 int countContacts(const Island& island) {
@@ -173,7 +176,7 @@ bool solvePositions(Island& island, double h, int& contacts) {
     if (search + 2 == kMaxSearches) activateAll(island);  // the last one solves for all
     for (Body* body : island.bodies) body->motion = body->free;
   }
-  if (worst(island) > kSlop) return false;
+  if (violationOf(island) > kSlop) return false;
   contacts += countContacts(island);
   rememberAll(island, h);
   return true;

@@ -124,14 +124,14 @@ bool soften(Body& body, double h, bool leapfrog) {
   return any;
 }
 
-double worstResidual(Body& body) {
+double worstResidual(Body& body, bool closed) {
   const ConstraintSet& set = body.constraints;
   double worst = 0;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const int row = set.contact_row[i];
     if (row < 0) continue;
     const double slack = set.springs[i].slack(gapAfter(body, set.contacts[i]), body.total[row]);
-    worst = std::max(worst, residual(slack, body.total[row]));
+    worst = std::max(worst, residual(slack, body.total[row], closed));
   }
   if (set.limits.empty()) return worst;
   LimitAngles::Pose& angles = anglesAfter(body);
@@ -139,10 +139,11 @@ double worstResidual(Body& body) {
     const LimitRow& limit = set.limits[i];
     const int row = set.limit_row[i];
     if (row < 0 || limit.compliance > 0) continue;
-    const bool presses = body.total[row] > 0;
+    const bool presses = closed && body.total[row] > 0;
     if (presses || !angles.isBeyond(limit.limit, -limit.opening))
-      worst =
-          std::max(worst, residual(angles[limit.limit] + limit.opening, body.total[row]) * kLever);
+      worst = std::max(
+          worst,
+          residual(angles[limit.limit] + limit.opening, body.total[row], closed) * kLever);
   }
   return worst;
 }

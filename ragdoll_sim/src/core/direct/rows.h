@@ -18,12 +18,14 @@ void evaluateGaps(Body& body, double h);
 /// Whether there are any.
 bool soften(Body& body, double h, bool leapfrog);
 
-/// By how much a row is off: violated, or open while it presses. Left open it might not count as
-/// touching where velocities are solved for, which would lack its half step of force.
-inline double residual(double slack, double p) { return p > 0 ? std::abs(slack) : -slack; }
+/// By how much a row is off: violated, and, closed, open while it presses. Left open it might not
+/// count as touching where velocities are solved for, which would lack its half step of force.
+inline double residual(double slack, double p, bool closed) {
+  return closed && p > 0 ? std::abs(slack) : -slack;
+}
 
 /// [m] the worst of the rows after the motion; of limits seen on kLever.
-double worstResidual(Body& body);
+double worstResidual(Body& body, bool closed);
 
 /// p (the body's own rows) <- what pressed in the last motion; and body.cache <- what presses now.
 void warmStart(const Body& body, double h, Eigen::Ref<Eigen::VectorXd> p);
