@@ -91,14 +91,25 @@ class LightTest(unittest.TestCase):
                     shown.take(message, 0)
                 return [m for (ns, _), (m, _) in shown.markers.items() if ns == 'coat']
             wait_for(coat, 'the coat')
+
+            def picture():
+                frames = {t.child_frame_id: (t.header.frame_id, t.transform)
+                          for m in tf.all() for t in m.transforms}
+                return [p for m in coat() for p in self.world_points(m, frames)]
+            looks = []  # at what has arrived since the last one: ((markers, frames), picture)
+
+            def stands():
+                """The same twice, and no longer the start, which may still be on its way."""
+                counts = len(markers.all()), len(tf.all())
+                told = counts if bodies == 'all' else counts[:1]
+                if not looks or all(now > last + 2 for now, last in zip(told, looks[-1][0])):
+                    looks.append((counts, picture()))
+                return len(looks) > 2 and looks[0][1] != looks[-1][1] == looks[-2][1]
+            wait_for(lambda: bodies == 'none' or tf.all(), 'frames')
+            stands()
             client.step(70)  # told before it moved, or anew
-            seen = len(tf.all()), len(markers.all())
-            wait_for(lambda: len(markers.all()) > seen[1] + 3 and
-                     (bodies == 'none' or len(tf.all()) > seen[0] + 3), 'markers and frames')
-            frames = {t.child_frame_id: (t.header.frame_id, t.transform)
-                      for m in tf.all() for t in m.transforms}
-            coat()
-            pictures[name] = [p for m in coat() for p in self.world_points(m, frames)]
+            wait_for(stands, 'a picture that stands')
+            pictures[name] = looks[-1][1]
             locked = [m for m in coat() if m.frame_locked]
             self.assertEqual(bool(locked), bodies == 'all')
             for m in locked:

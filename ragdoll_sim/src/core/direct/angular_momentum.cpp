@@ -191,7 +191,6 @@ void findGroups(const Island& island, std::vector<int>& group_of) {
 /// What pressed in the last solution of velocities: of(contact, its first row).
 template <class Of>
 void forEachPushed(const Island& island, const Of& of) {
-  const JointSchur& joint = island.s.joint;
   int row = 0;
   for (const Body* body : island.bodies)
     for (int i = 0; i < body->constraints.own_rows; ++i, ++row) {
