@@ -154,6 +154,14 @@ TEST(Extremes, WhatIsDrivenGivesNoMoreThanItCan) {
   }
 }
 
+/// A pin that hardly moves drives nothing: an implicit step lifted the body by 2 cm beside it, which
+/// stood as the pin's work. It rose by 3.6 %.
+TEST(Extremes, WhatHardlyMovesLiftsNothing) {
+  const Verdict verdict = judge(randomDriven(400282), {"shake", preset("balanced"), true});
+  EXPECT_TRUE(verdict.kept()) << textOf(verdict);
+  EXPECT_LT(verdict.energy_rise, 1e-3);
+}
+
 /// A limit that presses too much in a poke, so that it is open at the end, is not one that holds.
 TEST(Extremes, LimitsThatLetGoGiveNoEnergy) {
   const Verdict verdict = judge(randomExtreme(24283), {"shake", preset("balanced"), true});

@@ -153,12 +153,11 @@ double mendingOfPairs(const Island& island) {
 /// [J] at the most, by which the bodies are lifted: by what is mended and by what drives them, at
 /// the speed that no overlap opens at, and by what a solution may leave.
 double liftingWork(const Island& island) {
-  const double pairs = mendingOfPairs(island);
+  const double pairs = mendingOfPairs(island), drive = driveSpeed(island);
   double work = 0;
   for (const Body* body : island.bodies) {
-    const double mending = std::max(pairs, mendingOf(*body)), most = kWildSpeed * body->took;
-    const double lift =
-        body->driven ? most : std::min((kWildSpeed / kRecoverySpeed) * mending, most);
+    const double moved = std::max(pairs, mendingOf(*body)) + drive * body->took;
+    const double lift = std::min(kWildSpeed / kRecoverySpeed * moved, kWildSpeed * body->took);
     work += weightOf(*body) * lift + forceOn(*body) * kTouching;
   }
   return work;
