@@ -1,12 +1,11 @@
 #include "guard_cost.h"
 
-#include <time.h>
-
 #include <algorithm>
 
 #include "extreme_scenes.h"
 #include "extreme_verdict.h"
 #include "format.h"
+#include "measurement.h"
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/start_state.h"
 #include "ragdoll_sim/io/scene_yaml.h"
@@ -16,18 +15,6 @@ namespace {
 
 constexpr int kPiece = 20;        ///< steps that are timed together
 constexpr double kSeconds = 1.5;  ///< simulated: until a body lies
-
-double threadSeconds() {
-  timespec now;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-double upperMedian(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// One world that is stepped in pieces.
 class PieceRunner {
@@ -43,12 +30,12 @@ class PieceRunner {
 
   /// [s] CPU per step.
   double piece() {
-    const double begin = threadSeconds();
+    const double begin = cpuTime();
     for (int i = 0; i < kPiece; ++i) {
       const StepReport report = step(model_, inputs_, workspace_, state_);
       acted += report.guarded + report.limited > 0;
     }
-    return (threadSeconds() - begin) / kPiece;
+    return (cpuTime() - begin) / kPiece;
   }
 
   int acted = 0;
@@ -79,9 +66,9 @@ GuardCost compare(PieceRunner& plain, PieceRunner& other, double step, int round
     ratios.push_back(sum_with / sum_without);
   }
   GuardCost cost;
-  cost.plain = upperMedian(without);
-  cost.guarded = upperMedian(with);
-  cost.ratio = upperMedian(ratios);
+  cost.plain = median(without);
+  cost.guarded = median(with);
+  cost.ratio = median(ratios);
   cost.acted = other.acted;
   return cost;
 }

@@ -11,6 +11,7 @@
 #include "core/contact/constants.h"
 #include "core/contact/distance.h"
 #include "core/contact/first_touch.h"
+#include "core/contact/shared_springs.h"
 #include "core/contact/stick_springs.h"
 
 namespace ragdoll {
@@ -277,53 +278,6 @@ bool passesBy(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, double rad
   if (m.obstacle->type == ObstacleSpec::Type::kPlane || m.moves) return false;
   const double pad = radius + kGapResolution;  // more than rounding
   return !overlap({x0.cwiseMin(x1).array() - pad, x0.cwiseMax(x1).array() + pad}, m.bounds, margin);
-}
-
-/// Takes out of the springs of particles what the sticks have of them that press between their
-/// ends: of the contacts from `begin` on, all with one obstacle.
-void shareSprings(const Model& model, const Obstacle& o, const Ragdoll& r, std::size_t begin,
-                  std::vector<Contact>& contacts) {
-  const auto first = contacts.begin() + static_cast<std::ptrdiff_t>(begin);
-  for (auto c = first; c != contacts.end(); ++c) {
-    if (c->count != 1 || !c->isSoft()) continue;
-    const int particle = c->particle[0], all = sticksAt(model, o, r, particle - r.first);
-    int left = all;
-    for (auto k = first; k != contacts.end(); ++k) {
-      const bool second = k != first && (k - 1)->count == 2 && (k - 1)->particle == k->particle;
-      if (k->count == 2 && k->isSoft() && !second &&
-          (k->particle[0] == particle || k->particle[1] == particle))
-        --left;
-    }
-    if (left <= 0) {
-      c->dropped = true;
-    } else if (left < all) {
-      c->give.compliance *= static_cast<double>(all) / left;
-      c->give.damping *= static_cast<double>(left) / all;
-    }
-  }
-  contacts.erase(std::remove_if(first, contacts.end(), [](const Contact& c) { return c.dropped; }),
-                 contacts.end());
-}
-
-/// On what is round a stick has springs at its deepest place and at its shallower end, so that none
-/// comes or goes as the place moves onto the deeper end. Takes that end's out, of the contacts from
-/// `begin` on, all with one obstacle.
-void dropDeeperEnds(std::size_t begin, std::vector<Contact>& contacts) {
-  const auto first = contacts.begin() + static_cast<std::ptrdiff_t>(begin);
-  const auto endOf = [&](int particle) {
-    return std::find_if(first, contacts.end(), [&](const Contact& c) {
-      return c.count == 1 && c.particle[0] == particle;
-    });
-  };
-  for (auto c = first; c != contacts.end(); ++c) {
-    if (c->count != 2 || !c->isSoft()) continue;
-    const auto a = endOf(c->particle[0]), b = endOf(c->particle[1]);
-    const bool is_a = b == contacts.end() || (a != contacts.end() && a->gap_start <= b->gap_start);
-    const auto deeper = is_a ? a : b;
-    if (deeper != contacts.end()) deeper->dropped = true;
-  }
-  contacts.erase(std::remove_if(first, contacts.end(), [](const Contact& c) { return c.dropped; }),
-                 contacts.end());
 }
 
 void particleAgainst(const Model& model, const Points& x0, const Points& x1, int index, int i,

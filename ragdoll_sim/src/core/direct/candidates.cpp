@@ -120,18 +120,18 @@ void findCandidates(Body& body, double h) {
 }
 
 // What moves keeps its plane: found anew, one of 600 random driven scenes gained 1.1 % of energy.
-bool hasTurned(const Body& body, const Contact& c, double over) {
+bool hasOtherPlane(const Body& body, const Contact& c, double over) {
   if (!c.touches_at_start || c.isSoft() || !c.surface_motion.isZero(0)) return false;
   const double seen = c.gapAt(body.context->state.x) + c.offset - c.found;
   return std::abs(seen - c.gap_start) > body.tolerances.contact * over / body.context->h;
 }
 
-bool hasTurned(const Body& body, const std::vector<Contact>& contacts, double over) {
+bool hasOtherPlane(const Body& body, const std::vector<Contact>& contacts, double over) {
   return std::any_of(contacts.begin(), contacts.end(),
-                     [&](const Contact& c) { return hasTurned(body, c, over); });
+                     [&](const Contact& c) { return hasOtherPlane(body, c, over); });
 }
 
-bool turnAs(const std::vector<Contact>& found, Contact& c) {
+bool findAnew(const std::vector<Contact>& found, Contact& c) {
   const Contact* nearest = nullptr;
   const auto away = [&c](const Contact& other) { return std::abs(other.weight[1] - c.weight[1]); };
   for (const Contact& other : found) {
@@ -143,13 +143,13 @@ bool turnAs(const std::vector<Contact>& found, Contact& c) {
   return nearest;
 }
 
-void turnContacts(Body& body, double over) {
+void findContactsAnew(Body& body, double over) {
   ConstraintSet& set = body.constraints;
-  if (!hasTurned(body, set.contacts, over)) return;
+  if (!hasOtherPlane(body, set.contacts, over)) return;
   set.missed.clear();
   appendNear(body, over, set.missed);
   for (Contact& c : set.contacts)
-    if (hasTurned(body, c, over) && turnAs(set.missed, c)) startContact(body, c, over, over);
+    if (hasOtherPlane(body, c, over) && findAnew(set.missed, c)) startContact(body, c, over, over);
 }
 
 void limitDepenetration(Body& body, double h, double substep) {

@@ -22,13 +22,13 @@ void findCandidates(Body& body, double h);
 /// Whether what touches all along an obstacle at rest, or a limb, has another plane than a motion
 /// over `over` would: seen from the start it lies elsewhere than what touches there, by more than
 /// may be left in such a part of a step, where it becomes a speed.
-bool hasTurned(const Body& body, const Contact& contact, double over);
-bool hasTurned(const Body& body, const std::vector<Contact>& contacts, double over);
-/// Has the contact as it is among those that are found now, at the place nearest to its own; whether
-/// it is there.
-bool turnAs(const std::vector<Contact>& found, Contact& contact);
+bool hasOtherPlane(const Body& body, const Contact& contact, double over);
+bool hasOtherPlane(const Body& body, const std::vector<Contact>& contacts, double over);
+/// Has the contact as it is among those that are found now, at the place nearest to its own;
+/// whether it is there.
+bool findAnew(const std::vector<Contact>& found, Contact& contact);
 /// Has all such contacts as they are at the end of the motion over `over`, which is cut short.
-void turnContacts(Body& body, double over);
+void findContactsAnew(Body& body, double over);
 
 /// What may stay of overlaps, anew: the motion is cut short to h of its substep.
 void limitDepenetration(Body& body, double h, double substep);

@@ -109,17 +109,17 @@ void findCandidates(Island& island, double h) {
   pairs.role.assign(pairs.contacts.size(), Role::kIfNear);
 }
 
-void turnContacts(Island& island, double over) {
-  for (Body* body : island.bodies) turnContacts(*body, over);
+void findContactsAnew(Island& island, double over) {
+  for (Body* body : island.bodies) findContactsAnew(*body, over);
   PairSet& pairs = island.pairs;
   const Body& any = *island.bodies[0];
-  if (!hasTurned(any, pairs.contacts, over)) return;
+  if (!hasOtherPlane(any, pairs.contacts, over)) return;
   pairs.missed.clear();
   island.s.detector.appendBetween(island.context.model, island.context.state, island.s.all,
                                   island.context.state.x, posesAfter(island),
                                   PairSearch::touches(kNearBody), pairs.missed);
   for (Contact& c : pairs.contacts)
-    if (hasTurned(any, c, over) && turnAs(pairs.missed, c)) startPair(island, c, over);
+    if (hasOtherPlane(any, c, over) && findAnew(pairs.missed, c)) startPair(island, c, over);
 }
 
 bool findMissed(Island& island, double h) {

@@ -106,7 +106,7 @@ void limitDepenetration(const Island& island, Contact& pair, double h);
 /// All candidates of the bodies' motions over h: their own, and between them.
 void findCandidates(Island& island, double h);
 /// As those of a body, for all together.
-void turnContacts(Island& island, double over);
+void findContactsAnew(Island& island, double over);
 bool findMissed(Island& island, double h);
 bool activateViolated(Island& island);
 void activateAll(Island& island);

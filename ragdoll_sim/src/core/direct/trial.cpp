@@ -48,7 +48,7 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
     return trial;
   }
   trial.ok = freeMotions(island, impact.time);
-  turnContacts(island, impact.time);
+  findContactsAnew(island, impact.time);
   for (Body* body : island.bodies) limitDepenetration(*body, impact.time, h);
   for (Contact& pair : island.pairs.contacts) limitDepenetration(island, pair, impact.time);
   trial.ok = trial.ok && solvePositions(island, impact.time, trial.contacts);
