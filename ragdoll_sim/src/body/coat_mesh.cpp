@@ -27,11 +27,13 @@ BoundMesh coarsened(const BoundMesh& bound, double loss) {
 /// Sticks and particles themselves, as the coat `sticks` shows them.
 class StickMesh {
  public:
-  StickMesh(const Skeleton& skeleton, double loss) : sticks_(skeleton.sticks), named_(skeleton.named) {
+  StickMesh(const Skeleton& skeleton, double loss)
+      : sticks_(skeleton.sticks), named_(skeleton.named) {
     const bool fine = loss <= 0;
     const double stick = sticks_look::kWidth / 2, ball = sticks_look::kParticleSize / 2;
-    rod_ = tube(Vec3::Zero(), {{Vec3::Zero(), stick * Vec3::UnitX(), stick * Vec3::UnitY()},
-                               {Vec3::UnitZ(), stick * Vec3::UnitX(), stick * Vec3::UnitY()}},
+    rod_ = tube(Vec3::Zero(),
+                {{Vec3::Zero(), stick * Vec3::UnitX(), stick * Vec3::UnitY()},
+                 {Vec3::UnitZ(), stick * Vec3::UnitX(), stick * Vec3::UnitY()}},
                 Vec3::UnitZ(), fine ? 6 : 3);
     ball_ = fine ? ellipsoid(Vec3::Constant(ball), 10, 5) : ellipsoid(Vec3::Constant(ball), 4, 1);
     rod_.colors.assign(rod_.vertices.cols(), sticks_look::kColor);
@@ -59,7 +61,9 @@ class StickMesh {
   }
 
  private:
-  Eigen::Index rods() const { return static_cast<Eigen::Index>(sticks_.size()) * rod_.vertices.cols(); }
+  Eigen::Index rods() const {
+    return static_cast<Eigen::Index>(sticks_.size()) * rod_.vertices.cols();
+  }
 
   /// z is made `stretch` times as long. Moves `first` on.
   static void place(const Mesh& mesh, const Quat& turn, const Vec3& origin, double stretch,

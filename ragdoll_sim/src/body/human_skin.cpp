@@ -9,6 +9,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "body/human_measures.h"
+#include "body/smoothstep.h"
 #include "ragdoll_sim/body/rigid_coat.h"
 #include "ragdoll_sim/body/skin.h"
 
@@ -16,16 +18,10 @@ namespace ragdoll {
 namespace {
 
 constexpr int kRound = 20, kLimb = 12;
-constexpr double kThigh = 0.4244;  ///< [m] leg to knee of the human that the measures belong to
-
-double smoothstep(double from, double to, double x) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
 
 /// A ring of the trunk: height above the hips, half widths ahead and aside, shift ahead [m]; how
 /// square it is (0 an ellipse); its colour.
-struct TrunkRing {
+struct SkinRing {
   double z, ahead, aside, shift, square;
   Rgba color;
 };
@@ -44,7 +40,7 @@ struct LimbRing {
 using namespace palette;
 
 // Fractions of a metre of a human of 1.75 m. Two rings 4 mm apart make a sharp border of colours.
-constexpr TrunkRing kTrunk[] = {
+constexpr SkinRing kTrunk[] = {
     {-0.060, 0.112, 0.168, -0.010, 0.10, kTrousers},
     {-0.015, 0.116, 0.170, -0.012, 0.12, kTrousers},
     {0.035, 0.108, 0.160, -0.006, 0.10, kTrousers},
@@ -180,7 +176,7 @@ class SkinBuilder {
   }
 
   // --- trunk and head
-  Vec3 trunkPoint(const TrunkRing& ring, int k) const {
+  Vec3 trunkPoint(const SkinRing& ring, int k) const {
     const double angle = 2 * M_PI * k / kRound, c = std::cos(angle), s = std::sin(angle);
     const double bulge = 1 + ring.square * 4 * c * c * s * s;
     const double aside = ring.z > 0.25 && ring.z < 0.49 ? broad_ / (0.37 * k_) : 1;

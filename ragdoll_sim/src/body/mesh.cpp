@@ -172,7 +172,8 @@ Mesh coarsened(const Mesh& mesh, double reach, const std::vector<int>& classes,
   }
   std::set<Triangle> known;  // a piece that has become flat may have some twice
   for (const Triangle& t : mesh.triangles) {
-    const Triangle other = {place[stands_for[t[0]]], place[stands_for[t[1]]], place[stands_for[t[2]]]};
+    const Triangle other = {place[stands_for[t[0]]], place[stands_for[t[1]]],
+                            place[stands_for[t[2]]]};
     const bool flat = other[0] == other[1] || other[1] == other[2] || other[2] == other[0];
     if (!flat && known.insert(other).second) result.triangles.push_back(other);
   }

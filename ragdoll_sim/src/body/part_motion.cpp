@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body/smoothstep.h"
 #include "ragdoll_sim/body/angles.h"
 
 namespace ragdoll {
@@ -14,11 +15,6 @@ constexpr double kBent = 0.40;      ///< sine of the bend above which it alone s
 constexpr double kPole = 0.15;      ///< the reference fades out this near its singular direction
 constexpr double kMaxTwist =
     1.9;  ///< [rad] more than this from the reference: hyperextension instead
-
-double smoothstep(double from, double to, double x) {
-  const double t = std::clamp((x - from) / (to - from), 0.0, 1.0);
-  return t * t * (3 - 2 * t);
-}
 
 double wrapped(double angle) { return std::remainder(angle, 2 * M_PI); }
 

@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "body/human_measures.h"
 #include "ragdoll_sim/body/rigid_coat.h"
 
 namespace ragdoll {
 namespace {
 
-constexpr double kThigh = 0.4244;   ///< [m] leg to knee of the human that the measures belong to
 constexpr double kThinnest = 0.04;  ///< [m] least thickness of a box
 constexpr int kSides = 10;          ///< of a limb: light enough to send 30 times a second
 

@@ -19,7 +19,8 @@ using visualization_msgs::InteractiveMarkerFeedback;
 using visualization_msgs::Marker;
 
 constexpr milliseconds kHandlePeriod{70};  ///< between two updates of the handles, at most
-constexpr milliseconds kSilence{1000};  ///< rviz is heard of four times a second while it holds one
+constexpr milliseconds kLetGoAfter{
+    1000};  ///< rviz is heard of four times a second while it holds one
 constexpr std::size_t kManyHandles = 60;  ///< more than this are thinned out
 constexpr std::size_t kMaxHandles = 100;  ///< more than this rviz draws slowly
 constexpr double kSize = 1.15;            ///< of a handle, in sizes of its particle
@@ -163,7 +164,7 @@ void Handles::update() {
 void Handles::endSilentGrips() {
   const auto now = Simulation::Clock::now();
   for (auto grip = grips_.begin(); grip != grips_.end();) {
-    if (now - grip->second < kSilence) {
+    if (now - grip->second < kLetGoAfter) {
       ++grip;
       continue;
     }

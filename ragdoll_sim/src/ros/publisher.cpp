@@ -16,7 +16,7 @@ namespace {
 using Clock = Simulation::Clock;
 
 constexpr int kEventQueue = 10000;  ///< none may be missing in a bag, and one step may have many
-constexpr double kTurn = 2 * M_PI;
+constexpr double kWholeTurn = 2 * M_PI;
 constexpr int kManyBodies = 50;  ///< with more, all their frames would fill /tf
 constexpr Clock::duration kIdlePeriod = std::chrono::milliseconds(100);
 constexpr std::chrono::milliseconds kHandlesEarly{8};  ///< so as to go with a tick
@@ -246,7 +246,8 @@ void Publisher::publishJoints(const Posture& posture, const ros::Time& now) {
     angles_->compute(before, angles_before_);
     angles_->compute(after, angles_after_);
     for (std::size_t i = 0; i < message.velocity.size(); ++i)
-      message.velocity[i] = std::remainder(angles_after_[i] - angles_before_[i], kTurn) / passed;
+      message.velocity[i] =
+          std::remainder(angles_after_[i] - angles_before_[i], kWholeTurn) / passed;
   }
   out_.add(joints_, std::move(message));
 }

@@ -10,7 +10,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kPressing = 1e-2;  ///< [rad] limits that may press are nearer than that
+constexpr double kMayPress = 1e-2;  ///< [rad] limits that may press are nearer than that
 
 /// Gradients (3 x n) of the limits that may press.
 std::vector<Points> limitDirections(const Model& model, int ragdoll, const Points& x) {
@@ -19,7 +19,7 @@ std::vector<Points> limitDirections(const Model& model, int ragdoll, const Point
   std::vector<Points> directions;
   for (std::size_t k = 0; k < s.limits.size(); ++k) {
     LimitRow row = limitRow(model, ragdoll, static_cast<int>(k));
-    if (valueAt(model, x, row) > kPressing) continue;
+    if (valueAt(model, x, row) > kMayPress) continue;
     evaluateLimit(model, x, row);
     Points& direction = directions.emplace_back(Points::Zero(3, s.size()));
     for (int i = 0; i < row.count; ++i) direction.col(row.particle[i] - r.first) += row.gradient[i];
@@ -65,7 +65,8 @@ Points unexplained(const Model& model, const Inputs& inputs,
     for (std::size_t k = 0; k < poke.body.particles.size(); ++k)
       rest.col(poke.body.particles[k] - r.first) -= h * poke.body.weight[k] * poke.force;
   }
-  const auto give = [&](const std::array<int, 2>& particle, const Vec3& point, const Vec3& impulse) {
+  const auto give = [&](const std::array<int, 2>& particle, const Vec3& point,
+                        const Vec3& impulse) {
     const Eigen::Vector2d shares = sharesOf(particle, point, x);
     for (int end = 0; end < 2; ++end)
       if (particle[end] >= 0) rest.col(particle[end] - r.first) -= shares[end] * impulse;
@@ -78,7 +79,8 @@ Points unexplained(const Model& model, const Inputs& inputs,
   return rest;
 }
 
-std::vector<Vec3> impulsesByPins(const Model& model, int ragdoll, const Points& x, const Points& rest) {
+std::vector<Vec3> impulsesByPins(const Model& model, int ragdoll, const Points& x,
+                                 const Points& rest) {
   const std::vector<int> pins = pinsOf(model, ragdoll);
   if (pins.size() == 1) return {rest.rowwise().sum()};
   const Ragdoll& r = model.ragdolls[ragdoll];

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "support/starts_with.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -34,10 +36,6 @@ struct Include {
 
 std::string where(const Include& i) {
   return i.from + ":" + std::to_string(i.line) + " includes " + i.to;
-}
-
-bool startsWith(const std::string& text, const std::string& start) {
-  return text.compare(0, start.size(), start) == 0;
 }
 
 /// The parts of a path: "src/core/direct/body.h" -> src, core, direct, body.h.
@@ -147,12 +145,13 @@ TEST(Rooms, ArrowsBetweenFoldersRunOneWay) {
     for (const std::string& place : {"src/" + folder, "include/ragdoll_sim/" + folder})
       for (const Include& i : includesUnder(place)) {
         const std::string to = folderOf(i.to);
-        if (!to.empty()) EXPECT_LE(placeOf(kFolders, to), placeOf(kFolders, folder)) << where(i);
+        if (to.empty()) continue;
+        EXPECT_LE(placeOf(kFolders, to), placeOf(kFolders, folder)) << where(i);
       }
 }
 
 TEST(Rooms, WhatIsAroundTheCoreIncludesItsPublicHeaders) {
-  for (const std::string& folder :
+  for (const std::string folder :
        {"src/io", "src/body", "src/world", "src/ros", "tools", "include", "examples"})
     for (const Include& i : includesUnder(folder)) {
       EXPECT_FALSE(startsWith(i.to, "core/")) << where(i) << ", which is private to the core";
@@ -163,7 +162,7 @@ TEST(Rooms, WhatIsAroundTheCoreIncludesItsPublicHeaders) {
 TEST(Rooms, PublicHeadersOfTheCoreAreUsedOutsideIt) {
   const std::string folder = "ragdoll_sim/core/";
   std::set<std::string> used;
-  for (const std::string& place :
+  for (const std::string place :
        {"src/io", "src/body", "src/world", "src/ros", "tools", "include/ragdoll_sim/io",
         "include/ragdoll_sim/body", "include/ragdoll_sim/world", "include/ragdoll_sim/ros"})
     for (const Include& i : includesUnder(place)) used.insert(i.to);

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "support/starts_with.h"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -19,10 +21,6 @@ std::vector<std::string> linesOf(const fs::path& path) {
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) lines.push_back(line);
   return lines;
-}
-
-bool startsWith(const std::string& line, const std::string& start) {
-  return line.compare(0, start.size(), start) == 0;
 }
 
 bool isTypeAt(const std::string& line) {
@@ -89,7 +87,9 @@ std::vector<fs::path> filesOfDirect() {
 
 TEST(Sizes, OfHeaders) {
   for (const fs::path& file : filesOfDirect())
-    if (file.extension() == ".h") EXPECT_LE(linesOf(file).size(), kMostHeaderLines) << file;
+    if (file.extension() == ".h") {
+      EXPECT_LE(linesOf(file).size(), kMostHeaderLines) << file;
+    }
 }
 
 TEST(Sizes, OfFunctions) {
@@ -116,8 +116,10 @@ TEST(Sizes, OfClasses) {
 /// `fast` are its own affair (docs/fast.md#constants); of rk's modes none is.
 TEST(Sizes, OfTheTunedConstants) {
   int tuned = 0, files = 0;
-  for (const char* room : {"base", "limits", "contact", "linear", "mechanics", "relaxation", "direct"}) {
-    for (const std::string& line : linesOf(fs::path(RAGDOLL_SHARE_DIR) / "src/core" / room / "constants.h")) {
+  for (const char* room :
+       {"base", "limits", "contact", "linear", "mechanics", "relaxation", "direct"}) {
+    for (const std::string& line :
+         linesOf(fs::path(RAGDOLL_SHARE_DIR) / "src/core" / room / "constants.h")) {
       if (line.find("--- Not tuned") != std::string::npos) break;
       if (startsWith(line, "constexpr ")) ++tuned;
       if (startsWith(line, "#pragma once")) ++files;

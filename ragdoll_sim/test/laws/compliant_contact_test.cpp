@@ -350,7 +350,9 @@ TEST(CompliantContactOfASmallBody, SticksThrownAtSoftThingsGainNothing) {
       world.steps(static_cast<int>(0.8 * hz));
       const double gain = kineticEnergy(world.model, world.state) / before - 1;
       EXPECT_LT(gain, 1e-9) << things[i % 3] << " " << i << " " << hz;
-      if (hz > 500 && i % 3 < 2) EXPECT_GT(gain, -1e-3) << things[i % 3] << " " << i;
+      if (hz > 500 && i % 3 < 2) {
+        EXPECT_GT(gain, -1e-3) << things[i % 3] << " " << i;
+      }
     }
   }
 }

@@ -12,14 +12,14 @@ namespace {
 /// Order parts between what comes before and after, for who cannot see that in the library.
 std::atomic<unsigned> begun{0}, done{0};
 
-struct Parts {
+struct TaskParts {
   void (*call)(const void* task, int part, int worker);
   const void* task;
 };
 
 void runRange(const void* parts, int begin, int end, int worker) {
   (void)begun.load(std::memory_order_acquire);
-  const Parts& p = *static_cast<const Parts*>(parts);
+  const TaskParts& p = *static_cast<const TaskParts*>(parts);
   for (int part = begin; part < end; ++part) p.call(p.task, part, worker);
   done.fetch_add(1, std::memory_order_release);
 }
@@ -37,7 +37,7 @@ int Workers::count(int wanted) {
 
 void Workers::share(int threads, int parts, Call call, const void* task) {
   if (!arena_ || arena_->threads() != threads) arena_ = std::make_unique<TaskArena>(threads);
-  const Parts all{call, task};
+  const TaskParts all{call, task};
   begun.fetch_add(1, std::memory_order_release);
   arena_->run(parts, runRange, &all);
   (void)done.load(std::memory_order_acquire);

@@ -77,7 +77,7 @@ void narrow(const Axis& axis, double limit, double& in, double f_in, double& out
 
 /// How far the axis stays within `band` of its nearest place `t`, towards `end` (0 or 1): by
 /// halving, where false position has not told yet.
-double extent(const Axis& axis, double t, double end, double band) {
+double stretch(const Axis& axis, double t, double end, double band) {
   const double limit = axis.gap(t) + band, f_end = axis.gap(end) - limit;
   if (f_end <= 0) return end;
   double in = t, out = end, known_in = t, known_out = end;
@@ -118,7 +118,7 @@ double nearest(const Axis& axis) {
 }
 
 double flatEnd(const Axis& axis, double t, double end) {
-  const double far = extent(axis, t, end, kFlatStick);
+  const double far = stretch(axis, t, end, kFlatStick);
   const Pieces pieces = piecesOf(axis);
   for (int i = 0; i < pieces.count; ++i) {
     const int k = end > t ? pieces.count - 1 - i : i;  // from that end on
@@ -128,7 +128,7 @@ double flatEnd(const Axis& axis, double t, double end) {
   }
   const double least = t + std::copysign(kStickEnd, end - t);
   if (std::abs(end - t) > kStickEnd && axis.gap(least) > axis.gap(t) + kFlatEdge) return t;
-  const double along = extent(axis, t, end, kFlatEdge);
+  const double along = stretch(axis, t, end, kFlatEdge);
   return std::abs(along - t) > kStickEnd ? along : t;
 }
 

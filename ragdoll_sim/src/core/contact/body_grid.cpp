@@ -8,9 +8,9 @@ namespace {
 
 constexpr double kSmallestCell = 1e-3;  ///< [m]
 constexpr double kMaxCells = 64;        ///< a box that covers more is compared with all
-constexpr double kFarthest = 1e9;       ///< [cells] from the origin; beyond: compared with all
+constexpr double kFarthestCell = 1e9;   ///< [cells] from the origin; beyond: compared with all
 
-double extent(const Bounds& b) { return (b.hi - b.lo).maxCoeff(); }
+double widest(const Bounds& b) { return (b.hi - b.lo).maxCoeff(); }
 
 }  // namespace
 
@@ -18,7 +18,7 @@ void BodyGrid::chooseCell(const std::vector<Bounds>& boxes) {
   double sum = 0;
   int count = 0;
   for (const Bounds& b : boxes) {
-    const double e = extent(b);
+    const double e = widest(b);
     if (!std::isfinite(e)) continue;
     sum += e;
     ++count;
@@ -28,7 +28,7 @@ void BodyGrid::chooseCell(const std::vector<Bounds>& boxes) {
   sum = 0;
   count = 0;
   for (const Bounds& b : boxes) {
-    const double e = extent(b);
+    const double e = widest(b);
     if (!(e <= 2 * mean)) continue;
     sum += e;
     ++count;
@@ -45,7 +45,7 @@ BodyGrid::Cell BodyGrid::cellOf(const Vec3& p) const {
 bool BodyGrid::isLarge(const Bounds& b) const {
   const Eigen::Array3d span = (b.hi - b.lo).array() / cell_ + 1;
   const double far = std::max(b.lo.cwiseAbs().maxCoeff(), b.hi.cwiseAbs().maxCoeff()) / cell_;
-  return !(span.prod() <= kMaxCells && far < kFarthest);
+  return !(span.prod() <= kMaxCells && far < kFarthestCell);
 }
 
 std::size_t BodyGrid::bucketOf(const Cell& c) const {

@@ -10,9 +10,9 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kTaperSteps = 6;     ///< of one parameter after the other; 2 to 4 are usual
-constexpr double kSettled = 1e-9;  ///< of a parameter
-constexpr int kMaxHalvings = 4;    ///< of the step, to find when axes had not yet crossed
+constexpr int kTaperSteps = 6;          ///< of one parameter after the other; 2 to 4 are usual
+constexpr double kSettledPlace = 1e-9;  ///< of a parameter
+constexpr int kMaxHalvings = 4;         ///< of the step, to find when axes had not yet crossed
 
 double clampUnit(double s) { return std::clamp(s, 0.0, 1.0); }
 
@@ -115,7 +115,7 @@ AxisPoints nearestPoints(const CapsuleAxis& first, const CapsuleAxis& second) {
     const AxisPoints before = at;
     at.s = nearestTo(first, second.at(at.t));
     at.t = nearestTo(second, first.at(at.s));
-    if (std::abs(at.s - before.s) + std::abs(at.t - before.t) < kSettled) return at;
+    if (std::abs(at.s - before.s) + std::abs(at.t - before.t) < kSettledPlace) return at;
   }
   // Axes almost parallel: a valley that steps along s and t descend slowly. Its floor is convex.
   const auto along = [&](double s) { return AxisPoints{s, nearestTo(second, first.at(s))}; };

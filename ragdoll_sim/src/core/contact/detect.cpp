@@ -89,7 +89,7 @@ void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, dou
   c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
 }
 
-struct Capsule {
+struct StickCapsule {
   Vec3 a0, b0, a1, b1;  ///< ends at the step's start and end, world
   double ra, rb;
 };
@@ -103,7 +103,7 @@ bool isBeside(const Obstacle& o, const Vec3& a, const Vec3& b, double reach) {
 }
 
 /// The capsule at the instant of its first touch, or in the end; nothing if it stays clear.
-std::optional<Axis> touching(const SweptObstacle& m, const Capsule& k, double margin,
+std::optional<Axis> touching(const SweptObstacle& m, const StickCapsule& k, double margin,
                              double& start) {
   const Obstacle& o = *m.obstacle;
   const Vec3 a0 = m.toStart(k.a0), b0 = m.toStart(k.b0), a1 = m.toEnd(k.a1), b1 = m.toEnd(k.b1);
@@ -304,8 +304,8 @@ bool stickAgainst(const Model& model, const Points& x0, const Points& x1, int in
   const Ragdoll& r = model.ragdolls[index];
   const Skeleton& s = model.skeletonOf(r);
   const int a = r.first + s.sticks[j].a, b = r.first + s.sticks[j].b;
-  const Capsule capsule{x0.col(a), x0.col(b),       x1.col(a),
-                        x1.col(b), model.radius[a], model.radius[b]};
+  const StickCapsule capsule{x0.col(a), x0.col(b),       x1.col(a),
+                             x1.col(b), model.radius[a], model.radius[b]};
   double start = 0;
   const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
   const std::optional<Axis> axis = touching(m, capsule, margin, start);
@@ -353,15 +353,15 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
 }  // namespace
 
 SweptObstacle sweepObstacle(const Obstacle& o, const Pose& start, const Pose& end) {
-  SweptObstacle m{&o,
-                  -1,
-                  start.orientation.toRotationMatrix(),
-                  end.orientation.toRotationMatrix(),
-                  start.position,
-                  end.position,
-                  {},
-                  start.position != end.position ||
-                      start.orientation.coeffs() != end.orientation.coeffs()};
+  SweptObstacle m{
+      &o,
+      -1,
+      start.orientation.toRotationMatrix(),
+      end.orientation.toRotationMatrix(),
+      start.position,
+      end.position,
+      {},
+      start.position != end.position || start.orientation.coeffs() != end.orientation.coeffs()};
   if (o.type == ObstacleSpec::Type::kPlane) {
     m.bounds = {Vec3::Constant(-std::numeric_limits<double>::infinity()),
                 Vec3::Constant(std::numeric_limits<double>::infinity())};

@@ -9,9 +9,9 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kNarrowings = 24;           ///< false position (Illinois)
-constexpr int kHalvings = 40;             ///< of what that leaves, at a kink
-constexpr double kSettled = 1e-14;        ///< of the scale of pullAt
+constexpr int kSpringNarrowings = 24;     ///< false position (Illinois)
+constexpr int kSpringHalvings = 40;       ///< of what that leaves, at a kink
+constexpr double kSettledPull = 1e-14;    ///< of the scale of pullAt
 constexpr double kPlaceRounding = 1e-12;  ///< of places
 constexpr double kTouches = 1e-11;        ///< [m] no depth
 constexpr double kDeeper = 1e-9;          ///< of the depth; below it is rounding
@@ -58,11 +58,11 @@ bool isFlat(const Axis& axis, const StickEnds& ends, const Place& p) {
 
 /// Narrows lo, hi to where the pull changes sign; whether it does so there in a jump.
 bool narrow(const Axis& axis, const StickEnds& ends, Place& lo, Place& hi) {
-  const double scale = kSettled * (ends.a.compliance + ends.b.compliance);
+  const double scale = kSettledPull * (ends.a.compliance + ends.b.compliance);
   double pull_lo = lo.pull, pull_hi = hi.pull;
   int last = 0;
-  for (int i = 0; i < kNarrowings + kHalvings && hi.t - lo.t > kPlaceRounding; ++i) {
-    const double share = i < kNarrowings ? pull_lo / (pull_lo - pull_hi) : 0.5;
+  for (int i = 0; i < kSpringNarrowings + kSpringHalvings && hi.t - lo.t > kPlaceRounding; ++i) {
+    const double share = i < kSpringNarrowings ? pull_lo / (pull_lo - pull_hi) : 0.5;
     const Place p = placeAt(axis, ends, lo.t + share * (hi.t - lo.t));
     const int side = p.pull > 0 ? 1 : -1;
     if (side == last) (side > 0 ? pull_hi : pull_lo) *= 0.5;

@@ -20,9 +20,10 @@ namespace {
 using Impulses = std::vector<CachedImpulse>;
 
 /// An island during a step that is taken in parts.
-class Parts {
+class StepParts {
  public:
-  Parts(const StepContext& whole, const std::vector<int>& bodies, const std::vector<int>& sleepers)
+  StepParts(const StepContext& whole, const std::vector<int>& bodies,
+            const std::vector<int>& sleepers)
       : whole_(whole), s_(whole.ws.adaptive), bodies_(bodies), sleepers_(sleepers) {
     s_.inputs = whole.inputs;
     s_.obstacles = whole.state.obstacles;
@@ -92,7 +93,7 @@ class Parts {
   double error_ = 0;  ///< [m] of the last two halves
 };
 
-void Parts::lead(double from, double part) {
+void StepParts::lead(double from, double part) {
   const double start = from / whole_.h, end = std::min(1.0, (from + part) / whole_.h);
   for (std::size_t p = 0; p < s_.pins.size(); ++p)
     s_.inputs.pins[p] = s_.pins[p] + end * (whole_.inputs.pins[p] - s_.pins[p]);
@@ -105,7 +106,7 @@ void Parts::lead(double from, double part) {
   sweepObstacles(whole_.model, whole_.state, s_.inputs.obstacles, whole_.ws.obstacles);
 }
 
-void Parts::copyMotion(const Points& x, const Points& v, Points& x1, Points& v1) const {
+void StepParts::copyMotion(const Points& x, const Points& v, Points& x1, Points& v1) const {
   for (const int i : bodies_) {
     const Span span = spanOf(i);
     x1.middleCols(span.first, span.n) = x.middleCols(span.first, span.n);
@@ -113,14 +114,14 @@ void Parts::copyMotion(const Points& x, const Points& v, Points& x1, Points& v1)
   }
 }
 
-void Parts::copyMultipliers(const std::vector<double>& from, std::vector<double>& to) const {
+void StepParts::copyMultipliers(const std::vector<double>& from, std::vector<double>& to) const {
   for (const int i : bodies_) {
     const Span span = spanOf(i);
     std::copy_n(from.begin() + span.multiplier, span.multipliers, to.begin() + span.multiplier);
   }
 }
 
-void Parts::save() {
+void StepParts::save() {
   const State& state = whole_.state;
   s_.x.resize(3, state.x.cols());
   s_.v.resize(3, state.x.cols());
@@ -130,20 +131,20 @@ void Parts::save() {
   s_.logged = whole_.log ? whole_.log->impulses.size() : 0;
 }
 
-void Parts::restore() {
+void StepParts::restore() {
   copyMotion(s_.x, s_.v, whole_.state.x, whole_.state.v);
   copyMultipliers(s_.multipliers, whole_.state.multipliers);
   if (whole_.log) whole_.log->impulses.resize(s_.logged);
 }
 
-void Parts::keepCoarse() {
+void StepParts::keepCoarse() {
   const State& state = whole_.state;
   s_.coarse_x.resize(3, state.x.cols());
   s_.coarse_v.resize(3, state.x.cols());
   copyMotion(state.x, state.v, s_.coarse_x, s_.coarse_v);
 }
 
-double Parts::distanceFromCoarse(double swing) const {
+double StepParts::distanceFromCoarse(double swing) const {
   const State& state = whole_.state;
   double x = 0, v = 0;
   for (const int i : bodies_) {
@@ -157,7 +158,7 @@ double Parts::distanceFromCoarse(double swing) const {
   return std::isfinite(distance) ? distance : kUnknownRate;
 }
 
-bool Parts::isSmooth(const StepReport& part) const {
+bool StepParts::isSmooth(const StepReport& part) const {
   const auto same = [](const CachedImpulse& a, const CachedImpulse& b) {
     return a.a < 0 && a.a == b.a && a.b == b.b && a.ragdoll == b.ragdoll;
   };
@@ -168,7 +169,7 @@ bool Parts::isSmooth(const StepReport& part) const {
          press(s_.middle) && press(s_.after);
 }
 
-void Parts::refine(Island& island) {
+void StepParts::refine(Island& island) {
   for (Body* body : island.bodies) {
     const double share = 1 / kDoubling;
     body->motion.dx = share * (body->x() - s_.coarse_x.middleCols(body->first, body->n));
@@ -181,8 +182,8 @@ void Parts::refine(Island& island) {
   }
 }
 
-void Parts::take(double from, double part, const Impulses& before, Impulses& after,
-                 StepReport& report, bool second) {
+void StepParts::take(double from, double part, const Impulses& before, Impulses& after,
+                     StepReport& report, bool second) {
   lead(from, part);
   const StepContext context = contextOf(part, before);
   Island island(context, scratchOf(context).island);
@@ -199,7 +200,7 @@ void Parts::take(double from, double part, const Impulses& before, Impulses& aft
   if (smooth) refine(island);
 }
 
-bool Parts::takeFreely(double from, double part, double& error, StepReport& report) {
+bool StepParts::takeFreely(double from, double part, double& error, StepReport& report) {
   lead(from, part);
   const StepContext context = contextOf(part, s_.before);
   Island island(context, scratchOf(context).island);
@@ -214,7 +215,7 @@ bool Parts::takeFreely(double from, double part, double& error, StepReport& repo
   return true;
 }
 
-double Parts::takeTwice(double from, double part, StepReport& report) {
+double StepParts::takeTwice(double from, double part, StepReport& report) {
   StepReport once;
   take(from, part, s_.before, s_.once, once);
   if (once.guarded > 0) {  // in the substeps that the halves would take: the two would agree
@@ -235,7 +236,7 @@ double Parts::takeTwice(double from, double part, StepReport& report) {
 void stepWithinTolerance(const StepContext& context, const std::vector<int>& bodies,
                          const std::vector<int>& sleepers, StepReport& report) {
   const SolverSpec& solver = context.model.solver;
-  Parts parts(context, bodies, sleepers);
+  StepParts parts(context, bodies, sleepers);
   ErrorControl control(context.h, solver.tolerance, parts.next());
   StepReport stood;
   while (!control.done()) {

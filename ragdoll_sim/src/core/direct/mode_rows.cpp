@@ -17,7 +17,7 @@
 namespace ragdoll {
 namespace {
 
-using Kind = ModeRow::Kind;
+using ModeKind = ModeRow::Kind;
 
 constexpr double kElsewhere = 1;  ///< [m] the opening of what touches at other rows' places
 
@@ -54,7 +54,7 @@ const SweptObstacle& obstacleOf(const Body& body, const ModeRow& row) {
 }
 
 bool restsOnEnds(const Body& body, const ModeRow& row) {
-  return row.kind == Kind::kStick &&
+  return row.kind == ModeKind::kStick &&
          restsOnEnds(body.context->model, *obstacleOf(body, row).obstacle, row.give);
 }
 
@@ -71,7 +71,7 @@ StickPress pressOf(const Body& body, const ModeRow& row, const double* x) {
 }
 
 double nearestOf(const Body& body, const ModeRow& row, const double* x) {
-  if (row.kind == Kind::kParticle) return 0;
+  if (row.kind == ModeKind::kParticle) return 0;
   if (restsOnEnds(body, row)) return pressOf(body, row, x).at;
   const SweptObstacle& m = obstacleOf(body, row);
   return nearestOnStick(*m.obstacle, m.toStart(at(x, row.a)), m.toStart(at(x, row.b)), row.ra,
@@ -79,12 +79,12 @@ double nearestOf(const Body& body, const ModeRow& row, const double* x) {
 }
 
 Vec3 pointOf(const ModeRow& row, const double* x, double t) {
-  if (row.kind == Kind::kParticle) return at(x, row.a);
+  if (row.kind == ModeKind::kParticle) return at(x, row.a);
   return (1 - t) * at(x, row.a) + t * at(x, row.b);
 }
 
 double gapOfOwn(const Body& body, const ModeRow& row, const double* x) {
-  if (row.kind == Kind::kLimit) return limitValue(body.skeleton->limits[row.limit], x);
+  if (row.kind == ModeKind::kLimit) return limitValue(body.skeleton->limits[row.limit], x);
   const SweptObstacle& m = obstacleOf(body, row);
   const double t = nearestOf(body, row, x);
   return nearOf(*m.obstacle, m.toStart(pointOf(row, x, t))).distance - m.obstacle->radius -
@@ -95,7 +95,8 @@ double gapOfOwn(const Body& body, const ModeRow& row, const double* x) {
 double roomOnStick(double t) { return std::min(t, 1 - t) - kEndOfStick; }
 
 /// Of a particle's spring, whether a stick's takes its place (dropDeeperEnds in detect.cpp): by how
-/// much that is deepest between its ends, and this end deeper than the other; negative: it does not.
+/// much that is deepest between its ends, and this end deeper than the other; negative: it does
+/// not.
 double roundCover(const Body& body, const ModeRow& row, const double* x) {
   const SweptObstacle& m = obstacleOf(body, row);
   double cover = -1;
@@ -114,7 +115,7 @@ double roundCover(const Body& body, const ModeRow& row, const double* x) {
       return of;
     };
     ModeRow stick = end(k.a);
-    stick.kind = Kind::kStick;
+    stick.kind = ModeKind::kStick;
     stick.b = k.b;
     stick.rb = body.context->model.radius[body.first + k.b];
     const double deeper = gapOfOwn(body, end(k.a == row.a ? k.b : k.a), x) - gapOfOwn(body, row, x);
@@ -142,14 +143,14 @@ struct Cover {
 Cover coverOf(const Body& body, const ModeRow& row, const double* x) {
   Cover cover;
   const SweptObstacle& m = obstacleOf(body, row);
-  if (row.kind != Kind::kParticle || m.obstacle->type != ObstacleSpec::Type::kBox) return cover;
+  if (row.kind != ModeKind::kParticle || m.obstacle->type != ObstacleSpec::Type::kBox) return cover;
   const Model& model = body.context->model;
   const Skeleton& s = *body.skeleton;
   for (std::size_t i = 0; i < s.sticks.size(); ++i) {
     const Stick& k = s.sticks[i];
     if ((k.a != row.a && k.b != row.a) || k.a >= s.named || k.b >= s.named) continue;
     ModeRow stick = row;
-    stick.kind = Kind::kStick;
+    stick.kind = ModeKind::kStick;
     stick.give = giveOf(model, *m.obstacle, *body.ragdoll, s.stick_contact, i);
     if (!restsOnEnds(body, stick)) continue;
     stick.a = k.a;
@@ -258,7 +259,7 @@ void curveStick(const ModeRow& row, const SweptObstacle& m, const Near& near, co
 /// How the row gives way at place.at; and whether it is between a stick's ends.
 void giveWay(const Body& body, const ModeRow& row, const double* x, RowPlace& place) {
   Compliance& give = place.contact.give = row.give;
-  place.inside = row.kind != Kind::kStick || roomOnStick(place.at) > 0;
+  place.inside = row.kind != ModeKind::kStick || roomOnStick(place.at) > 0;
   if (restsOnEnds(body, row)) {
     const StickPress press = pressOf(body, row, x);
     const StickEnds ends = endsOf(body, row);
@@ -267,7 +268,7 @@ void giveWay(const Body& body, const ModeRow& row, const double* x, RowPlace& pl
     // By two springs, which rub and damp apart from each other.
     const bool rests = place.inside && press.flat && (row.friction > 0 || give.damping > 0);
     place.regular = place.regular && !rests;
-  } else if (row.isSoft() && row.kind == Kind::kParticle) {
+  } else if (row.isSoft() && row.kind == ModeKind::kParticle) {
     const Cover cover = coverOf(body, row, x);
     const int left = std::max(1, cover.all - cover.taken);
     if (cover.taken > 0)
@@ -280,8 +281,7 @@ Vec3 springTurn(const Body& body, const ModeRow& row, const Near& near, const do
                 const double* v, double t) {
   const SweptObstacle& m = obstacleOf(body, row);
   const double shift = shiftOf(body, row, x, v);
-  const Vec3 rate = m.R0.transpose() *
-                    (pointOf(row, v, t) + shift * (at(x, row.b) - at(x, row.a)));
+  const Vec3 rate = m.R0.transpose() * (pointOf(row, v, t) + shift * (at(x, row.b) - at(x, row.a)));
   return shift * (at(v, row.b) - at(v, row.a)) +
          normalTurn(row, m, near, near.beside.cwiseProduct(rate));
 }
@@ -290,7 +290,7 @@ RowPlace placeOnObstacle(const Body& body, const ModeRow& row, const double* x, 
                          bool curvature) {
   RowPlace place;
   const SweptObstacle& m = obstacleOf(body, row);
-  const bool stick = row.kind == Kind::kStick;
+  const bool stick = row.kind == ModeKind::kStick;
   const double t = nearestOf(body, row, x);
   const Vec3 point = pointOf(row, x, t);
   const Near near = nearOf(*m.obstacle, m.toStart(point));
@@ -326,12 +326,11 @@ RowPlace placeOnObstacle(const Body& body, const ModeRow& row, const double* x, 
 double roomOfOwn(const Body& body, const ModeRow& row, const double* x,
                  const std::array<int, 3>& feature) {
   double room = std::numeric_limits<double>::infinity();
-  if (row.kind == Kind::kLimit) return room;
+  if (row.kind == ModeKind::kLimit) return room;
   const SweptObstacle& m = obstacleOf(body, row);
   const double t = nearestOf(body, row, x);
-  if (row.kind == Kind::kStick)
-    room = roomOnStick(body, row, x, t);
-  if (row.kind == Kind::kParticle && row.isSoft()) room = -roomUnder(body, row, x);
+  if (row.kind == ModeKind::kStick) room = roomOnStick(body, row, x, t);
+  if (row.kind == ModeKind::kParticle && row.isSoft()) room = -roomUnder(body, row, x);
   if (m.obstacle->type == ObstacleSpec::Type::kPlane) return room;
   const Vec3 p = m.toStart(pointOf(row, x, t));
   for (int k = 0; k < 3; ++k) {
@@ -347,7 +346,7 @@ double roomOfOwn(const Body& body, const ModeRow& row, const double* x,
 
 RowPlace placeOf(Island& island, const ModeRow& row, const double* x, const double* v,
                  bool curvature) {
-  if (row.kind == Kind::kPair) return placeOfPair(island, row, x, v, curvature);
+  if (row.kind == ModeKind::kPair) return placeOfPair(island, row, x, v, curvature);
   Body& body = *island.bodies[row.body];
   const int offset = island.s.mode.offset[row.body];
   if (row.isContact()) return placeOnObstacle(body, row, x + offset, v + offset, curvature);
@@ -357,7 +356,7 @@ RowPlace placeOf(Island& island, const ModeRow& row, const double* x, const doub
 }
 
 double gapOf(Island& island, const ModeRow& row, const double* x) {
-  if (row.kind == Kind::kPair) return gapOfPair(island, row, x);
+  if (row.kind == ModeKind::kPair) return gapOfPair(island, row, x);
   return gapOfOwn(*island.bodies[row.body], row, x + island.s.mode.offset[row.body]);
 }
 
@@ -401,20 +400,21 @@ double openingOf(Island& island, const ModeRow& row, const double* x, const doub
   const double rate = dampedRate(island, row, place, x, v);
   const Compliance& give = row.isContact() ? place.contact.give : row.give;
   double opening = place.gap + give.compliance * give.damping * std::max(0.0, rate);
-  if (row.kind == Kind::kStick) opening = std::max(opening, -roomOnStick(body, row, own, place.at));
-  if (row.kind == Kind::kParticle) opening = std::max(opening, roomUnder(body, row, own));
-  if (row.kind == Kind::kPair && !place.inside) opening = std::max(opening, kElsewhere);
+  if (row.kind == ModeKind::kStick)
+    opening = std::max(opening, -roomOnStick(body, row, own, place.at));
+  if (row.kind == ModeKind::kParticle) opening = std::max(opening, roomUnder(body, row, own));
+  if (row.kind == ModeKind::kPair && !place.inside) opening = std::max(opening, kElsewhere);
   return opening;
 }
 
 double roomOf(Island& island, const ModeRow& row, const double* x,
               const std::array<int, 3>& feature) {
-  if (row.kind == Kind::kPair) return roomOfPair(island, row, x);
+  if (row.kind == ModeKind::kPair) return roomOfPair(island, row, x);
   return roomOfOwn(*island.bodies[row.body], row, x + island.s.mode.offset[row.body], feature);
 }
 
 bool hasPressed(Island& island, const ModeRow& row, const RowPlace& place) {
-  if (row.kind == Kind::kPair) return pairHasPressed(island, row);
+  if (row.kind == ModeKind::kPair) return pairHasPressed(island, row);
   const ImpulseCache& cache = island.bodies[row.body]->cache;
   return (row.isContact() ? cache.find(place.contact) : cache.find(place.limit)) != nullptr;
 }
@@ -433,7 +433,7 @@ bool consider(Body& body, ModeRow& row, double reach, Mode& mode) {
   if (row.isContact() && !hasNormal(*obstacleOf(body, row).obstacle, row)) return false;
   row.gap_start = gap;
   mode.rows.push_back(row);
-  return row.isSoft() || gap >= -kTouching * (row.kind == Kind::kLimit ? 1 / kLever : 1);
+  return row.isSoft() || gap >= -kTouching * (row.kind == ModeKind::kLimit ? 1 / kLever : 1);
 }
 
 bool listObstacle(Body& body, int place, int index, double reach, Mode& mode) {
@@ -453,7 +453,7 @@ bool listObstacle(Body& body, int place, int index, double reach, Mode& mode) {
     sound = consider(body, row, reach, mode);
   }
   if (m.obstacle->type == ObstacleSpec::Type::kPlane) return sound;
-  row.kind = Kind::kStick;
+  row.kind = ModeKind::kStick;
   for (std::size_t i = 0; i < body.skeleton->sticks.size(); ++i) {
     const Stick& k = body.skeleton->sticks[i];
     if (k.a >= body.skeleton->named || k.b >= body.skeleton->named || !sound) continue;
@@ -480,7 +480,7 @@ bool listOwn(Body& body, int place, double reach, Mode& mode) {
     if (!listObstacle(body, place, static_cast<int>(k), reach, mode)) return false;
   const std::vector<Limit>& limits = body.skeleton->limits;
   ModeRow row;
-  row.kind = Kind::kLimit;
+  row.kind = ModeKind::kLimit;
   row.body = place;
   for (std::size_t k = 0; k < limits.size(); ++k) {
     row.limit = static_cast<int>(k);

@@ -8,11 +8,11 @@
 namespace ragdoll {
 namespace {
 
-using Kind = ModeRow::Kind;
+using ModeKind = ModeRow::Kind;
 
 /// Whether the row is one of two sticks of bodies that spin.
 bool spins(const Mode& mode, const ModeRow& row) {
-  return row.kind == Kind::kPair && row.friction > 0 && mode.spin_of[row.body] >= 0;
+  return row.kind == ModeKind::kPair && row.friction > 0 && mode.spin_of[row.body] >= 0;
 }
 bool spins(const Mode& mode, std::size_t i) {
   return mode.first[i] >= 0 && spins(mode, mode.rows[i]);
@@ -44,7 +44,7 @@ void findGroups(const Island& island, SpinOf which, std::vector<int>& group) {
   };
   group.assign(island.bodies.size(), -1);
   for (const ModeRow& row : rows) {
-    if (!counts(row) || row.kind != Kind::kPair) continue;
+    if (!counts(row) || row.kind != ModeKind::kPair) continue;
     for (const int body : {row.body, row.other})
       if (group[body] < 0) group[body] = body;
     const int kept = std::min(group[row.body], group[row.other]);
@@ -55,7 +55,7 @@ void findGroups(const Island& island, SpinOf which, std::vector<int>& group) {
     if (held >= 0) std::replace(group.begin(), group.end(), held, -1);
   };
   for (const ModeRow& row : rows)
-    if (counts(row) && row.kind != Kind::kPair) hold(group[row.body]);
+    if (counts(row) && row.kind != ModeKind::kPair) hold(group[row.body]);
   for (std::size_t k = 0; k < island.bodies.size(); ++k)
     if (!island.bodies[k]->pinned->pins.empty()) hold(group[k]);
 }
@@ -98,8 +98,8 @@ ModeSpin spinOfGroup(const Island& island, const double* x, const double* v, int
 Vec3 changeOfSpin(const Island& island, const ModePoint& point, int group) {
   const Mode& mode = island.s.mode;
   const double speed = point.v.cwiseAbs().maxCoeff();
-  const Vec3 turned = mode.spins[group].inertia *
-                      spinOfGroup(island, point.x.data(), point.a.data(), group).rate;
+  const Vec3 turned =
+      mode.spins[group].inertia * spinOfGroup(island, point.x.data(), point.a.data(), group).rate;
   if (!(speed > 0)) return turnBy(mode.spins[group], turned);
   const double e = kDifference / speed;
   const auto inertiaAfter = [&](double time) -> Eigen::Matrix3d {
@@ -146,8 +146,8 @@ void takeSpinAccelerations(const Island& island, const ModePoint& point,
     if (!spins(mode, i)) continue;
     const int group = mode.spin_of[mode.rows[i].body];
     const Vec3 change = changeOfSpin(island, point, group);
-    const Vec3 lost = change.cross(between(mode.place[i])) +
-                      mode.spins[group].rate.cross(mode.place[i].moves);
+    const Vec3 lost =
+        change.cross(between(mode.place[i])) + mode.spins[group].rate.cross(mode.place[i].moves);
     const std::array<Vec3, 3> directions = mode.place[i].contact.directions();
     for (int k = 1; k < 3; ++k) accelerations[mode.first[i] + k] -= directions[k].dot(lost);
   }

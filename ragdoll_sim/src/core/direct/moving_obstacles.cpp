@@ -8,14 +8,14 @@ namespace {
 constexpr double kEnd = 1e-12;  ///< of a step: less is left by rounding
 
 /// Where trials that take part of a step begin and end in it [1].
-struct Part {
+struct StepPart {
   double start = 0, end = 1;
   bool isWhole() const { return start == 0 && end == 1; }
 };
 
-Part partOf(const Body& body, double h) {
+StepPart partOf(const Body& body, double h) {
   const double step = body.context->h;
-  Part part{body.from / step, (body.from + h) / step};
+  StepPart part{body.from / step, (body.from + h) / step};
   if (part.start < kEnd) part.start = 0;
   if (part.end > 1 - kEnd) part.end = 1;
   return part;
@@ -34,7 +34,7 @@ const std::vector<SweptObstacle>& obstaclesOver(const Body& body, double h) {
   const StepContext& step = *body.context;
   const std::vector<Pose>& end = step.inputs.obstacles;
   if (!body.driven || end.empty()) return step.ws.obstacles;
-  const Part part = partOf(body, h);
+  const StepPart part = partOf(body, h);
   if (part.isWhole()) return step.ws.obstacles;
   std::vector<SweptObstacle>& swept = scratchOf(step).obstacles;
   swept = step.ws.obstacles;

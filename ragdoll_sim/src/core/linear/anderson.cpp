@@ -5,7 +5,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kDependent = 1e-10;  ///< of a column: what is left of it is rounding
+constexpr double kDependentColumn = 1e-10;  ///< of a column: what is left of it is rounding
 
 }  // namespace
 
@@ -44,7 +44,7 @@ void Anderson::findShares() {
       column -= R[j][k] * basis_.col(j);
     }
     R[k][k] = column.norm();
-    if (R[k][k] > kDependent * whole) {
+    if (R[k][k] > kDependentColumn * whole) {
       column /= R[k][k];
     } else {
       R[k][k] = 0;

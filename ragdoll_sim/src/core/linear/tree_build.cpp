@@ -18,7 +18,7 @@ constexpr double kNoMass = 1e-14;   ///< of the largest mass: rounding
 using Members = std::vector<int>;
 
 /// A rigid thing of the skeleton: a rod, a group, a triangle of rods.
-struct Part {
+struct TreePart {
   Members particles;
   int rank = 1;
 };
@@ -32,13 +32,13 @@ int rankOf(const Points& rest, const Members& members) {
   return static_cast<int>((s.array() > kThinPart * s[0] && s.array() > kMinLength).count());
 }
 
-bool holds(const Part& part, int i) {
+bool holds(const TreePart& part, int i) {
   return std::binary_search(part.particles.begin(), part.particles.end(), i);
 }
 
 /// Groups; then triangles of what holds two particles at their distance; then the other rods.
-std::vector<Part> partsOf(const Skeleton& s) {
-  std::vector<Part> parts;
+std::vector<TreePart> partsOf(const Skeleton& s) {
+  std::vector<TreePart> parts;
   for (const RigidGroup& g : s.groups) parts.push_back({g.particles, rankOf(s.rest, g.particles)});
   const std::size_t groups = parts.size();
   std::set<std::pair<int, int>> rods, edges;
@@ -48,7 +48,7 @@ std::vector<Part> partsOf(const Skeleton& s) {
     next[a].insert(b);
     next[b].insert(a);
   };
-  for (const Part& g : parts)
+  for (const TreePart& g : parts)
     for (const int a : g.particles)
       for (const int b : g.particles)
         if (a < b) join(a, b);
@@ -163,7 +163,7 @@ class TreeBuilder {
       }
   }
 
-  std::string nameOf(const Part& part) const {
+  std::string nameOf(const TreePart& part) const {
     std::vector<std::string> names;
     for (const int i : part.particles) names.push_back(s_.particles[i]);
     return joined(names);
@@ -172,7 +172,7 @@ class TreeBuilder {
   /// The link, placed before, of which all of `shared` are particles; -1: none.
   int commonLink(const Members& shared) const {
     for (std::size_t j = 0; j < tree_.links.size(); ++j) {
-      const Part& part = parts_[link_part_[j]];
+      const TreePart& part = parts_[link_part_[j]];
       if (std::all_of(shared.begin(), shared.end(), [&](int i) { return holds(part, i); }))
         return static_cast<int>(j);
     }
@@ -180,7 +180,7 @@ class TreeBuilder {
   }
 
   void addLink(int index, int reached) {
-    const Part& part = parts_[index];
+    const TreePart& part = parts_[index];
     Members shared;
     for (const int i : part.particles)
       if (tree_.root_of[i] >= 0) shared.push_back(i);
@@ -213,7 +213,7 @@ class TreeBuilder {
   Vec3 rest(int i) const { return s_.rest.col(i); }
 
   /// Base points far apart, so that the frame is well defined.
-  void setFrame(const Part& part, const Members& shared, TreeLink& link) {
+  void setFrame(const TreePart& part, const Members& shared, TreeLink& link) {
     const Vec3 o = rest(link.attach);
     if (link.kind != TreeLink::Kind::kFold) {
       double far = -1;
@@ -240,14 +240,14 @@ class TreeBuilder {
     link.base_along = f.dot(axes_.col(0));
   }
 
-  double rodLength(const Part& part) const {
+  double rodLength(const TreePart& part) const {
     for (const Stick& k : s_.sticks)
       if (std::minmax(k.a, k.b) == std::minmax(part.particles[0], part.particles[1]))
         return k.length;
     return (rest(part.particles[0]) - rest(part.particles[1])).norm();
   }
 
-  void addPoints(const Part& part, TreeLink& link) {
+  void addPoints(const TreePart& part, TreeLink& link) {
     link.points_begin = static_cast<int>(tree_.points.size());
     for (const int i : part.particles) {
       if (tree_.root_of[i] >= 0) continue;
@@ -371,7 +371,7 @@ class TreeBuilder {
 
   const Skeleton& s_;
   const std::vector<int>& pins_;
-  std::vector<Part> parts_;
+  std::vector<TreePart> parts_;
   std::vector<std::vector<int>> of_;  ///< per particle: its parts
   std::vector<int> part_link_, link_part_;
   Eigen::Matrix3d axes_;  ///< of the link that is being added

@@ -7,9 +7,9 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kMostNewton = 60;       ///< of freeMotion: each divides the error by some ten
-constexpr double kConverged = 1e-15;  ///< [-] largest change of a sine
-constexpr double kSettled = 1e-12;    ///< [-] below, a change that grows again is rounding
+constexpr int kMostNewton = 60;         ///< of freeMotion: each divides the error by some ten
+constexpr double kConverged = 1e-15;    ///< [-] largest change of a sine
+constexpr double kSettledTurn = 1e-12;  ///< [-] below, a change that grows again is rounding
 
 }  // namespace
 
@@ -93,7 +93,7 @@ int TreeSolver::freeMotion(const double* free_dx, double guess, double* dx) {
       q_[k] += y_[k];
       change = std::max(change, std::abs(y_[k]));
     }
-    if (change < kConverged || (change < kSettled && change >= last)) {
+    if (change < kConverged || (change < kSettledTurn && change >= last)) {
       tree::retract(t, q_.data(), shift, work_, dx, off);
       std::copy_n(dx, moved_.size(), moved_.begin());
       return off < 1 ? it : -1;

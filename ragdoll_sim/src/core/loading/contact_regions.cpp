@@ -9,21 +9,22 @@ namespace ragdoll {
 namespace {
 
 // What a run can follow; far beyond any surface.
-constexpr double kSoftest = 1;     ///< [N/m]
-constexpr double kHardest = 1e12;  ///< [N/m]
+constexpr double kLeastStiffness = 1;    ///< [N/m]
+constexpr double kMostStiffness = 1e12;  ///< [N/m]
 
 }  // namespace
 
 Compliance complianceOf(const ContactSpec& contact, const std::string& where) {
   const double k = contact.stiffness;
   if (std::isinf(k) && k > 0) return {};
-  if (!(k >= kSoftest && k <= kHardest))
+  if (!(k >= kLeastStiffness && k <= kMostStiffness))
     throw Error(where + ".stiffness", "stiffness is " + numberText(k) + "; it must be from " +
-                                          numberText(kSoftest) + " to " + numberText(kHardest) +
+                                          numberText(kLeastStiffness) + " to " +
+                                          numberText(kMostStiffness) +
                                           " [N/m]; leave it out for rigid contact");
-  if (!(contact.damping >= 0 && contact.damping <= kHardest))
+  if (!(contact.damping >= 0 && contact.damping <= kMostStiffness))
     throw Error(where + ".damping", "damping is " + numberText(contact.damping) +
-                                        "; it must be from 0 to " + numberText(kHardest) +
+                                        "; it must be from 0 to " + numberText(kMostStiffness) +
                                         " [N s/m]");
   return {1 / k, contact.damping};
 }

@@ -16,7 +16,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kDependent =
+constexpr double kDependentRow =
     1e-8;  ///< a scaled pivot below this: the stick follows from the others
 constexpr double kMassless = 1e-13;  ///< of the masses that it is made of: rounding
 constexpr double kDoubtful = 1e6;    ///< condition above which the user is told
@@ -34,7 +34,7 @@ std::vector<int> independent(const Eigen::MatrixXd& S) {
   std::vector<int> kept;
   Eigen::MatrixXd R = S;  // Schur complement, updated in place
   for (int i = 0; i < R.rows(); ++i) {
-    if (!(R(i, i) > kDependent)) continue;
+    if (!(R(i, i) > kDependentRow)) continue;
     kept.push_back(i);
     const Eigen::VectorXd column = R.col(i) / R(i, i);
     R -= column * R.row(i).eval();

@@ -9,7 +9,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kThin = 1e-3;  ///< [-] sine below which directions count as parallel
+constexpr double kParallelSine = 1e-3;  ///< [-] sine below which directions count as parallel
 
 }  // namespace
 
@@ -83,7 +83,7 @@ bool JointFrames::triangle(const Segment& group, std::array<int, 3>& best) const
         best = {p[i], p[j], p[k]};
       }
     }
-  return largest > kThin * size;
+  return largest > kParallelSine * size;
 }
 
 Vec3 JointFrames::coefficients(const std::array<int, 3>& base, const Vec3& v) const {
@@ -104,7 +104,7 @@ Vec3 JointFrames::centre(int segment) const {
   if (joint.type == JointSpec::Type::kHinge)
     centre = turned((joint.range.begin + joint.range.end) / 2, joint.axis, hingeZero(j));
   if (joint.type == JointSpec::Type::kPlanes) centre = meanAllowed(j, rest);
-  return 1 + centre.dot(rest) > kThin ? centre : rest;
+  return 1 + centre.dot(rest) > kParallelSine ? centre : rest;
 }
 
 Vec3 JointFrames::hingeZero(int j) const {

@@ -82,7 +82,7 @@ void checkPins(const Model& model, const std::vector<Pin>& pins) {
   }
 }
 
-void checkSolver(const SolverSpec& solver) {
+void checkSavedSolver(const SolverSpec& solver) {
   const auto& presets = presetNames();
   require(std::count(presets.begin(), presets.end(), solver.preset) > 0 &&
               isIndex(static_cast<int>(solver.method), 4) &&
@@ -94,7 +94,7 @@ void checkSolver(const SolverSpec& solver) {
 }  // namespace
 
 void checkFits(const Model& model, const Moment& moment) {
-  checkSolver(moment.solver);
+  checkSavedSolver(moment.solver);
   require(moment.gravity.allFinite(), "its gravity is not finite");
   checkPins(model, moment.pins);
   checkPokes(model, moment.pokes);

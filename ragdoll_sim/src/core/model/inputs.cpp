@@ -11,7 +11,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kThin = 1e-3;  ///< thickness^2 over length^2 of what has no sides to push at
+constexpr double kThinBody = 1e-3;  ///< thickness^2 over length^2 of what has no sides to push at
 constexpr double kToldLoss = 1e-3;  ///< of a poke's moment: less is not told
 
 /// How forces w_i (alpha x r_i) about the weighted mean, which have no sum, turn a body: their
@@ -38,7 +38,7 @@ Turning turningOf(const BodyRef& body, const Eigen::Ref<const Points>& x, int fi
 /// gives no force, and nearly so about that of points in line, which the relaxation bends a little.
 Vec3 turn(const Turning& turning, const Vec3& moment) {
   Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix3d> decomposition;
-  decomposition.setThreshold(kThin);
+  decomposition.setThreshold(kThinBody);
   decomposition.compute(turning.K);
   return decomposition.solve(moment);
 }

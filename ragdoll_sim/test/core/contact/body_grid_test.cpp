@@ -10,10 +10,10 @@
 namespace ragdoll {
 namespace {
 
-using Pairs = std::vector<std::pair<int, int>>;
+using BodyPairs = std::vector<std::pair<int, int>>;
 
-Pairs bruteForce(const std::vector<Bounds>& boxes) {
-  Pairs pairs;
+BodyPairs bruteForce(const std::vector<Bounds>& boxes) {
+  BodyPairs pairs;
   for (int i = 0; i < static_cast<int>(boxes.size()); ++i)
     for (int j = i + 1; j < static_cast<int>(boxes.size()); ++j)
       if (overlap(boxes[i], boxes[j])) pairs.emplace_back(i, j);

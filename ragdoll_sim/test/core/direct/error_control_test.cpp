@@ -9,7 +9,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kStep = 0.1;       ///< [s]
+constexpr double kWholeStep = 0.1;   ///< [s]
 constexpr double kTolerance = 1e-4;  ///< [m/s]
 
 /// Parts and tries that a step takes if a part's error [m] is error(from, part).
@@ -23,7 +23,7 @@ template <typename Error>
 Taken take(const Error& error, int order, double next = 0) {
   Taken taken;
   taken.next = next;
-  ErrorControl control(kStep, kTolerance, taken.next);
+  ErrorControl control(kWholeStep, kTolerance, taken.next);
   while (!control.done() && taken.tries < 10000) {
     const double made = error(control.from(), control.part());
     const double end = control.from() + control.part();
@@ -42,11 +42,11 @@ TEST(ErrorControl, OfASmoothMotionKeepsTheErrorPerSecond) {
     for (const double next : {0.0, 1e-5, 1e-3}) {
       const auto error = [&](double, double part) { return std::pow(part, order + 1); };
       const Taken taken = take(error, order, next);
-      EXPECT_NEAR(taken.end, kStep, 1e-12);
-      EXPECT_LE(taken.error, kTolerance * kStep);
+      EXPECT_NEAR(taken.end, kWholeStep, 1e-12);
+      EXPECT_LE(taken.error, kTolerance * kWholeStep);
       // Parts that aim at what is reserved for each of them: no more work than asked for.
       const double aimed = std::pow(kAim * kReserved * kTolerance, 1.0 / order);
-      EXPECT_LE(taken.parts, std::ceil(kStep / aimed) + 8);
+      EXPECT_LE(taken.parts, std::ceil(kWholeStep / aimed) + 8);
       EXPECT_GT(taken.next, 0.9 * aimed);
       EXPECT_EQ(taken.report.tolerance_missed, 0);
       EXPECT_EQ(taken.report.substeps, taken.parts);
@@ -60,7 +60,7 @@ TEST(ErrorControl, PassesAJumpAndTellsSo) {
     return from <= 0.03 && from + part > 0.03 ? 1e-3 : 0.0;
   };
   const Taken taken = take(jump, 2);
-  EXPECT_NEAR(taken.end, kStep, 1e-12);
+  EXPECT_NEAR(taken.end, kWholeStep, 1e-12);
   EXPECT_LT(taken.tries, 40);
   EXPECT_EQ(taken.report.tolerance_missed, 3);
   EXPECT_GT(taken.report.error_estimate, kTolerance);
@@ -68,7 +68,7 @@ TEST(ErrorControl, PassesAJumpAndTellsSo) {
 
 TEST(ErrorControl, LetsOneEventHaveWhatThePartsThatFollowDoNotNeed) {
   const auto small = [](double from, double part) {
-    return from <= 0.03 && from + part > 0.03 ? 0.4 * kTolerance * kStep : 0.0;
+    return from <= 0.03 && from + part > 0.03 ? 0.4 * kTolerance * kWholeStep : 0.0;
   };
   const Taken taken = take(small, 2, 0.01);
   EXPECT_EQ(taken.tries, taken.parts);
@@ -89,8 +89,8 @@ TEST(ErrorControl, IsBoundInWork) {
   const double shortest = kShortestPart * std::sqrt(kTolerance);
   const auto stiff = [](double, double part) { return 1e6 * std::pow(part, 3); };
   const Taken taken = take(stiff, 2);
-  EXPECT_NEAR(taken.end, kStep, 1e-12);
-  EXPECT_LT(taken.tries, 3 * kStep / shortest);
+  EXPECT_NEAR(taken.end, kWholeStep, 1e-12);
+  EXPECT_LT(taken.tries, 3 * kWholeStep / shortest);
   EXPECT_EQ(taken.report.tolerance_missed, 3);
 }
 
@@ -99,7 +99,7 @@ TEST(ErrorControl, TakesAMotionThatIsNotFoundForAnError) {
     return from + part < 0.05 ? 0.0 : kUnknownRate;
   };
   const Taken taken = take(none, 4);
-  EXPECT_NEAR(taken.end, kStep, 1e-12);
+  EXPECT_NEAR(taken.end, kWholeStep, 1e-12);
   EXPECT_EQ(taken.report.tolerance_missed, 3);
 }
 

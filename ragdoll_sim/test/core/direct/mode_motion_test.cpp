@@ -90,7 +90,7 @@ TEST(ModeMotion, AnImpactReturnsTheEndAndKeepsTheRest) {
 }
 
 /// What a rod is off by after h, its end stuck: from the pendulum's equation of one angle.
-double errorOver(double h) {
+double errorOfPendulum(double h) {
   const double tilt = 1.1, rate = 3;
   ModeBody rod(rodOnEnd(5, tilt, rate));
   EXPECT_TRUE(rod.start());
@@ -105,7 +105,7 @@ double errorOver(double h) {
 }
 
 TEST(ModeMotion, IsOfFifthOrder) {
-  const double coarse = errorOver(0.08), fine = errorOver(0.04);
+  const double coarse = errorOfPendulum(0.08), fine = errorOfPendulum(0.04);
   EXPECT_LT(coarse, 1e-5);
   EXPECT_GT(coarse / fine, 30);
 }

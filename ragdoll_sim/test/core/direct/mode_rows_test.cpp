@@ -14,7 +14,7 @@ namespace {
 using namespace test;
 using Features = std::array<int, 3>;
 
-constexpr double kRadius = 0.1;
+constexpr double kModeRadius = 0.1;
 
 ObstacleSpec cube() {
   ObstacleSpec o;
@@ -39,7 +39,7 @@ struct Above : ModeBody {
     ball.obstacle = rod.obstacle = 0;
     rod.kind = ModeRow::Kind::kStick;
     rod.b = 1;
-    ball.ra = ball.rb = rod.ra = rod.rb = kRadius;
+    ball.ra = ball.rb = rod.ra = rod.rb = kModeRadius;
   }
   RowPlace placeAt(const Vec3& x, const Vec3& v) {
     return placeOf(island, ball, x.data(), v.data(), true);
@@ -47,11 +47,11 @@ struct Above : ModeBody {
 };
 
 TEST(ModeRows, OfABallHaveItsDistanceFromFaceEdgeAndCorner) {
-  Above one(oneParticle(1, kRadius), cube());
+  Above one(oneParticle(1, kModeRadius), cube());
   const auto expectGap = [&](const Vec3& x, double distance, const Features& feature) {
     const RowPlace place = one.placeAt(x, Vec3::Zero());
-    EXPECT_NEAR(place.gap, distance - kRadius, 1e-15);
-    EXPECT_NEAR(gapOf(one.island, one.ball, x.data()), distance - kRadius, 1e-15);
+    EXPECT_NEAR(place.gap, distance - kModeRadius, 1e-15);
+    EXPECT_NEAR(gapOf(one.island, one.ball, x.data()), distance - kModeRadius, 1e-15);
     EXPECT_EQ(place.feature, feature);
     EXPECT_NEAR(place.contact.normal.dot(x) - place.contact.offset, place.gap, 1e-15);
   };
@@ -64,7 +64,7 @@ TEST(ModeRows, OfABallHaveItsDistanceFromFaceEdgeAndCorner) {
 /// d.
 TEST(ModeRows, OfABallCurveByItsSpeedAround) {
   const Vec3 v(3, 4, 5);
-  Above round(oneParticle(1, kRadius), sphere(0.5)), box(oneParticle(1, kRadius), cube());
+  Above round(oneParticle(1, kModeRadius), sphere(0.5)), box(oneParticle(1, kModeRadius), cube());
   EXPECT_NEAR(round.placeAt(Vec3(0, 0, 0.8), v).curvature, (9 + 16) / 0.8, 1e-12);
   EXPECT_NEAR(box.placeAt(Vec3(0, 0, 1.5), v).curvature, 0, 1e-15);
   const Vec3 edge(1.3, 0, 1.4);  // square to it: (4, 0, -3) / 5
@@ -73,7 +73,7 @@ TEST(ModeRows, OfABallCurveByItsSpeedAround) {
   EXPECT_NEAR(box.placeAt(Vec3(1.2, 1.2, 1.1), v).curvature, (50 - along * along) / 0.3, 1e-11);
 }
 
-using Coordinates = Eigen::Matrix<double, 6, 1>;
+using Place6 = Eigen::Matrix<double, 6, 1>;
 
 /// At random over a sphere or across an edge of a box: the gap's second derivative along the
 /// motion, and how its place moves along the stick, by differences.
@@ -83,7 +83,7 @@ TEST(ModeRows, OfAStickFollowTheNearestPlace) {
   for (const ObstacleSpec& obstacle : {sphere(0.5), cube()}) {
     Above one(oneStick(), obstacle);
     for (int sample = 0; sample < 50; ++sample) {
-      Coordinates x, v;
+      Place6 x, v;
       for (int k = 0; k < v.size(); ++k) v(k) = unit(random);
       const bool round = obstacle.type == ObstacleSpec::Type::kSphere;
       if (round)
@@ -91,7 +91,7 @@ TEST(ModeRows, OfAStickFollowTheNearestPlace) {
       else  // below the face on one side of the edge, below the other face on the other
         x << 0.6, -0.3, 1.9, 1.8, 0.4, 0.6;
       x += 0.05 * v;
-      const auto at = [&](double time) { return Coordinates(x + time * v); };
+      const auto at = [&](double time) { return Place6(x + time * v); };
       const auto gapAt = [&](double time) { return gapOf(one.island, one.rod, at(time).data()); };
       const auto weightAt = [&](double time) {
         return placeOf(one.island, one.rod, at(time).data(), v.data(), false).contact.weight[1];
@@ -132,14 +132,14 @@ TEST(ModeRows, OfALimitCurveAsPolarCoordinatesDo) {
 }
 
 TEST(ModeRows, HaveRoomUntilTheirPlaceEnds) {
-  Above ball(oneParticle(1, kRadius), cube()), rod(oneStick(), cube());
+  Above ball(oneParticle(1, kModeRadius), cube()), rod(oneStick(), cube());
   const auto room = [&](const Vec3& x, const Features& feature) {
     return roomOf(ball.island, ball.ball, x.data(), feature);
   };
   EXPECT_NEAR(room(Vec3(0.2, 0.7, 1.5), {0, 0, 1}), 0.3, 1e-15);
   EXPECT_NEAR(room(Vec3(1.1, 0.7, 1.5), {0, 0, 1}), -0.1, 1e-15);
   EXPECT_NEAR(room(Vec3(1.1, 0.7, 1.5), {1, 0, 1}), 0.1, 1e-15);
-  Coordinates x;  // on x + z = 2.1, nearest to the edge x = z = 1 where both are 1.05
+  Place6 x;  // on x + z = 2.1, nearest to the edge x = z = 1 where both are 1.05
   x << 0, 0, 2.1, 1.25, 0, 0.85;
   EXPECT_NEAR(roomOf(rod.island, rod.rod, x.data(), {1, 0, 1}), 0.05, 1e-6);
   x << 0.1, 0, 2.0, 1.07, 0, 1.03;  // that is 2 cm of 97 from the rod's end
@@ -148,11 +148,11 @@ TEST(ModeRows, HaveRoomUntilTheirPlaceEnds) {
 
 /// [1 ms] at 10 m/s: three times that way, and a millimetre.
 TEST(ModeRows, AreOfWhatThreeSuchMotionsReach) {
-  Scene scene = modeScene(oneParticle(1, kRadius), Vec3::Zero(), floorPlane());
+  Scene scene = modeScene(oneParticle(1, kModeRadius), Vec3::Zero(), floorPlane());
   scene.gravity.setZero();
   scene.ragdolls[0].velocity = Vec3(10, 0, 0);
   for (const double gap : {0.0309, 0.0311}) {
-    scene.ragdolls[0].pose.position.z() = kRadius + gap;
+    scene.ragdolls[0].pose.position.z() = kModeRadius + gap;
     ModeBody one(scene);
     EXPECT_TRUE(listModeRows(one.island, 1e-3));
     EXPECT_EQ(one.mode().rows.size(), gap < 0.031 ? 1u : 0u);
@@ -163,7 +163,8 @@ TEST(ModeRows, AreNotForWhatIsDeepInWhatIsRigid) {
   const auto listed = [](double gap, double stiffness) {
     ObstacleSpec floor = floorPlane();
     floor.contact.stiffness = stiffness;
-    return ModeBody(modeScene(oneParticle(1, kRadius), Vec3(0, 0, kRadius + gap), floor)).listed;
+    return ModeBody(modeScene(oneParticle(1, kModeRadius), Vec3(0, 0, kModeRadius + gap), floor))
+        .listed;
   };
   const double rigid = std::numeric_limits<double>::infinity();
   EXPECT_TRUE(listed(-1e-12, rigid));
@@ -176,9 +177,9 @@ TEST(ModeRows, OfASpringOpenWhereItsForceEnds) {
   ObstacleSpec floor = floorPlane();
   floor.contact.stiffness = 2000;
   floor.contact.damping = 10;
-  ModeBody one(modeScene(oneParticle(1, kRadius), Vec3(0, 0, kRadius), floor));
+  ModeBody one(modeScene(oneParticle(1, kModeRadius), Vec3(0, 0, kModeRadius), floor));
   ASSERT_EQ(one.mode().rows.size(), 1u);
-  const Vec3 deep(0, 0, kRadius - 0.02), leaves(1, 0, 4), comes(1, 0, -4);
+  const Vec3 deep(0, 0, kModeRadius - 0.02), leaves(1, 0, 4), comes(1, 0, -4);
   EXPECT_NEAR(openingOf(one.island, one.row(0), deep.data(), leaves.data()), 0, 1e-15);
   EXPECT_NEAR(openingOf(one.island, one.row(0), deep.data(), comes.data()), -0.02, 1e-15);
 }

@@ -11,8 +11,8 @@ namespace {
 using namespace test;
 
 /// A ball over a floor, at rest, with its candidates and rows.
-struct Ball : DirectIsland {
-  explicit Ball(double gap, double friction = 0.5) : DirectIsland(scene(gap, friction)) {
+struct BallOverFloor : DirectIsland {
+  explicit BallOverFloor(double gap, double friction = 0.5) : DirectIsland(scene(gap, friction)) {
     body().motion.dx.setZero(3, 1);
     findCandidates(body(), h);
     buildRows(body(), h, true);
@@ -27,13 +27,13 @@ struct Ball : DirectIsland {
 };
 
 TEST(Rows, AreOfWhatIsNear) {
-  EXPECT_EQ(Ball(5e-3).body().constraints.own_rows, 0);
-  EXPECT_EQ(Ball(5e-4).body().constraints.own_rows, 3);
-  EXPECT_EQ(Ball(5e-4, 0).body().constraints.own_rows, 1);
+  EXPECT_EQ(BallOverFloor(5e-3).body().constraints.own_rows, 0);
+  EXPECT_EQ(BallOverFloor(5e-4).body().constraints.own_rows, 3);
+  EXPECT_EQ(BallOverFloor(5e-4, 0).body().constraints.own_rows, 1);
 }
 
 TEST(Rows, HaveTheGapAndTheSlip) {
-  Ball above(5e-4), below(-1e-4);
+  BallOverFloor above(5e-4), below(-1e-4);
   EXPECT_NEAR(above.body().b[0], 5e-4, 1e-15);
   EXPECT_NEAR(below.body().b[0], -1e-4, 1e-15);
   EXPECT_NEAR(worstResidual(below.body(), true), 1e-4, 1e-15);
@@ -43,7 +43,7 @@ TEST(Rows, HaveTheGapAndTheSlip) {
 }
 
 TEST(Rows, AreNotSolvedWhileWhatPressesIsOpen) {
-  Ball above(5e-4);
+  BallOverFloor above(5e-4);
   EXPECT_EQ(worstResidual(above.body(), true), 0);
   above.body().total[0] = 1e-3;
   EXPECT_NEAR(worstResidual(above.body(), true), 5e-4, 1e-15);
@@ -51,7 +51,7 @@ TEST(Rows, AreNotSolvedWhileWhatPressesIsOpen) {
 }
 
 TEST(Rows, StartAtTheImpulsesOfTheLastMotion) {
-  Ball ball(-1e-4);
+  BallOverFloor ball(-1e-4);
   Body& body = ball.body();
   body.total[0] = 4e-4;
   body.total[1] = 1e-4;

@@ -13,7 +13,7 @@ using namespace test;
 
 /// Two balls on a rod of 1 m that turn about each other at 5 rad/s: after h the rod has turned by
 /// 5 h. Half the step leaves a 64th of the error (or a 32nd, where the sixth power vanishes).
-double errorOver(double h) {
+double errorOfSpin(double h) {
   constexpr double kTurn = 5;
   Scene scene = weightless(oneStick());
   scene.ragdolls[0].angular_velocity = Vec3(0, 0, kTurn);
@@ -29,7 +29,7 @@ double errorOver(double h) {
 }
 
 TEST(RungeKutta, IsOfFifthOrder) {
-  const double coarse = errorOver(0.1), fine = errorOver(0.05);
+  const double coarse = errorOfSpin(0.1), fine = errorOfSpin(0.05);
   EXPECT_LT(coarse, 2e-5);
   EXPECT_GT(coarse / fine, 30);
 }

@@ -19,8 +19,8 @@ namespace {
 
 using namespace test;
 
-constexpr double kStep = 1.0 / 120;  ///< [s]
-constexpr double kSpeed = 1;         ///< [m/s] of the fastest particle
+constexpr double kTreeStep = 1.0 / 120;  ///< [s]
+constexpr double kSpeed = 1;             ///< [m/s] of the fastest particle
 
 /// Bodies of rods, triangles and groups that hang on each other at random by one or two particles.
 class RandomTree {
@@ -174,7 +174,7 @@ class Both {
 
   /// [m] Largest difference from SHAKE's free motion. The sticks are solved to rounding.
   double motionError() {
-    const Points free = randomMotion(kSpeed * kStep);
+    const Points free = randomMotion(kSpeed * kTreeStep);
     Points ours(3, x_.cols()), theirs = free;
     EXPECT_GT(solver_.freeMotion(free.data(), 0, ours.data()), 0);
     Eigen::VectorXd lambda = Eigen::VectorXd::Zero(rows_->width);
@@ -192,7 +192,7 @@ class Both {
 
   /// Largest error of a stick's length after a step, relative.
   double stretch() {
-    const Points free = randomMotion(kSpeed * kStep);
+    const Points free = randomMotion(kSpeed * kTreeStep);
     Points dx(3, x_.cols()), x1(3, x_.cols());
     EXPECT_GT(solver_.freeMotion(free.data(), 0, dx.data()), 0);
     solver_.positions(x1.data());

@@ -11,7 +11,7 @@ namespace {
 
 using namespace test;
 
-constexpr double kStep = 0.1;
+constexpr double kQuietStep = 0.1;
 
 /// Two balls at rest.
 struct Balls : World {
@@ -25,18 +25,18 @@ struct Balls : World {
   /// Steps in which an obstacle presses on those, and bodies on each other.
   void rest(double seconds, std::vector<std::uint8_t> pressed,
             const std::vector<BodyPair>& pressing) {
-    for (double t = 0; t < seconds - 0.5 * kStep; t += kStep) {
+    for (double t = 0; t < seconds - 0.5 * kQuietStep; t += kQuietStep) {
       Supports now{pressed, pressing, pressed};
-      putToSleep(model, kStep, now, state);
+      putToSleep(model, kQuietStep, now, state);
     }
   }
 };
 
 TEST(Sleep, WhatLiesStillFallsAsleepAndWhatFloatsLater) {
   Balls balls;
-  balls.rest(kQuietTime - kStep, {1, 0}, {});
+  balls.rest(kQuietTime - kQuietStep, {1, 0}, {});
   EXPECT_FALSE(balls.state.asleep[0]);
-  balls.rest(2 * kStep, {1, 0}, {});
+  balls.rest(2 * kQuietStep, {1, 0}, {});
   EXPECT_TRUE(balls.state.asleep[0]);
   EXPECT_FALSE(balls.state.asleep[1]);
   balls.rest(kHungTime, {1, 0}, {});
@@ -49,7 +49,7 @@ TEST(Sleep, BodiesThatPressOnEachOtherFallAsleepTogether) {
   balls.rest(2 * kQuietTime, {1, 0}, {{0, 1, true}});  // the second lies on the first
   EXPECT_FALSE(balls.state.asleep[0]);
   balls.state.v.setZero();
-  balls.rest(kQuietTime + kStep, {1, 0}, {{0, 1, true}});
+  balls.rest(kQuietTime + kQuietStep, {1, 0}, {{0, 1, true}});
   EXPECT_TRUE(balls.state.asleep[0]);
   EXPECT_TRUE(balls.state.asleep[1]);
 }
@@ -60,7 +60,7 @@ TEST(Sleep, APokeWakesTheBodyThatItActsOn) {
   Poke poke;
   poke.body.ragdoll = 1;
   balls.inputs.pokes = {poke};
-  wakeDisturbed(balls.model, balls.inputs, kStep, balls.state);
+  wakeDisturbed(balls.model, balls.inputs, kQuietStep, balls.state);
   EXPECT_TRUE(balls.state.asleep[0]);
   EXPECT_FALSE(balls.state.asleep[1]);
 }

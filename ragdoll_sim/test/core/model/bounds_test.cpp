@@ -24,7 +24,9 @@ TEST(Bounds, AToleranceIsNoneOrMoreThanRounding) {
       const std::string text = e.what();
       EXPECT_EQ(text.rfind("solver.tolerance", 0), 0u) << text;
       EXPECT_NE(text.find("it must be 0 (a fixed step), or at least 1e-12 m"), text.npos) << text;
-      if (bad == 1e-13) EXPECT_NE(text.find("rounded"), text.npos) << text;
+      if (bad == 1e-13) {
+        EXPECT_NE(text.find("rounded"), text.npos) << text;
+      }
     }
   }
 }
