@@ -15,16 +15,6 @@
 namespace ragdoll::test {
 namespace {
 
-Points endOfBlows(Scene scene, Method method, double h, double seconds) {
-  scene.solver.method = method;
-  scene.solver.events = method == Method::kRk;
-  scene.solver.sleep = false;
-  scene.solver.step = h;
-  World world(scene);
-  world.steps(static_cast<int>(std::lround(seconds / h)));
-  return world.state.x;
-}
-
 /// A rod, two equal masses, turns and digs a tip into a floor so rough that friction presses it on.
 /// The tip stops, the other end keeps its speed across the rod.
 TEST(Blow, ARodThatDigsInStopsByItsTip) {

@@ -29,6 +29,14 @@ inline Points endInSteps(Scene scene, double h, double seconds, int* handed_over
   return world.state.x;
 }
 
+/// The same with nothing asleep, by rk from event to event.
+inline Points endOfBlows(Scene scene, Method method, double h, double seconds) {
+  scene.solver.method = method;
+  scene.solver.events = method == Method::kRk;
+  scene.solver.sleep = false;
+  return endInSteps(scene, h, seconds);
+}
+
 /// Of a particle's distances or velocities.
 inline double largest(const Points& d) { return d.colwise().norm().maxCoeff(); }
 

@@ -186,6 +186,14 @@ struct StickSearch {
   }
 };
 
+/// [m] Gap at the start of the place that lies flat at `share` of the stick: there where the stick
+/// was over the same place of the obstacle, as it may have slid along itself.
+double gapAtStart(const StickSearch& k, double share) {
+  const Vec3 along = k.at_start.b - k.at_start.a;
+  const double over = along.dot(k.axis.at(share) - k.at_start.a) / along.squaredNorm();
+  return k.at_start.gap(std::clamp(over, 0.0, 1.0));
+}
+
 /// Contacts of a capsule between its ends, each with the plane that is tangent there.
 void placeContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Contact>& contacts) {
   const Places places = placesOf(m, k.axis, k.give);
@@ -194,7 +202,8 @@ void placeContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Con
     if (share <= kEndOfStick || share >= 1 - kEndOfStick) continue;
     Contact c = k.contactWith(tangentAt(m, k.axis, share));
     c.weight = {1 - share, share, 0, 0};
-    if (touchesAtStart(k.give, k.start)) {
+    if (m.obstacle->type == ObstacleSpec::Type::kBox) c.gap_start = gapAtStart(k, share);
+    if (touchesAtStart(k.give, c.gap_start)) {
       const Places before = placesOf(m, k.at_start, k.give);
       if (before.flat == places.flat) setStart(m, k.at_start, before.at[i], c);
     }

@@ -206,9 +206,23 @@ void forEachPushed(const Island& island, const Of& of) {
 
 /// What a blow did to bodies that it pressed on each other.
 struct Blow {
-  bool held = false;           ///< something outside pressed on them
+  bool held = false;           ///< something outside holds them
   Vec3 couple = Vec3::Zero();  ///< [kg m^2/s] of friction, whose two forces are apart
 };
+
+/// Whether a body lies on an obstacle by velocities v. One that slides along it may have been
+/// pressed with 1e-17 or with nothing, which is a matter of rounding.
+bool staysOnObstacle(const Body& body, const Points& v) {
+  const Schur& schur = body.memory->schur;
+  for (int i = 0; i < body.constraints.own_rows; ++i) {
+    if (schur.row(i).kind != Schur::Row::Kind::kNormal) continue;
+    const Contact& c = body.touching.contacts[schur.row(i).source];
+    if (c.obstacle < 0) continue;
+    const double parting = c.normal.dot(c.of(v) - c.surface_motion / body.context->h);
+    if (parting < kParting) return true;
+  }
+  return false;
+}
 
 Blow blowOn(const Island& island, const std::vector<Body*>& bodies) {
   const JointSchur& joint = island.s.joint;
@@ -225,7 +239,9 @@ Blow blowOn(const Island& island, const std::vector<Body*>& bodies) {
     for (int k = row + 1; k < row + 3; ++k) friction += island.s.p[k] * joint.row(k).direction;
     blow.couple += c.of(island.context.state.x).cross(friction);
   });
-  for (const Body* body : bodies) blow.held = blow.held || !body->pinned->pins.empty();
+  for (const Body* body : bodies)
+    blow.held =
+        blow.held || !body->pinned->pins.empty() || staysOnObstacle(*body, island.context.state.v);
   return blow;
 }
 

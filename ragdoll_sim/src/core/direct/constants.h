@@ -1,9 +1,9 @@
 // What the direct methods' step is tuned by. docs/equations.md tells the algorithms that they
 // belong to.
-// Tuned ones first; unless it says more, half and double of one break no law of 60 random scenes and
-// 12 piles (ragdoll_lab extremes --random-only) and cost the same within 10 %. Those that are not
-// tuned, after a line that says so: sizes, guards against rounding, caps of loops that converge, the
-// literature's, and what is made of another constant.
+// Tuned ones first; unless it says more, half and double of one break no law of 60 random scenes
+// and 12 piles (ragdoll_lab extremes --random-only) and cost the same within 10 %. Those that are
+// not tuned, after a line that says so: sizes, guards against rounding, caps of loops that
+// converge, the literature's, and what is made of another constant.
 #pragma once
 
 namespace ragdoll {
@@ -55,12 +55,12 @@ constexpr double kMostGiven = 0.01;
 constexpr double kLargestTurn = 0.5;
 
 // --- Adaptive steps.
-/// How much more the positions' error counts where something is met or let go: velocities, which jump
-/// a little sooner or later there, do not. 1: 1 window in 5 with contact is off at 1e-4 m/s.
+/// How much more the positions' error counts where something is met or let go: velocities, which
+/// jump a little sooner or later there, do not. 1: 1 window in 5 with contact is off at 1e-4 m/s.
 constexpr double kOfJumps = 8;
 /// [s] at a tolerance of 1 m/s; shorter with its square root, as of a method of second order.
 constexpr double kShortestPart = 5e-3;
-constexpr double kReserved = 0.5;      ///< of the tolerance, for the parts that follow in a step
+constexpr double kReserved = 0.5;       ///< of the tolerance, for the parts that follow in a step
 constexpr double kLeastOfOrder = 0.25;  ///< of the order: a shorter part that gains less is in vain
 
 // --- Not tuned: made of others.
@@ -71,14 +71,14 @@ constexpr double kRestsWithin = 2 * kClose;  ///< [m] what a sleeper presses on 
 /// midst of a run, and the limb's end is whipped faster (60 random runs: with 1 to 2.1, with 2 to
 /// 4.2).
 constexpr double kFollowedRecoverySpeed = kRecoverySpeed / 2;
-constexpr double kWildSpeed = 5 * kRecoverySpeed;         ///< [m/s] that no overlap opens at
-constexpr int kImplicitRounds = 2 * kMaxRounds;           ///< implicit steps start farther off
-constexpr double kDeepImpact = 2 * kLever;                ///< [m] for a body of human size
-constexpr int kMaxDeepImpacts = 4 * kMaxLocated;          ///< of contacts that would reach so deep
-constexpr int kMaxDriven = kMaxSubsteps / 4;              ///< while obstacles or pins move
-constexpr int kMaxImplicitSubsteps = 4 * kMaxSubsteps;    ///< beyond: one rigid motion
-/// [s] sqrt(kLever / g): as long an error of velocities moves a limb before gravity turns it, so that
-/// it counts as one of positions.
+constexpr double kWildSpeed = 5 * kRecoverySpeed;       ///< [m/s] that no overlap opens at
+constexpr int kImplicitRounds = 2 * kMaxRounds;         ///< implicit steps start farther off
+constexpr double kDeepImpact = 2 * kLever;              ///< [m] for a body of human size
+constexpr int kMaxDeepImpacts = 4 * kMaxLocated;        ///< of contacts that would reach so deep
+constexpr int kMaxDriven = kMaxSubsteps / 4;            ///< while obstacles or pins move
+constexpr int kMaxImplicitSubsteps = 4 * kMaxSubsteps;  ///< beyond: one rigid motion
+/// [s] sqrt(kLever / g): as long an error of velocities moves a limb before gravity turns it, so
+/// that it counts as one of positions.
 constexpr double kSwingTime = 0.1;
 
 // --- Not tuned: the literature's.
@@ -90,17 +90,18 @@ constexpr int kOrderOfShake = 2;      ///< likewise of step doubling
 constexpr double kDoubling = 3;       ///< 2^2 - 1: the difference over the halves' error
 
 // --- Not tuned: caps.
-constexpr int kRecoverySweeps = 60;  ///< of relaxation, where Newton's method fails
-constexpr int kMaxSearches = 3;      ///< for contacts that others push the body into
-constexpr int kIslandRounds = 4;     ///< of islands that grow
-constexpr int kMaxInVain = 2;        ///< in a row: the motion has a jump or a fork there
+constexpr int kRecoverySweeps = 60;          ///< of relaxation, where Newton's method fails
+constexpr int kMaxSearches = 3;              ///< for contacts that others push the body into
+constexpr int kIslandRounds = 4;             ///< of islands that grow
+constexpr int kMaxInVain = 2;                ///< in a row: the motion has a jump or a fork there
 constexpr int kMaxUnknown = 2 * kMaxInVain;  ///< where the guard acts, or nothing is found
-constexpr int kAffineEvery = 256;    ///< [steps] rigid groups are put back into shape: of rounding
+constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into shape: of rounding
 
 // --- Not tuned: rounding.
 constexpr double kExactGain = 1e-9;     ///< as kRedoGain: what rk from event to event may gain
 constexpr double kShortEnough = 1.01;   ///< of the shortest part
 constexpr double kUnknownRate = 1e300;  ///< [m/s] where no motion was found
+constexpr double kParting = 1e-5;       ///< [m/s] what leaves slower after a blow stays
 constexpr double kSnap = 1e-6;          ///< of the substep: nearer to its ends is there
 constexpr double kNothingLeft = 1e-9;   ///< of the step: rounding of what was taken
 constexpr double kReportedGain = 1e-6;  ///< [J] less is not told

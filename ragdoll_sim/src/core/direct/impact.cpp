@@ -50,6 +50,22 @@ bool isComing(const Body& body, const LimitRow& limit, double h) {
   return -rate > kRestSteps * body.context->h * pull / kLimb;
 }
 
+/// Two bodies do not bounce, and what they touch already is no news.
+bool isComing(const Island& island, const Contact& pair, double h) {
+  const Body& any = *island.bodies[0];
+  if (pair.gap_start < -any.tolerances.contact) return false;
+  double scale = 1;
+  int located = 0;
+  for (const Body* body : island.bodies) {
+    scale = std::min(scale, body->rows->scale);
+    located = std::max(located, body->located);
+  }
+  const double end = pairGapAfter(island, pair);
+  if (end < -kDeepImpact * scale) return located < kMaxDeepImpacts;
+  if (located >= kMaxLocated || pair.before < any.tolerances.touching) return false;
+  return (pair.before - end) / h > comingSpeed(island.context, pair);
+}
+
 bool reachesComing(const Body& body) {
   const ConstraintSet& set = body.constraints;
   for (std::size_t i = 0; i < set.contacts.size(); ++i)
@@ -85,9 +101,22 @@ Impact firstImpact(Body& body, double h) {
     if (end < 0)
       consider(timeOfZero(limit.before, rateOf(body, limit), end, h), set.limit_role[i], h, first);
   }
-  if (!first.role) return first;
-  if (first.time < kSnap * h) first.time = 0;
-  if (first.time > (1 - kSnap) * h) first.time = h;
+  return first;
+}
+
+/// Two bodies that come to touch each other.
+Impact firstPair(Island& island, double h) {
+  const double closed = -island.bodies[0]->tolerances.contact;
+  PairSet& pairs = island.pairs;
+  Impact first{2 * h, nullptr};
+  for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
+    const Contact& c = pairs.contacts[i];
+    if (pairs.role[i] != Role::kComing) continue;
+    const double end = pairGapAfter(island, c);
+    if (end < closed)
+      consider(timeOfZero(c.before, pairRate(island.context.state, c), end, h), pairs.role[i], h,
+               first);
+  }
   return first;
 }
 
@@ -119,44 +148,30 @@ void findComing(Body& body, double h) {
 
 void findComing(Island& island, double h) {
   for (Body* body : island.bodies) findComing(*body, h);
+  PairSet& pairs = island.pairs;
+  for (std::size_t i = 0; i < pairs.contacts.size(); ++i)
+    if (isComing(island, pairs.contacts[i], h)) pairs.role[i] = Role::kComing;
 }
 
 bool reachesComing(const Island& island) {
+  const PairSet& pairs = island.pairs;
+  for (std::size_t i = 0; i < pairs.contacts.size(); ++i)
+    if (pairs.role[i] == Role::kComing &&
+        pairGapAfter(island, pairs.contacts[i]) < -island.bodies[0]->tolerances.contact)
+      return true;
   return std::any_of(island.bodies.begin(), island.bodies.end(),
                      [](const Body* body) { return reachesComing(*body); });
 }
 
 Impact firstImpact(Island& island, double h) {
-  Impact first{2 * h, nullptr};
+  Impact first = firstPair(island, h);
   for (Body* body : island.bodies) {
     const Impact own = firstImpact(*body, h);
     if (own.time < first.time) first = own;
   }
-  return first;
-}
-
-Impact firstPair(Island& island, double h) {
-  const Body& any = *island.bodies[0];
-  Impact first{2 * h, nullptr};
-  double scale = 1;
-  bool located = false;
-  for (const Body* body : island.bodies) {
-    scale = std::min(scale, body->rows->scale);
-    located = located || body->located >= kMaxLocated;
-  }
-  PairSet& pairs = island.pairs;
-  for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
-    const Contact& c = pairs.contacts[i];
-    const double end = pairGapAfter(island, c);
-    if (c.gap_start < -any.tolerances.contact || end >= -any.tolerances.contact) continue;
-    const bool slow =
-        c.before < any.tolerances.touching || (c.before - end) / h < comingSpeed(island.context, c);
-    if ((located || slow) && end >= -kDeepImpact * scale) continue;
-    const double t = timeOfZero(c.before, pairRate(island.context.state, c), end, h);
-    if (!(t >= 0 && t < h)) continue;
-    pairs.role[i] = Role::kComing;
-    if (t < first.time) first = {t, &pairs.role[i]};
-  }
+  if (!first.role) return first;
+  if (first.time < kSnap * h) first.time = 0;
+  if (first.time > (1 - kSnap) * h) first.time = h;
   return first;
 }
 

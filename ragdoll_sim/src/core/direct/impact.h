@@ -20,7 +20,8 @@ double timeOfZero(double start, double rate, double end, double h);
 double bounceSpeed(const StepContext& step, const Contact& contact);
 double comingSpeed(const StepContext& step, const Contact& contact);
 
-/// Marks as coming what the bodies come to from afar, faster than gravity would bring them there:
+/// Marks as coming what the bodies, or two of them, come to from afar, faster than gravity would
+/// bring them there:
 /// it does not press until it is reached.
 void findComing(Body& body, double h);
 void findComing(Island& island, double h);
@@ -28,9 +29,8 @@ void findComing(Island& island, double h);
 /// Whether the motions go through something that is coming: they will be cut short.
 bool reachesComing(const Island& island);
 
+/// Of what comes: by motions in which all else presses already.
 Impact firstImpact(Island& island, double h);
-/// Two bodies that come to touch each other. They do not bounce.
-Impact firstPair(Island& island, double h);
 
 /// Marks that one as hit, and whatever else was coming as usual.
 void takeImpact(Island& island, const Impact& impact);

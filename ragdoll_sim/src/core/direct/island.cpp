@@ -148,7 +148,7 @@ bool activateViolated(Island& island) {
   for (Body* body : island.bodies) any = activateViolated(*body) || any;
   PairSet& pairs = island.pairs;
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
-    if (pairs.row[i] >= 0) continue;
+    if (pairs.row[i] >= 0 || pairs.role[i] == Role::kComing) continue;
     if (pairGapAfter(island, pairs.contacts[i]) >= -island.bodies[0]->tolerances.contact) continue;
     pairs.role[i] = Role::kActive;
     any = true;

@@ -52,17 +52,17 @@ struct ModeRow {
 struct RowPlace {
   double gap = 0;        ///< [m], [rad]
   double curvature = 0;  ///< second derivative of the gap along the motion, without accelerations
-  Vec3 turn = Vec3::Zero();      ///< [m/s^2] along the surface: as place and normal move
-  Vec3 moves = Vec3::Zero();     ///< [m/s] of a pair: how the way between its places changes
-  bool regular = true;           ///< false: it has no such derivative here
-  double at = 0;                 ///< of a stick: from a (0) to b (1)
-  bool inside = true;            ///< likewise: between its ends
+  Vec3 turn = Vec3::Zero();   ///< [m/s^2] along the surface: as place and normal move
+  Vec3 moves = Vec3::Zero();  ///< [m/s] of a pair: how the way between its places changes
+  bool regular = true;        ///< false: it has no such derivative here
+  double at = 0;              ///< of a stick: from a (0) to b (1)
+  bool inside = true;         ///< likewise: between its ends
   /// -1, 0, 1: beyond which faces of the obstacle's core; of a pair that gives way at which end of
   /// its first and second stick (0: between them), then at which end of their overlap (1, 2) if
   /// they lie along each other.
   std::array<int, 3> feature{};
-  Contact contact;               ///< of all but kLimit
-  LimitRow limit;                ///< kLimit
+  Contact contact;  ///< of all but kLimit
+  LimitRow limit;   ///< kLimit
 };
 
 /// Forces of the rows at one instant.
@@ -97,7 +97,8 @@ struct Mode {
   std::vector<RowPlace> place;
   std::vector<int> first;  ///< of rows in the Schur complement; -1: none
   std::vector<ModeBlock> blocks;
-  std::vector<int> spin_of;  ///< of each body; -1: held, or nothing presses on it
+  std::vector<int> spin_of;   ///< of each body; -1: held, or nothing presses on it
+  std::vector<int> found_of;  ///< that the present forces were found with
   std::vector<ModeSpin> spins;
   ModePoint start, end, sample, stage;
   RowValues beside;  ///< positions near those of a point

@@ -34,6 +34,7 @@ constexpr double kStill = 1e-8;          ///< [m/s] of a slip that has ended
 constexpr double kHeldStill = 2e-8;      ///< [m/s] what was held and slips faster is not
 constexpr double kBarelyMoves = 1e-9;    ///< [m/s] what slips slower keeps its direction
 constexpr double kLeaving = 1e-9;        ///< [m/s], [rad/s] what opens faster does not rest
+constexpr int kSpinRounds = 4;           ///< until what holds bodies is what presses on them
 constexpr double kRestApproach = 1e-5;   ///< [m/s] slower does not bounce: 5e-12 m high
 constexpr double kNoForce = 1e-9;        ///< of the weight and of what presses
 constexpr double kLeastOfWeight = 1e-3;  ///< what presses with less is measured by the weight

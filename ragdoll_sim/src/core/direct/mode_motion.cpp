@@ -283,7 +283,6 @@ namespace {
 
 /// What closed rows do at the point but press: whether they slip, and where to.
 void startModes(Island& island, const ModePoint& point) {
-  findSpins(island, point.x.data(), point.v.data(), SpinOf::kClosed);
   for (ModeRow& row : island.s.mode.rows) {
     row.sticks = row.held = row.moves = false;
     if (!row.isSoft()) row.presses = false;
@@ -334,10 +333,32 @@ bool findPressing(Island& island, ModePoint& point) {
 }  // namespace
 
 bool findMode(Island& island, ModePoint& point) {
-  accelerateFreely(island, point);
-  startModes(island, point);
-  return findPressing(island, point);
+  Mode& mode = island.s.mode;
+  findSpins(island, point.x.data(), point.v.data(), SpinOf::kClosed);
+  for (int k = 0; k < kSpinRounds; ++k) {
+    accelerateFreely(island, point);
+    startModes(island, point);
+    if (!findPressing(island, point)) return false;
+    // What lets go holds no more: then bodies slip beside their common spin.
+    mode.found_of = mode.spin_of;
+    findSpins(island, point.x.data(), point.v.data(), SpinOf::kPressing);
+    if (mode.spin_of == mode.found_of) return true;
+  }
+  return false;
 }
+
+namespace {
+
+/// What stays closed after an impact holds its body, pressed or not. rates: after it.
+void holdWhatStays(Mode& mode, const ModeVector& rates) {
+  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+    ModeRow& row = mode.rows[i];
+    if (mode.first[i] < 0 || row.obstacle < 0 || !row.isContact()) continue;
+    row.presses = row.presses || rates[mode.first[i]] < kParting;
+  }
+}
+
+}  // namespace
 
 bool takeModeImpact(Island& island, ModePoint& point) {
   Mode& mode = island.s.mode;
@@ -355,6 +376,7 @@ bool takeModeImpact(Island& island, ModePoint& point) {
   if (!solveComplementarity(system.A, system.b, impulseScale(system), mode.blocks, system.p))
     return false;
   keepMode(island);
+  holdWhatStays(mode, rates + system.A * system.p);
   findSpins(island, point.x.data(), point.v.data(), SpinOf::kPressing);  // after it, as shake
   push(island, system.p, point.x.data(), point.v.data());
   logImpact(island, system, rates, point);

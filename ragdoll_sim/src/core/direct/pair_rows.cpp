@@ -56,6 +56,7 @@ void buildRows(Island& island, double h, bool leapfrog) {
   pairs.springs.assign(pairs.contacts.size(), {});
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
     const Contact& c = pairs.contacts[i];
+    if (pairs.role[i] == Role::kComing) continue;
     if (isOnlyNear(pairs.role[i]) && pairGapAfter(island, c) > kClose && !pairs.cache.find(c))
       continue;
     pairs.row[i] = addPairRows(island, leapfrog ? c.atStart() : c, static_cast<int>(i),

@@ -94,7 +94,7 @@ void stepUnguarded(Island& island) {
   double left = island.context.h;
   while (left > kNothingLeft * island.context.h) {
     setSpan(island, left, left);
-    left -= takeExplicitTrial(island, left, 0).took;
+    left -= takeExplicitTrial(island, left).took;
   }
 }
 

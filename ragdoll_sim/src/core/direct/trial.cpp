@@ -59,20 +59,16 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
 }
 
 /// SHAKE and RATTLE over h, or to the first impact.
-Trial leapfrog(Island& island, double h, int taken) {
+Trial leapfrog(Island& island, double h) {
   Trial trial{h};
   dampWithin(island, 0.5 * h);
   for (Body* body : island.bodies) body->memory->response.setStart(body->xData());
   const bool whole = freeMotions(island, h);
   findCandidates(island, h);
   if (!whole) return {h, false};
-  Impact impact{2 * h, nullptr};
-  if (taken < kMaxDeepImpacts) impact = firstPair(island, h);
-  if (impact.time > h) {
-    findComing(island, h);
-    if (!solvePositions(island, h, trial.contacts)) return {h, false};
-    impact = firstImpact(island, h);
-  }
+  findComing(island, h);
+  if (!solvePositions(island, h, trial.contacts)) return {h, false};
+  const Impact impact = firstImpact(island, h);
   if (impact.time <= h) return moveToImpact(island, impact, h);
   finishMotion(island, h, true, Stage::kMotion, 0.5 * h);
   return trial;
@@ -123,7 +119,7 @@ bool stepEachAlone(Island& island, double h, StepReport& report) {
 
 }  // namespace
 
-Trial takeExplicitTrial(Island& island, double h, int taken) {
+Trial takeExplicitTrial(Island& island, double h) {
   Trial trial;
   const SolverSpec& solver = island.context.model.solver;
   if (solver.method == Method::kRk && (island.isLone() || solver.events)) {
@@ -131,7 +127,7 @@ Trial takeExplicitTrial(Island& island, double h, int taken) {
     trial = {smooth.took, smooth.ok, smooth.contacts, smooth.exact};
   }
   if (trial.ok && trial.took == 0) {
-    trial = leapfrog(island, h, taken);
+    trial = leapfrog(island, h);
     trial.handed_over = solver.method == Method::kRk && solver.events;
   }
   trial.ok = trial.ok && isFinite(island);
@@ -142,7 +138,7 @@ Trial takeTrial(Island& island, const SubstepControl& control, StepReport& repor
   Trial trial{control.substep()};
   switch (control.way()) {
     case Way::kExplicit:
-      return takeExplicitTrial(island, control.substep(), control.taken());
+      return takeExplicitTrial(island, control.substep());
     case Way::kImplicit:
       dampWithin(island, control.substep());
       return implicitTrial(island, control.substep(), report);

@@ -9,9 +9,9 @@ namespace ragdoll {
 
 /// What a trial came to.
 struct Trial {
-  double took = 0;   ///< [s]
-  bool ok = true;    ///< false: no motion was found
-  int contacts = 0;  ///< that pressed
+  double took = 0;           ///< [s]
+  bool ok = true;            ///< false: no motion was found
+  int contacts = 0;          ///< that pressed
   bool exact = false;        ///< by rk from event to event
   bool handed_over = false;  ///< rk was asked for, and this is leapfrog
   bool limited = false;      ///< energy was taken out within
@@ -20,7 +20,7 @@ struct Trial {
 /// By the control's way, over its substep or to the first impact.
 Trial takeTrial(Island& island, const SubstepControl& control, StepReport& report);
 
-/// The explicit one over h; taken: substeps before it.
-Trial takeExplicitTrial(Island& island, double h, int taken);
+/// The explicit one over h.
+Trial takeExplicitTrial(Island& island, double h);
 
 }  // namespace ragdoll

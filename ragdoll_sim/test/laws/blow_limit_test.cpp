@@ -1,0 +1,113 @@
+// Blows beside what lies somewhere: `shake` meets the limit that `rk` finds from event to event.
+#include <gtest/gtest.h>
+
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/ends.h"
+
+namespace ragdoll::test {
+namespace {
+
+/// [m] How far a scene ends from the limit after `seconds`, in steps of 1 / rate.
+class Limit {
+ public:
+  Limit(const char* text, double seconds) : scene_(parseScene(text)), seconds_(seconds) {
+    exact_ = endOfBlows(scene_, Method::kRk, 1e-3, seconds);
+  }
+  double distance(double rate) const {
+    return largest(endOfBlows(scene_, Method::kShake, 1 / rate, seconds_) - exact_);
+  }
+
+ private:
+  Scene scene_;
+  double seconds_;
+  Points exact_;
+};
+
+/// The blow's time is that of motions that the floor bears: of free ones it came too late, and the
+/// floor then lifted one ball into the other.
+TEST(BlowLimit, OfABallThatHitsOneThatLies) {
+  const Limit limit(R"(
+ragdoll_collision: true
+ragdolls:
+  - {name: a, position: [0, 0, 0.05], model: {particles: {p: {position: [0, 0, 0], mass: 1.1, radius: 0.05}}}}
+  - {name: b, position: [0, -0.31, 0.29], velocity: [0, 2.9, -2.3],
+     model: {particles: {p: {position: [0, 0, 0], mass: 0.6, radius: 0.06}}}}
+obstacles: [{type: plane, friction: 0}]
+)",
+                    0.16);
+  for (const double rate : {250.0, 500.0, 1000.0, 4000.0})
+    EXPECT_LT(limit.distance(rate), 2 / (rate * rate)) << rate;
+}
+
+/// In steps of 4 ms it ends 15 us after the blow: before the floor's share, free motions end
+/// without.
+TEST(BlowLimit, OfABlowJustBeforeAStepsEnd) {
+  const Limit limit(R"(
+ragdoll_collision: true
+ragdolls:
+  - {name: a, position: [-0.073, 0, 0.068], velocity: [0.706, -0.83, 0],
+     model: {particles: {p: {position: [0, 0, 0], mass: 1.854, radius: 0.068}}}}
+  - {name: b, position: [-0.3456, -0.3214, 0.4297], velocity: [2.492, 2.775, -2.227],
+     model: {particles: {p: {position: [0, 0, 0], mass: 2.457, radius: 0.046}}}}
+obstacles: [{type: box, position: [0.1, 0, -0.15], size: [0.9, 1.1, 0.3], friction: 0.777}]
+)",
+                    0.14);
+  for (const double rate : {250.0, 500.0, 1000.0, 2000.0})
+    EXPECT_LT(limit.distance(rate), 12 / (rate * rate)) << rate;
+}
+
+/// A ball rolls against a rod, and sticks to it: the floor presses with nothing in the blow, but
+/// both lie on it, and friction's couple does not turn them into it.
+TEST(BlowLimit, OfBodiesThatStayOnTheFloor) {
+  const Limit limit(R"(
+ragdoll_collision: true
+ragdolls:
+  - {name: a, position: [-0.53, 0, 0.05], model: {sticks: [[a, b]], particles: {
+       a: {position: [0, 0, 0], mass: 1.1, radius: 0.05}, b: {position: [1, 0, 0], mass: 0.9, radius: 0.05}}}}
+  - {name: b, position: [0.411, -0.4, 0.02], velocity: [0.3, 3.9, 0],
+     model: {particles: {p: {position: [0, 0, 0], mass: 0.9, radius: 0.02}}}}
+obstacles: [{type: plane, friction: 0}]
+)",
+                    0.14);
+  for (const double rate : {250.0, 300.0, 600.0, 1000.0, 1200.0, 3000.0})
+    EXPECT_LT(limit.distance(rate), 0.1 / (rate * rate)) << rate;
+}
+
+/// A ball throws a rod off two smooth spheres. What they held together while the spheres pressed
+/// may slip beside their spin when nothing does.
+TEST(BlowLimit, OfARodThatTwoSpheresLetGo) {
+  const Limit limit(R"(
+gravity: [0, 0, 0]
+ragdoll_collision: true
+ragdolls:
+  - {name: a, position: [-0.53, 0, 0.35], model: {sticks: [[a, b]],
+       segments: {ab: {from: a, to: b, mass: 0.8, gyration: 0.289}}, particles: {
+       a: {position: [0, 0, 0], mass: 1.1, radius: 0.05}, b: {position: [1, 0, 0], mass: 0.9, radius: 0.05}}}}
+  - {name: b, position: [0.19, -0.31, 0.59], velocity: [0.4, 2.9, -2.3],
+     model: {particles: {p: {position: [0, 0, 0], mass: 0.6, radius: 0.06}}}}
+obstacles:
+  - {type: sphere, position: [-0.3, 0, 0], radius: 0.3, friction: 0}
+  - {type: sphere, position: [0.3, 0, 0], radius: 0.3, friction: 0}
+)",
+                    0.12);
+  for (const double rate : {250.0, 1000.0, 4000.0})
+    EXPECT_LT(limit.distance(rate), 2.5e-3 / rate) << rate;
+}
+
+/// A rod's tip lies on a box; the rod falls across the box's edge. Each place has a gap of its own.
+TEST(BlowLimit, OfARodThatFallsAcrossAnEdge) {
+  const Limit limit(R"(
+ragdolls:
+  - {name: a, position: [0, 0, 0.05], place: {a: [-0.137, 0.05, 0.037], b: [0.61, 0.09, 0.19]},
+     model: {sticks: [[a, b, 0.7635561537961697]], particles: {
+       a: {position: [0, 0, 0], mass: 1.1, radius: 0.037},
+       b: {position: [0.7635561537961697, 0, 0], mass: 0.9, radius: 0.06}}}}
+obstacles: [{type: box, position: [0, 0, -0.15], size: [0.9, 1.1, 0.3], friction: 0.35}]
+)",
+                    0.2);
+  for (const double rate : {250.0, 500.0, 1000.0, 4000.0})
+    EXPECT_LT(limit.distance(rate), 1e-2 / rate) << rate;
+}
+
+}  // namespace
+}  // namespace ragdoll::test
