@@ -58,6 +58,26 @@ class ConfigurationRunner {
   double last_ = 0;
 };
 
+/// Of the windows that count, means.
+struct Errors {
+  double error = 0, energy_drift = 0;
+};
+
+Errors atEnds(const Model& model, const SolverSpec& solver, const Reference& reference) {
+  Errors mean;
+  const int steps = stepsIn(reference.window, solver.step);
+  const double count = countOf(reference);
+  for (const Window& window : reference.windows) {
+    if (!counts(reference, window)) continue;
+    const State end = follow(model, solver, window, steps);
+    mean.error += rmsDistance(model, end.x, window.end) / count;
+    mean.energy_drift +=
+        (kineticEnergy(model, end) + potentialEnergy(model, end) - window.energy_end) / count;
+  }
+  if (!std::isfinite(mean.error)) mean.error = INFINITY;
+  return mean;
+}
+
 }  // namespace
 
 double cpuTime() {
@@ -72,20 +92,18 @@ double median(std::vector<double> values) {
   return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
+double errorOf(const Model& model, const SolverSpec& solver, const Reference& reference) {
+  return atEnds(model, solver, reference).error;
+}
+
 Measurement measureAccuracy(const Model& model, const Configuration& configuration,
                             const Reference& reference, double horizon) {
   Measurement m;
   m.configuration = configuration;
   const SolverSpec& solver = configuration.solver;
-  const int steps = stepsIn(reference.window, solver.step);
-  const double count = countOf(reference);
-  for (const Window& window : reference.windows) {
-    if (!counts(reference, window)) continue;
-    const State end = follow(model, solver, window, steps);
-    m.error += rmsDistance(model, end.x, window.end) / count;
-    m.energy_drift +=
-        (kineticEnergy(model, end) + potentialEnergy(model, end) - window.energy_end) / count;
-  }
+  const Errors errors = atEnds(model, solver, reference);
+  m.error = errors.error;
+  m.energy_drift = errors.energy_drift;
   const Model own = withSolver(model, solver);
   WatchedRun run(own);
   for (double i = std::ceil(horizon / solver.step - 1e-9); i > 0; --i) run.step();

@@ -19,9 +19,10 @@ struct Configuration {
 
 struct Measurement {
   Configuration configuration;
-  double cost = 0;             ///< [s] of CPU time per simulated second, median
-  double ratio = 0;            ///< cost by that of preset thesis measured at the same time, median
-  double error = 0;            ///< [m] RMS over particles at the end of a window, mean over those that count
+  double cost = 0;    ///< [s] of CPU time per simulated second, median
+  double ratio = 0;   ///< cost by that of preset thesis measured at the same time, median
+  double error = 0;   ///< [m] RMS over particles at the end of a window, mean over those that count
+  double others = 0;  ///< [m] the largest such error of other starts
   double energy_drift = 0;     ///< [J] over a window, against the reference, mean over windows
   double energy_rise = 0;      ///< [J] largest rise above start plus work in one run
   double stretch = 0;          ///< relative, largest in one run
@@ -30,6 +31,9 @@ struct Measurement {
   bool finite = true;
   bool best = false;  ///< on the Pareto front
 };
+
+/// [m] As Measurement::error; infinite where the numbers leave the finite ones.
+double errorOf(const Model& model, const SolverSpec& solver, const Reference& reference);
 
 /// Error and energy drift against the reference; stretch and the like of one run to `horizon`.
 Measurement measureAccuracy(const Model& model, const Configuration& configuration,

@@ -27,6 +27,13 @@ struct Goal {
 };
 constexpr Goal kSmooth = {1e-8, 245760};
 constexpr Goal kContact = {2e-9, 61440};
+constexpr double kRoughFinest = 15360;  ///< [Hz] where less agreement is asked for
+
+Goal goalOf(bool contact, double agreement) {
+  Goal goal = contact ? kContact : kSmooth;
+  if (agreement > goal.agreement) goal = {agreement, kRoughFinest};
+  return goal;
+}
 
 /// The window's start in steps of the solver.
 State startOf(const Window& window, const SolverSpec& solver) {
@@ -150,12 +157,13 @@ State follow(const Model& model, const SolverSpec& solver, const Window& window,
 }
 
 Reference makeReference(const Model& model, double horizon, double window,
-                        const std::function<void(double)>& report) {
+                        const std::function<void(double)>& report, double agreement) {
   Reference reference;
   reference.window = window;
   reference.method = kMethod;
   reference.other = kOther;
   const int count = stepsIn(horizon, window);
+  const Goal goal = goalOf(count > 1 || hasContact(model), agreement);
   const SolverSpec fine = referenceSolver(model, kMethod, kTrajectoryRate);
   State state = startState(model);
   for (int k = 0; k < count; ++k) {
@@ -166,7 +174,7 @@ Reference makeReference(const Model& model, double horizon, double window,
     w.start.multipliers.clear();  // no method starts with what another has learned
     std::fill(w.start.quiet.begin(), w.start.quiet.end(), 0.0);
     std::fill(w.start.asleep.begin(), w.start.asleep.end(), 0);
-    converge(model, window, count > 1 || hasContact(model) ? kContact : kSmooth, w);
+    converge(model, window, goal, w);
     if (k + 1 < count) state = follow(model, fine, w, stepsIn(window, fine.step));
     if (hasContact(model)) findFork(model, window, w);
     reference.forks += w.forks;

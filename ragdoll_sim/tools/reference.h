@@ -43,9 +43,11 @@ Model withSolver(const Model& model, const SolverSpec& solver);
 bool hasContact(const Model& model);
 
 /// `horizon` is split into windows of length `window`, which must divide it. `report` hears of the
-/// share that is done. Throws Error where even the reference leaves the finite numbers.
+/// share that is done. `agreement` [m]: two runs, one at half the step of the other, are near
+/// enough at that; 0: as near as double precision is good for. Throws Error where even the
+/// reference leaves the finite numbers.
 Reference makeReference(const Model& model, double horizon, double window,
-                        const std::function<void(double)>& report);
+                        const std::function<void(double)>& report, double agreement = 0);
 
 /// Whether its error counts in means: all windows do if all fork.
 bool counts(const Reference& reference, const Window& window);

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "ragdoll_sim/core/scene.h"
 #include "survey.h"
 
 namespace ragdoll::lab {
@@ -14,8 +16,23 @@ struct Target {
   double budget = 0;  ///< [s] of CPU time per simulated second
 };
 
+/// The scene begun otherwise, with what would have happened.
+struct OtherStart {
+  Model model;
+  Reference reference;
+};
+
+/// From as many other starts, by seeds 1, 2, ..., as sure as the target needs.
+std::vector<OtherStart> otherStarts(const Scene& scene, int count, const Target& target,
+                                    const SurveyOptions& options, Progress& progress);
+
+/// [m] Error to be expected from any start: twice the largest that was measured, where other starts
+/// were. A fourth start is then within it in 96 of 100 cases (docs/trade_tables.md).
+double expectedError(const Measurement& measurement);
+
 struct Choice {
   Measurement measurement;
+  int others = 0;  ///< starts
   bool met = false;
   double horizon = 0;  ///< [s]
   Reference reference;
@@ -23,7 +40,7 @@ struct Choice {
 
 /// `options` are completed ones.
 Choice tune(const Model& model, const Target& target, const SurveyOptions& options,
-            Progress& progress);
+            const std::vector<OtherStart>& others, Progress& progress);
 
 /// The section `solver:` of a scene, with what was measured as comments.
 std::string toText(const Choice& choice, const Target& target, const std::string& scene);
