@@ -39,6 +39,21 @@ obstacles: [{type: plane, friction: 0}]
     EXPECT_LT(limit.distance(rate), 2 / (rate * rate)) << rate;
 }
 
+/// What presses from below has turned by the blow, by less than its place tells.
+TEST(BlowLimit, OfABallOnABarThatIsHit) {
+  const Limit limit(R"(
+ragdoll_collision: true
+ragdolls:
+  - {name: a, position: [0, 0, 0.053], model: {particles: {p: {position: [0, 0, 0], mass: 2.097, radius: 0.053}}}}
+  - {name: b, position: [-0.2263, 0.2515, 0.4174], velocity: [1.771, -2.106, -2.614],
+     model: {particles: {p: {position: [0, 0, 0], mass: 0.723, radius: 0.032}}}}
+obstacles: [{type: capsule, from: [0.03, -0.8, -0.2], to: [-0.05, 0.9, -0.2], radius: 0.2, friction: 0}]
+)",
+                    0.24);
+  for (const double rate : {500.0, 1000.0, 2000.0, 4000.0, 8000.0})
+    EXPECT_LT(limit.distance(rate), 5 / (rate * rate)) << rate;
+}
+
 /// In steps of 4 ms it ends 15 us after the blow: before the floor's share, free motions end
 /// without.
 TEST(BlowLimit, OfABlowJustBeforeAStepsEnd) {

@@ -123,7 +123,8 @@ void findCandidates(Body& body, double h) {
 bool hasOtherPlane(const Body& body, const Contact& c, double over) {
   if (!c.touches_at_start || c.isSoft() || !c.surface_motion.isZero(0)) return false;
   const double seen = c.gapAt(body.context->state.x) + c.offset - c.found;
-  return std::abs(seen - c.gap_start) > body.tolerances.contact * over / body.context->h;
+  return (c.normal - c.start_normal).norm() > kTurned ||
+         std::abs(seen - c.gap_start) > body.tolerances.contact * over / body.context->h;
 }
 
 bool hasOtherPlane(const Body& body, const std::vector<Contact>& contacts, double over) {

@@ -20,8 +20,8 @@ bool isKnown(const std::vector<Contact>& contacts, std::size_t count, const Cont
 void findCandidates(Body& body, double h);
 
 /// Whether what touches all along an obstacle at rest, or a limb, has another plane than a motion
-/// over `over` would: seen from the start it lies elsewhere than what touches there, by more than
-/// may be left in such a part of a step, where it becomes a speed.
+/// over `over` would: it is turned, or seen from the start it lies elsewhere than what touches
+/// there, by more than may be left in such a part of a step, where it becomes a speed.
 bool hasOtherPlane(const Body& body, const Contact& contact, double over);
 bool hasOtherPlane(const Body& body, const std::vector<Contact>& contacts, double over);
 /// Has the contact as it is among those that are found now, at the place nearest to its own;

@@ -28,7 +28,6 @@ class SubstepControl {
   Way way() const { return way_; }
   double substep() const { return substep_; }  ///< [s] of the next trial
   double left() const { return left_; }        ///< [s]
-  int taken() const { return taken_; }
   bool guarded() const { return guarded_; }  ///< some trial was not explicit
   bool limited() const { return limited_; }  ///< of some, energy was taken out
 

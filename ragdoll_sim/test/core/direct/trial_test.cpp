@@ -21,7 +21,7 @@ Scene fallOnto(double gap) {
 
 TEST(Trial, TakesTheWholeStepInTheAir) {
   DirectIsland one(fallOnto(1));
-  const Trial trial = takeExplicitTrial(one.island, one.h, 0);
+  const Trial trial = takeExplicitTrial(one.island, one.h);
   EXPECT_TRUE(trial.ok);
   EXPECT_DOUBLE_EQ(trial.took, one.h);
   EXPECT_NEAR(one.world.x(0).z(), 1.05 - 6 * one.h, 1e-12);
@@ -29,7 +29,7 @@ TEST(Trial, TakesTheWholeStepInTheAir) {
 
 TEST(Trial, EndsAtTheImpact) {
   DirectIsland one(fallOnto(0.03));
-  const Trial trial = takeExplicitTrial(one.island, one.h, 0);
+  const Trial trial = takeExplicitTrial(one.island, one.h);
   EXPECT_TRUE(trial.ok);
   EXPECT_NEAR(trial.took, 0.005, 1e-9);
   for (int i = 0; i < 2; ++i) {
@@ -44,7 +44,7 @@ TEST(Trial, DampsAtBothEndsOfTheMotion) {
   scene.ragdolls[0].velocity.x() = 3;
   scene.solver.damping = 4;
   DirectIsland one(scene);
-  takeExplicitTrial(one.island, one.h, 0);
+  takeExplicitTrial(one.island, one.h);
   EXPECT_NEAR(one.world.x(0).x(), 3 * std::exp(-2 * one.h) * one.h, 1e-14);
   EXPECT_NEAR(one.world.v(0).x(), 3 * std::exp(-4 * one.h), 1e-14);
 }
