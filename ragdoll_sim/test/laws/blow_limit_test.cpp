@@ -109,6 +109,27 @@ obstacles:
     EXPECT_LT(limit.distance(rate), 2.5e-3 / rate) << rate;
 }
 
+/// Two rods meet in the air and slide on each other at 5 m/s: what friction takes of their angular
+/// momentum meanwhile comes back as a turn, too.
+TEST(BlowLimit, OfRodsThatSlideOnEachOtherAfterIt) {
+  const Limit limit(R"(
+ragdoll_collision: true
+ragdolls:
+  - {name: a, position: [-0.2815, 0, 0.049], model: {sticks: [[a, b]], particles: {
+       a: {position: [0, 0, 0], mass: 0.941, radius: 0.049}, b: {position: [0.6078, 0, 0], mass: 2.07, radius: 0.049}}}}
+  - {name: b, position: [0.0871, 0.073, 0.5459], velocity: [-2.788, -0.996, -3.549], rpy_deg: [5.95, 15.24, 153.73],
+     angular_velocity: [-0.931, 0.321, -1.977], model: {sticks: [[a, b]], particles: {
+       a: {position: [0, 0, 0], mass: 0.883, radius: 0.056}, b: {position: [0.4795, 0, 0], mass: 2.411, radius: 0.032}}}}
+  - {name: c, position: [-0.713, 0.2576, 0.6753], velocity: [1.678, -1.439, -2.079], rpy_deg: [-11.72, -0.58, 166.44],
+     angular_velocity: [2.397, 0.851, 1.019], model: {sticks: [[a, b]], particles: {
+       a: {position: [0, 0, 0], mass: 0.859, radius: 0.067}, b: {position: [0.6865, 0, 0], mass: 1.67, radius: 0.064}}}}
+obstacles: [{type: capsule, from: [0.03, -0.8, -0.2], to: [-0.05, 0.9, -0.2], radius: 0.2, friction: 0.103}]
+)",
+                    0.24);
+  for (const double rate : {500.0, 1000.0, 2000.0, 4000.0})
+    EXPECT_LT(limit.distance(rate), 6e-3 / rate) << rate;
+}
+
 /// A rod's tip lies on a box; the rod falls across the box's edge. Each place has a gap of its own.
 TEST(BlowLimit, OfARodThatFallsAcrossAnEdge) {
   const Limit limit(R"(

@@ -95,7 +95,6 @@ struct Contact {
 struct BodyPair {
   int first = 0, second = 0;  ///< ragdolls
   bool grips = false;         ///< friction holds them: it is less than it could be
-  bool soft = false;          ///< by a spring
 };
 
 }  // namespace ragdoll

@@ -92,17 +92,6 @@ void turn(const std::vector<Body*>& bodies, const RigidMotion& common, const Vec
   }
 }
 
-/// Whether bodies pressed on each other by springs alone.
-bool metSoftly(const Island& island, const std::vector<Body*>& bodies) {
-  return bodies.size() > 1 &&
-         std::all_of(
-             island.pairs.pushed.begin(), island.pairs.pushed.end(), [&](const BodyPair& pair) {
-               return pair.soft ||
-                      std::none_of(bodies.begin(), bodies.end(),
-                                   [&](const Body* body) { return body->index == pair.first; });
-             });
-}
-
 /// [J] that a spin may give: what the motion has lost, and what is taken out again of one that is
 /// not smooth.
 double energyToGive(Island& island, const std::vector<Body*>& bodies, bool smooth) {
@@ -133,9 +122,9 @@ void giveSpin(Island& island, const std::vector<Body*>& bodies, const Vec3& cent
   addSpin(bodies, centre, (share - 1) * spin);
 }
 
-/// Gives back to bodies that pressed on each other what they lost together over `took`. Springs
-/// lose it evenly over that time, so that half of the spin's turn is missing as well; of a blow,
-/// which has its place within, one does not know.
+/// Gives back to bodies that pressed on each other what they lost together over `took`: evenly over
+/// that time, so that half of the spin's turn is missing as well. What a blow took came back in it
+/// (restoreAfterBlow).
 void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took) {
   if (isHeld(island, bodies)) return;
   const auto x0 = [](const Body& body) -> const Points& { return body.saved.x; };
@@ -148,7 +137,7 @@ void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took)
   wanted += givenByPokes(bodies, 0.5 * (before.centre + after.centre), took);
   Rotation now = rotationOf(bodies, after, x1, v1);
   if ((wanted - now.angular).norm() <= kNothingLost * now.angular.norm()) return;
-  if (metSoftly(island, bodies)) {
+  if (bodies.size() > 1) {
     turn(bodies, after, 0.5 * took * spinFor(now, wanted));
     now = rotationOf(bodies, after, x1, v1);
   }

@@ -92,8 +92,7 @@ void keepPressing(Island& island, int& contacts) {
     }
     ++contacts;
     if (row.isShared())
-      pairs.pressing.push_back(
-          {place.contact.ragdoll, place.contact.other, row.sticks, row.isSoft()});
+      pairs.pressing.push_back({place.contact.ragdoll, place.contact.other, row.sticks});
     else if (row.sticks && place.contact.obstacle >= 0)
       cache.setGripped();
     cache.add(keyOf(place.contact));
@@ -160,10 +159,10 @@ double shareOf(double error) {
   return error > 0 ? kPieceAim * std::pow(kPieceError / error, 1.0 / kOrderOfPiece) : kGrowth;
 }
 
-/// Moves mode.end over a piece of at most `most` in the present mode, to its first event if there is
-/// one. Where an event comes early the motion beyond it, in a mode that has ended, says little about
-/// when: it is looked for again in a shorter piece. pieces: how many may be tried. next: [s] what the
-/// one after it may be.
+/// Moves mode.end over a piece of at most `most` in the present mode, to its first event if there
+/// is one. Where an event comes early the motion beyond it, in a mode that has ended, says little
+/// about when: it is looked for again in a shorter piece. pieces: how many may be tried. next: [s]
+/// what the one after it may be.
 bool takePiece(Island& island, double most, int& pieces, double& took, double& next, bool& event) {
   double piece = most;
   for (int k = 0; k < kShorterPieces && pieces > 0; ++k, --pieces) {

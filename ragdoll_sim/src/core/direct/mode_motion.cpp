@@ -161,7 +161,7 @@ void keepMet(Island& island, const ModeVector& p) {
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
     if (mode.first[i] < 0 || !mode.rows[i].isShared() || !(p[mode.first[i]] > 0)) continue;
     const Contact& c = mode.place[i].contact;
-    island.pairs.met.push_back({c.ragdoll, c.other, false, false});
+    island.pairs.met.push_back({c.ragdoll, c.other, false});
   }
 }
 

@@ -151,7 +151,7 @@ void rememberPairs(Island& island, double h) {
           island.s.total[row + d] / (h * h) * island.s.joint.row(row + d).direction;
     const double friction = std::hypot(island.s.total[row + 1], island.s.total[row + 2]);
     pairs.pressing.push_back(
-        {c.ragdoll, c.other, isInsideCone(c.friction, island.s.total[row], friction), c.isSoft()});
+        {c.ragdoll, c.other, isInsideCone(c.friction, island.s.total[row], friction)});
     pairs.pushed.push_back(pairs.pressing.back());
   }
 }

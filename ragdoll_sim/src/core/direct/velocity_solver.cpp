@@ -230,7 +230,7 @@ void keepPressed(Island& island, int first_pair, std::vector<BodyPair>& pressed)
   for (std::size_t i = 0; i < pairs.touching.size(); ++i) {
     const Contact& c = pairs.touching[i];
     if (island.s.p[first_pair + 3 * static_cast<int>(i)] > 0)
-      pressed.push_back({c.ragdoll, c.other, false, c.isSoft()});
+      pressed.push_back({c.ragdoll, c.other, false});
   }
 }
 

@@ -17,7 +17,7 @@ TEST(Energy, AFallGainsNothing) {
   DirectIsland one(scene);
   EXPECT_NEAR(kineticEnergy(one.body()), 0.5 * 4 * 25, 1e-12);
   save(one.island);
-  EXPECT_TRUE(takeExplicitTrial(one.island, one.h, 0).ok);
+  EXPECT_TRUE(takeExplicitTrial(one.island, one.h).ok);
   EXPECT_NEAR(gainedEnergy(one.body(), 0), 0, 1e-12);
   one.body().v() *= 2;  // from nowhere
   EXPECT_NEAR(gainedEnergy(one.body(), 0), 0.75 * kineticEnergy(one.body()), 1e-9);
@@ -37,8 +37,8 @@ TEST(Energy, IsRemovedFromTheInnerMotionAndMomentumStays) {
   EXPECT_LT((momentum(one.world.model, one.world.state) - momentum_before).norm(), 1e-12);
 }
 
-/// A flight of 37.5 J and a bending of 0.3 MJ from nowhere: 19 J of it that do not come out again are
-/// half of the flight, however small beside what was gained.
+/// A flight of 37.5 J and a bending of 0.3 MJ from nowhere: 19 J of it that do not come out again
+/// are half of the flight, however small beside what was gained.
 TEST(Energy, WhatWasGainedIsNoMeasureOfWhatMayBeLeft) {
   DirectIsland one(weightless(chainOfThree(), Vec3(5, 0, 0)));
   save(one.island);

@@ -36,7 +36,7 @@ TEST(Island, GoesBackToWhereItWasSaved) {
   DirectIsland one(weightless(oneStick(), Vec3(1, 2, 3)));
   const State before = one.world.state;
   save(one.island);
-  takeExplicitTrial(one.island, one.h, 0);
+  takeExplicitTrial(one.island, one.h);
   EXPECT_GT((one.world.state.x - before.x).norm(), 1e-3);
   restore(one.island);
   EXPECT_EQ(one.world.state.x, before.x);
