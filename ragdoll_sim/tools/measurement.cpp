@@ -92,7 +92,7 @@ double median(std::vector<double> values) {
   return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
-double errorOf(const Model& model, const SolverSpec& solver, const Reference& reference) {
+double errorAgainst(const Model& model, const SolverSpec& solver, const Reference& reference) {
   return atEnds(model, solver, reference).error;
 }
 

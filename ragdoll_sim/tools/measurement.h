@@ -33,7 +33,7 @@ struct Measurement {
 };
 
 /// [m] As Measurement::error; infinite where the numbers leave the finite ones.
-double errorOf(const Model& model, const SolverSpec& solver, const Reference& reference);
+double errorAgainst(const Model& model, const SolverSpec& solver, const Reference& reference);
 
 /// Error and energy drift against the reference; stretch and the like of one run to `horizon`.
 Measurement measureAccuracy(const Model& model, const Configuration& configuration,

@@ -52,7 +52,7 @@ class Tuner {
     for (const OtherStart& other : others_) {
       if (!meets(target_, m)) return;
       m.others = std::max({m.others, other.reference.uncertainty,
-                           errorOf(other.model, m.configuration.solver, other.reference)});
+                           errorAgainst(other.model, m.configuration.solver, other.reference)});
     }
   }
 

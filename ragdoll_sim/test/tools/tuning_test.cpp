@@ -49,7 +49,7 @@ TEST(Tuning, KeepsItsWordFromStartsThatItHasNotSeen) {
       const Model other = buildModel(withOtherStart(scene, seed));
       const Reference reference = makeReference(
           other, options.horizon, options.window, [](double) {}, 1e-2 * error);
-      kept += errorOf(other, choice.measurement.configuration.solver, reference) <= error;
+      kept += errorAgainst(other, choice.measurement.configuration.solver, reference) <= error;
     }
   }
   EXPECT_GE(kept, 0.95 * all);
