@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kNoRest = 1e-13;     ///< of a body's momenta: a rest below is rounding
 constexpr double kLeastShare = 1e-6;  ///< of the strongest contact: what any contact can take
-constexpr double kUnknown = 1e8;      ///< likewise: sleepers' contacts with each other take the rest
-constexpr double kApart = 1e-2;       ///< likewise, but for those
-constexpr double kPressing = 1e-5;    ///< [m] that are farther apart
-constexpr double kNoForce = 1e-12;    ///< of the weight: no contact
+constexpr double kUnknown = 1e8;    ///< likewise: sleepers' contacts with each other take the rest
+constexpr double kApart = 1e-2;     ///< likewise, but for those
+constexpr double kPressing = 1e-5;  ///< [m] that are farther apart
+constexpr double kNoForce = 1e-12;  ///< of the weight: no contact
 constexpr std::uint32_t kImpactsOfAStep = 256;  ///< ids that a step has
 
 auto keyOf(const ContactImpulse& c) {
@@ -238,8 +238,11 @@ void Contacts::spread(const Model& model, const std::vector<Vec3>& rest) {
   }
   spreadWithinCones(wanted, shared);
   auto next = shared.begin();
-  for (ContactImpulse& c : step_)
-    if (!isInner(c)) c.impulse = (next++)->impulse;
+  for (ContactImpulse& c : step_) {
+    if (isInner(c)) continue;
+    c.impulse = (next++)->impulse;
+    c.normal = turnedIntoCone(c);  // of what no impulse in the cones could give
+  }
 }
 
 /// What is left for those of each body that has any.

@@ -1,6 +1,4 @@
 // What is told of who lies still: awake, asleep, alone and in piles.
-#include "ragdoll_sim/world/contacts.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 #include "contact_scenes.h"
 #include "ragdoll_sim/core/findings.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "ragdoll_sim/world/contacts.h"
 #include "ragdoll_sim/world/world.h"
 
 namespace ragdoll {
@@ -45,6 +44,14 @@ TEST(Contacts, CarryTheWeightAtRest) {
     }
 }
 
+/// [N s] What a report has of the same contact; nothing if it does not press there.
+Vec3 impulseOf(const ContactImpulse& contact, const ContactReport& report) {
+  for (const Touch& touch : report.touches)
+    if (touch.contact.particle == contact.particle && touch.contact.obstacle == contact.obstacle)
+      return touch.contact.impulse;
+  return Vec3::Zero();
+}
+
 TEST(Contacts, OfASleeperAreWhatTheyWereWhenItFellAsleep) {
   // Half of each was told, and what was missing of the weight shared out: feet on edges were told
   // to press beyond friction's cone.
@@ -63,17 +70,16 @@ TEST(Contacts, OfASleeperAreWhatTheyWereWhenItFellAsleep) {
       ASSERT_TRUE(world.state().asleep[0]);
       world.advance();
       asleep = *world.takeContacts();
-      ASSERT_EQ(asleep.touches.size(), awake.touches.size()) << scene << method;
-      ASSERT_EQ(last.touches.size(), awake.touches.size()) << scene << method;
-      for (std::size_t i = 0; i < awake.touches.size(); ++i) {
-        const ContactImpulse &before = awake.touches[i].contact, &now = asleep.touches[i].contact;
-        EXPECT_EQ(now.particle, before.particle);
+      EXPECT_GE(awake.touches.size(), 10u);
+      for (const Touch& touch : awake.touches) {
+        const ContactImpulse& before = touch.contact;
         // But for what one more step would have changed, and, of shake, for what damps the last
         // motion within, which the second half of a step alone carries.
-        const double changes = (before.impulse - last.touches[i].contact.impulse).norm(),
+        const double changes = (before.impulse - impulseOf(before, last)).norm(),
                      damps = at.solver.method == Method::kShake ? 0.2 : 0.02;
-        EXPECT_LT((now.impulse - before.impulse).norm(), 1.1 * changes + damps * awake.interval)
-            << scene << method << i;
+        EXPECT_LT((impulseOf(before, asleep) - before.impulse).norm(),
+                  1.1 * changes + damps * awake.interval)
+            << scene << method << before.particle[0];
       }
     }
 }
@@ -169,14 +175,16 @@ TEST(Contacts, OfAPileCarryWhatIsAbove) {
   }
 }
 
-/// A plank on two bars that lie, its centre nearer to one: by the law of the lever, asleep, too, where
-/// no state has what they give each other. The floor below kept 5e-5 of it to itself.
+/// A plank on two bars that lie, its centre nearer to one: by the law of the lever, asleep, too,
+/// where no state has what they give each other. The floor below kept 5e-5 of it to itself.
 TEST(Contacts, OfAPlankOnTwoBarsFollowTheLever) {
-  const auto rod = [](const std::string& name, const std::string& a, const std::string& b, double height,
-                      double com) {
+  const auto rod = [](const std::string& name, const std::string& a, const std::string& b,
+                      double height, double com) {
     return "  - name: " + name + "\n    position: [0, 0, " + std::to_string(height) +
-           "]\n    model:\n      particles: {a: {position: " + a + ", radius: 0.05}, b: {position: " + b +
-           ", radius: 0.05}}\n      sticks: [[a, b]]\n      segments: {rod: {from: a, to: b, mass: 3, com: " +
+           "]\n    model:\n      particles: {a: {position: " + a +
+           ", radius: 0.05}, b: {position: " + b +
+           ", radius: 0.05}}\n      sticks: [[a, b]]\n      segments: {rod: {from: a, to: b, mass: "
+           "3, com: " +
            std::to_string(com) + ", gyration: 0.28}}\n";
   };
   const std::string text = "ragdolls:\n" + rod("plank", "[0, 0, 0]", "[1, 0, 0]", 0.15, 0.3) +
@@ -198,7 +206,8 @@ TEST(Contacts, OfAPlankOnTwoBarsFollowTheLever) {
       const auto report = world.takeContacts();
       for (const Touch& touch : report->touches) {
         const ContactImpulse& c = touch.contact;
-        if (c.obstacle < 0) on[c.ragdoll == 0 ? c.other : c.ragdoll] += c.impulse.norm() / report->interval;
+        if (c.obstacle < 0)
+          on[c.ragdoll == 0 ? c.other : c.ragdoll] += c.impulse.norm() / report->interval;
       }
       EXPECT_NEAR(on[1], 3 * kG * (0.9 - 0.3) / 0.8, 1e-6) << method << sleep;
       EXPECT_NEAR(on[2], 3 * kG * (0.3 - 0.1) / 0.8, 1e-6) << method << sleep;

@@ -50,7 +50,11 @@ bool isComing(const Body& body, const LimitRow& limit, double h) {
   return -rate > kRestSteps * body.context->h * pull / kLimb;
 }
 
-/// Two bodies do not bounce, and what they touch already is no news.
+/// [m/s] the same of two bodies.
+double rateOf(const Island& island, const Contact& pair) {
+  return pairRate(island.context.state, pair.touches_at_start ? pair.atStart() : pair);
+}
+
 bool isComing(const Island& island, const Contact& pair, double h) {
   const Body& any = *island.bodies[0];
   if (pair.gap_start < -any.tolerances.contact) return false;
@@ -62,8 +66,10 @@ bool isComing(const Island& island, const Contact& pair, double h) {
   }
   const double end = pairGapAfter(island, pair);
   if (end < -kDeepImpact * scale) return located < kMaxDeepImpacts;
-  if (located >= kMaxLocated || pair.before < any.tolerances.touching) return false;
-  return (pair.before - end) / h > comingSpeed(island.context, pair);
+  if (located >= kMaxLocated) return false;
+  const double rate =
+      pair.before < any.tolerances.touching ? rateOf(island, pair) : (end - pair.before) / h;
+  return -rate > comingSpeed(island.context, pair);
 }
 
 bool reachesComing(const Body& body) {
@@ -114,8 +120,7 @@ Impact firstPair(Island& island, double h) {
     if (pairs.role[i] != Role::kComing) continue;
     const double end = pairGapAfter(island, c);
     if (end < closed)
-      consider(timeOfZero(c.before, pairRate(island.context.state, c), end, h), pairs.role[i], h,
-               first);
+      consider(timeOfZero(c.before, rateOf(island, c), end, h), pairs.role[i], h, first);
   }
   return first;
 }

@@ -73,12 +73,17 @@ void lockHit(Body& body) {
     }
 }
 
+/// Whether the pair that touches, the i-th, does so from this motion on.
+bool isHitNow(const Island& island, std::size_t i) {
+  const Contact& c = island.pairs.touching[i];
+  return !c.isSoft() && (island.pairs.hit[i] || c.before >= island.bodies[0]->tolerances.touching);
+}
+
 /// The same of rows between bodies.
 void lockHitPairs(Island& island, int first) {
   PairSet& pairs = island.pairs;
   for (std::size_t i = 0; i < pairs.touching.size(); ++i) {
-    const Contact& c = pairs.touching[i];
-    if (c.isSoft() || (!pairs.hit[i] && c.before < island.bodies[0]->tolerances.touching)) continue;
+    if (!isHitNow(island, i)) continue;
     island.s.joint.lock(first + 3 * static_cast<int>(i), true);
     std::fill_n(pairs.warm.begin() + 3 * static_cast<std::ptrdiff_t>(i), 3, 0.0);
   }
@@ -95,6 +100,17 @@ void lockComing(Body& body) {
     const double rate =
         schur.along(i, body.vData()) - row.direction.dot(c.surface_motion) / body.context->h;
     if (-rate > comingSpeed(*body.context, c)) schur.lock(i);
+  }
+}
+
+/// The same of rows between bodies.
+void lockComingPairs(Island& island, int first) {
+  const PairSet& pairs = island.pairs;
+  for (std::size_t i = 0; i < pairs.touching.size(); ++i) {
+    const Contact& c = pairs.touching[i];
+    if (!isHitNow(island, i) || pairs.warm[3 * i] != 0) continue;
+    if (-pairRate(island.context.state, c) > comingSpeed(island.context, c))
+      island.s.joint.lock(first + 3 * static_cast<int>(i), true);
   }
 }
 
@@ -379,7 +395,10 @@ void solveVelocities(Island& island, Stage stage, double h, double damping) {
         lockHit(*body);
       else if (h > 0)
         lockComing(*body);
-    if (stage == Stage::kImpact) lockHitPairs(island, first_pair);
+    if (stage == Stage::kImpact)
+      lockHitPairs(island, first_pair);
+    else if (h > 0)
+      lockComingPairs(island, first_pair);
     pushVelocities(island, first_pair, {false, h}, damping);
     if (stage == Stage::kImpact) keepPressed(island, first_pair, island.pairs.met);
   }
