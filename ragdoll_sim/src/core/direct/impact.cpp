@@ -57,7 +57,6 @@ double rateOf(const Island& island, const Contact& pair) {
 
 bool isComing(const Island& island, const Contact& pair, double h) {
   const Body& any = *island.bodies[0];
-  if (pair.gap_start < -any.tolerances.contact) return false;
   double scale = 1;
   int located = 0;
   for (const Body* body : island.bodies) {
@@ -65,11 +64,12 @@ bool isComing(const Island& island, const Contact& pair, double h) {
     located = std::max(located, body->located);
   }
   const double end = pairGapAfter(island, pair);
-  if (end < -kDeepImpact * scale) return located < kMaxDeepImpacts;
-  if (located >= kMaxLocated) return false;
-  const double rate =
-      pair.before < any.tolerances.touching ? rateOf(island, pair) : (end - pair.before) / h;
-  return -rate > comingSpeed(island.context, pair);
+  const bool touches = pair.before < any.tolerances.touching;
+  const double speed = touches ? -rateOf(island, pair) : (pair.before - end) / h;
+  const bool comes = located < kMaxLocated && speed > comingSpeed(island.context, pair);
+  if (pair.isSoft()) return comes && !touches;
+  if (pair.gap_start < -any.tolerances.contact) return false;
+  return end < -kDeepImpact * scale ? located < kMaxDeepImpacts : comes;
 }
 
 bool reachesComing(const Body& body) {
