@@ -132,6 +132,22 @@ double gapAt(const CapsuleAxis& first, const CapsuleAxis& second, const AxisPoin
   return (first.at(at.s) - second.at(at.t)).norm() - first.radius(at.s) - second.radius(at.t);
 }
 
+namespace {
+
+/// Whether what touch each other at the start do so on the same side in the end, where their gap is
+/// `end`, not so deep that they may have gone through. They have gone along each other, however
+/// far.
+bool goAlong(const SweptCapsule& first, const SweptCapsule& second, double end, double thin) {
+  if (end <= -0.5 * thin) return false;
+  const auto normal = [&](double time) {
+    const CapsuleAxis a = first.at(time), b = second.at(time);
+    return normalAt(a, b, nearestPoints(a, b));
+  };
+  return normal(0).dot(normal(1)) > kSameSide;
+}
+
+}  // namespace
+
 int findTouches(const SweptCapsule& first, const SweptCapsule& second, double margin,
                 std::array<CapsuleTouch, 2>& touches) {
   const double travel = relativeTravel(first, second);
@@ -147,7 +163,8 @@ int findTouches(const SweptCapsule& first, const SweptCapsule& second, double ma
     const double end = gapAt(1);
     const bool closes = start > kResting && end <= 0;
     double gap = start;
-    if (travel > 0.5 * thin) {
+    if (travel > 0.5 * thin &&
+        !(std::abs(start) <= kResting && goAlong(first, second, end, thin))) {
       time = 0;
       advance(gapAt, travel, time, gap);
       if (gap > std::max(kGapResolution, near)) return 0;
