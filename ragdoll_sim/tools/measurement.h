@@ -23,6 +23,7 @@ struct Measurement {
   double ratio = 0;   ///< cost by that of preset thesis measured at the same time, median
   double error = 0;   ///< [m] RMS over particles at the end of a window, mean over those that count
   double others = 0;  ///< [m] the largest such error of other starts
+  double expected = 0;         ///< [m] of any start (tuning.h)
   double energy_drift = 0;     ///< [J] over a window, against the reference, mean over windows
   double energy_rise = 0;      ///< [J] largest rise above start plus work in one run
   double stretch = 0;          ///< relative, largest in one run

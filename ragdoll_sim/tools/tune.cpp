@@ -22,7 +22,8 @@ constexpr const char* kAboutTune =
     "to paste into the scene, with what was measured as comments.\n"
     "  error   RMS distance of the particles from a converged reference: after 1 s, or, with\n"
     "          something to touch, after 0.1 s, mean over windows that start from the reference;\n"
-    "          of the scene and of 3 other starts the largest, times two: what to expect from any\n"
+    "          of the scene and of other starts (--starts) the largest, times two: what to expect\n"
+    "          of any\n"
     "  budget  CPU time of the steps of the whole scene per simulated second, on this machine\n"
     "Exit status 1, and what comes closest, where the target cannot be met.\n";
 
@@ -50,8 +51,8 @@ std::string complaint(const Choice& choice, const Target& target) {
   if (choice.reference.uncertainty > target.error)
     return "the reference itself is only sure to " + lengthText(choice.reference.uncertainty) +
            ", so that an error of " + lengthText(target.error) + " cannot be told";
-  return "the smallest error found is " + lengthText(expectedError(choice.measurement)) +
-         ", more than " + lengthText(target.error);
+  return "the smallest error found is " + lengthText(choice.measurement.expected) + ", more than " +
+         lengthText(target.error);
 }
 
 int printTuned(TuneOptions& options) {

@@ -14,18 +14,19 @@
 namespace ragdoll::lab {
 namespace {
 
-constexpr int kBisections = 3;  ///< of a factor of two in the step: to within 9 %
+constexpr int kBisections = 3;   ///< of a factor of two in the step: to within 9 %
+constexpr double kExpected = 2;  ///< times the largest error measured
 
 double wrongness(const Target& target, const Measurement& m) {
   if (!m.finite) return INFINITY;
-  return target.error > 0 ? expectedError(m) / target.error : m.cost / target.budget;
+  return target.error > 0 ? m.expected / target.error : m.cost / target.budget;
 }
 
 bool meets(const Target& target, const Measurement& m) { return wrongness(target, m) <= 1; }
 
 /// What is worth most among those that meet the target.
 double price(const Target& target, const Measurement& m) {
-  return target.error > 0 ? m.cost : expectedError(m);
+  return target.error > 0 ? m.cost : m.expected;
 }
 
 /// Best first: those that meet the target by price, then the others by how far they are off it.
@@ -47,12 +48,17 @@ class Tuner {
         const Reference& reference, const std::vector<OtherStart>& others)
       : model_(model), target_(target), options_(options), reference_(reference), others_(others) {}
 
-  /// The largest error from the other starts; of what does not meet the target anyway, none.
-  void measureOthers(Measurement& m) const {
+  /// What is to be expected; in_any_case: else the other starts are left out of what does not meet
+  /// the target without them.
+  void measureOthers(Measurement& m, bool in_any_case = false) const {
+    const double times = others_.empty() ? 1 : kExpected;
+    m.others = 0;
+    m.expected = times * m.error;
     for (const OtherStart& other : others_) {
-      if (!meets(target_, m)) return;
+      if (!in_any_case && !meets(target_, m)) return;
       m.others = std::max({m.others, other.reference.uncertainty,
                            errorAgainst(other.model, m.configuration.solver, other.reference)});
+      m.expected = times * std::max(m.error, m.others);
     }
   }
 
@@ -119,16 +125,11 @@ std::string number(const char* pattern, double value) {
   return text;
 }
 
-/// Above it, what is measured from the other starts cannot be told from the reference's own error.
+/// Of the error that is asked for: how sure the other starts' references are.
 constexpr double kReferenceShareOfError = 0.01;
 constexpr double kAgreementForBudget = 1e-6;  ///< [m] where no error is asked for
-constexpr double kExpected = 2;               ///< times the largest error measured
 
 }  // namespace
-
-double expectedError(const Measurement& m) {
-  return m.others > 0 ? kExpected * std::max(m.error, m.others) : m.error;
-}
 
 std::vector<OtherStart> otherStarts(const Scene& scene, int count, const Target& target,
                                     const SurveyOptions& options, Progress& progress) {
@@ -165,6 +166,7 @@ Choice tune(const Model& model, const Target& target, const SurveyOptions& optio
       std::min_element(best.begin(), best.end(), [&](const auto& a, const auto& b) {
         return better(target, a.second, b.second);
       })->second;
+  tuner.measureOthers(choice.measurement, true);
   choice.horizon = options.horizon;
   choice.reference = std::move(all.reference);
   // What the reference cannot tell apart is not met.
@@ -189,8 +191,7 @@ std::string toText(const Choice& choice, const Target& target, const std::string
           lengthText(reference.uncertainty) + "\n";
   if (m.others > 0)
     text += "  # from " + std::to_string(choice.others) + " other starts at most " +
-            lengthText(m.others) + "; below " + lengthText(expectedError(m)) +
-            " is expected from any\n";
+            lengthText(m.others) + "; below " + lengthText(m.expected) + " is expected from any\n";
   text += "  # cost " + timeText(m.cost) + " of CPU time per simulated second, " +
           number("%.3g", m.ratio) + " of preset thesis\n";
   text += "  # largest stretch " + number("%.2g", m.stretch) + ", penetration " +

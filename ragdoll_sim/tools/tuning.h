@@ -26,10 +26,6 @@ struct OtherStart {
 std::vector<OtherStart> otherStarts(const Scene& scene, int count, const Target& target,
                                     const SurveyOptions& options, Progress& progress);
 
-/// [m] Error to be expected from any start: twice the largest that was measured, where other starts
-/// were. A fourth start is then within it in 96 of 100 cases (docs/trade_tables.md).
-double expectedError(const Measurement& measurement);
-
 struct Choice {
   Measurement measurement;
   int others = 0;  ///< starts
@@ -38,7 +34,9 @@ struct Choice {
   Reference reference;
 };
 
-/// `options` are completed ones.
+/// By the error to be expected of any start: of other starts and the scene's own twice the largest,
+/// within which one more start stays in 96 of 100 cases (docs/trade_tables.md); without others the
+/// scene's own. `options` are completed ones.
 Choice tune(const Model& model, const Target& target, const SurveyOptions& options,
             const std::vector<OtherStart>& others, Progress& progress);
 

@@ -7,7 +7,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kInCone = 1e-9;     ///< of the largest impulse: what lies outside by less is inside
+constexpr double kInCone = 1e-9;  ///< of the largest impulse: what lies outside by less is inside
 constexpr double kBalanced = 1e-12;  ///< of the largest impulse
 constexpr double kFloating = 1e-14;  ///< of a body's weights: keeps those without ground solvable
 constexpr int kMostIterations = 40;
@@ -82,8 +82,11 @@ Vec3 project(const Cone& cone, const Vec3& z, Mat3* jacobian = nullptr) {
 class Dual {
  public:
   Dual(const std::vector<Vec3>& rest, const std::vector<SharedImpulse>& told)
-      : told_(told), wanted_(3 * static_cast<int>(rest.size())), matrix_(wanted_.size(), wanted_.size()) {
-    for (std::size_t i = 0; i < rest.size(); ++i) wanted_.segment<3>(3 * static_cast<int>(i)) = rest[i];
+      : told_(told),
+        wanted_(3 * static_cast<int>(rest.size())),
+        matrix_(wanted_.size(), wanted_.size()) {
+    for (std::size_t i = 0; i < rest.size(); ++i)
+      wanted_.segment<3>(3 * static_cast<int>(i)) = rest[i];
     for (const SharedImpulse& s : told) {
       cones_.push_back(coneOf(s));
       addSigned(s, s.impulse, wanted_);
@@ -101,7 +104,9 @@ class Dual {
     if (s.second >= 0) change -= mu.segment<3>(3 * s.second);
     return s.impulse + s.weight * change;
   }
-  Vec3 at(std::size_t c, const Eigen::VectorXd& mu) const { return project(cones_[c], free(c, mu)); }
+  Vec3 at(std::size_t c, const Eigen::VectorXd& mu) const {
+    return project(cones_[c], free(c, mu));
+  }
 
   bool isInCones(const Eigen::VectorXd& mu) const {
     for (std::size_t c = 0; c < told_.size(); ++c)
@@ -125,7 +130,8 @@ class Dual {
   }
 
   /// The Newton step against that.
-  Eigen::VectorXd step(const Eigen::VectorXd& mu, const Eigen::VectorXd& gradient, bool with_cones) {
+  Eigen::VectorXd step(const Eigen::VectorXd& mu, const Eigen::VectorXd& gradient,
+                       bool with_cones) {
     entries_.clear();
     for (std::size_t c = 0; c < told_.size(); ++c) {
       Mat3 J = Mat3::Identity();
@@ -199,27 +205,30 @@ Eigen::VectorXd unbound(Dual& dual, Eigen::VectorXd mu) {
 
 }  // namespace
 
-void spreadWithinCones(const std::vector<Vec3>& rest, std::vector<SharedImpulse>& impulses) {
-  if (rest.empty() || impulses.empty()) return;
+bool spreadWithinCones(const std::vector<Vec3>& rest, std::vector<SharedImpulse>& impulses) {
+  if (rest.empty() || impulses.empty()) return true;
   const std::vector<SharedImpulse> told = impulses;
   Dual dual(rest, told);
   Eigen::VectorXd mu = unbound(dual, Eigen::VectorXd::Zero(3 * static_cast<int>(rest.size())));
-  if (!mu.allFinite()) return;
+  if (!mu.allFinite()) return true;
   if (dual.isInCones(mu)) {
     for (std::size_t c = 0; c < told.size(); ++c) impulses[c].impulse = dual.free(c, mu);
-    return;
+    return true;
   }
   mu = minimise(dual, mu);
   for (std::size_t c = 0; c < told.size(); ++c) impulses[c].impulse = dual.at(c, mu);
   // What no impulse in the cones can give.
   const std::vector<SharedImpulse> within = impulses;
   const Eigen::VectorXd missing = -dual.gradient(mu, true);
+  const bool gives = missing.cwiseAbs().maxCoeff() <= kInCone * dual.largest();
   std::vector<Vec3> left(rest.size());
-  for (std::size_t i = 0; i < rest.size(); ++i) left[i] = missing.segment<3>(3 * static_cast<int>(i));
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    left[i] = missing.segment<3>(3 * static_cast<int>(i));
   Dual again(left, within);
   const Eigen::VectorXd more = unbound(again, Eigen::VectorXd::Zero(mu.size()));
-  if (!more.allFinite()) return;
+  if (!more.allFinite()) return gives;
   for (std::size_t c = 0; c < told.size(); ++c) impulses[c].impulse = again.free(c, more);
+  return gives;
 }
 
 }  // namespace ragdoll

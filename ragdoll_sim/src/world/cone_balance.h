@@ -23,7 +23,7 @@ struct SharedImpulse {
   Vec3 impulse = Vec3::Zero();  ///< [N s] as told, and then as spread
 };
 
-/// rest: [N s] for each body, what its sum is to change by.
-void spreadWithinCones(const std::vector<Vec3>& rest, std::vector<SharedImpulse>& impulses);
+/// rest: [N s] for each body, what its sum is to change by. Whether the cones can give it.
+bool spreadWithinCones(const std::vector<Vec3>& rest, std::vector<SharedImpulse>& impulses);
 
 }  // namespace ragdoll

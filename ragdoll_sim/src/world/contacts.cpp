@@ -236,12 +236,13 @@ void Contacts::spread(const Model& model, const std::vector<Vec3>& rest) {
     const int first = placeOf(c.ragdoll), second = placeOf(partnerOf(c));
     shared.push_back({first, second, weight(c), c.friction, c.normal, c.impulse});
   }
-  spreadWithinCones(wanted, shared);
+  const bool gives = spreadWithinCones(wanted, shared);
   auto next = shared.begin();
   for (ContactImpulse& c : step_) {
     if (isInner(c)) continue;
     c.impulse = (next++)->impulse;
-    c.normal = turnedIntoCone(c);  // of what no impulse in the cones could give
+    // The spin that gives friction's couple back is no force along any normal of two bodies.
+    if (!gives && partnerOf(c) >= 0) c.normal = turnedIntoCone(c);
   }
 }
 

@@ -55,14 +55,25 @@ double rateOf(const Island& island, const Contact& pair) {
   return pairRate(island.context.state, pair.touches_at_start ? pair.atStart() : pair);
 }
 
-bool isComing(const Island& island, const Contact& pair, double h) {
-  const Body& any = *island.bodies[0];
+/// What decides for pairs, of the island's bodies: the smallest size, and how many impacts of the
+/// step were located.
+struct IslandImpacts {
   double scale = 1;
   int located = 0;
+};
+
+IslandImpacts impactsOf(const Island& island) {
+  IslandImpacts impacts;
   for (const Body* body : island.bodies) {
-    scale = std::min(scale, body->rows->scale);
-    located = std::max(located, body->located);
+    impacts.scale = std::min(impacts.scale, body->rows->scale);
+    impacts.located = std::max(impacts.located, body->located);
   }
+  return impacts;
+}
+
+bool isComing(const Island& island, const IslandImpacts& impacts, const Contact& pair, double h) {
+  const Body& any = *island.bodies[0];
+  const auto [scale, located] = impacts;
   const double end = pairGapAfter(island, pair);
   const bool touches = pair.before < any.tolerances.touching;
   const double speed = touches ? -rateOf(island, pair) : (pair.before - end) / h;
@@ -154,8 +165,9 @@ void findComing(Body& body, double h) {
 void findComing(Island& island, double h) {
   for (Body* body : island.bodies) findComing(*body, h);
   PairSet& pairs = island.pairs;
+  const IslandImpacts impacts = impactsOf(island);
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i)
-    if (isComing(island, pairs.contacts[i], h)) pairs.role[i] = Role::kComing;
+    if (isComing(island, impacts, pairs.contacts[i], h)) pairs.role[i] = Role::kComing;
 }
 
 bool reachesComing(const Island& island) {

@@ -6,6 +6,7 @@
 
 #include "core/direct/mode_constants.h"
 #include "core/direct/mode_motion.h"
+#include "core/direct/mode_piece.h"
 #include "core/direct/mode_rows.h"
 
 namespace ragdoll {

@@ -12,6 +12,7 @@
 #include "core/direct/mode_constants.h"
 #include "core/direct/mode_event_search.h"
 #include "core/direct/mode_motion.h"
+#include "core/direct/mode_piece.h"
 #include "core/direct/mode_rows.h"
 #include "core/direct/mode_settle.h"
 #include "core/direct/spring.h"

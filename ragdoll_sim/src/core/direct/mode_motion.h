@@ -1,6 +1,6 @@
-// Dormand-Prince 5 in a mode (mode.h): sticks, limits that press and closed contacts are equalities
-// at the level of accelerations, in one solution; positions and velocities are put back on all of
-// them at the end. docs/equations.md#event-driven-rk.
+// A mode (mode.h) at one instant: sticks, limits that press and closed contacts are equalities, in
+// one solution at the level of accelerations, in an impact, or for positions and velocities that
+// are put back on them. docs/equations.md#event-driven-rk.
 #pragma once
 
 #include "core/direct/island.h"
@@ -33,18 +33,6 @@ bool takeModeImpact(Island& island, ModePoint& point);
 bool projectVelocities(Island& island, ModePoint& point, bool begins);
 /// And positions.
 bool projectPositions(Island& island, ModePoint& point);
-
-/// Moves mode.start, whose accelerations are known, by h to `end`. forces: of its stages stay in
-/// mode.stages. False: no motion was found.
-bool moveInMode(Island& island, double h, ModePoint& end);
-
-/// [m/s] of the motion over h that was last moved to mode.end, whose accelerations are known: by
-/// the embedded formula of fourth order.
-double errorOfPiece(Island& island, double h);
-
-/// x and v at a share of a motion over h, by polynomials of degree 5 and 3 through both ends.
-void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,
-                 ModePoint& out);
 
 /// [m/s] Slip of a contact whose place is known, at x, v: beside the spin of its bodies as one
 /// (mode_spin.h).

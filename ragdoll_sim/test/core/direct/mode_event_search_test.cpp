@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/direct/mode_body.h"
+#include "core/direct/mode_piece.h"
 #include "core/direct/mode_settle.h"
 #include "support/integrate.h"
 

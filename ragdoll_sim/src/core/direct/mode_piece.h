@@ -1,0 +1,21 @@
+// A piece of motion in a mode, without events: Dormand-Prince 5 (docs/equations.md#event-driven-rk,
+// [Hairer1993, II.5, II.6]).
+#pragma once
+
+#include "core/direct/island.h"
+
+namespace ragdoll {
+
+/// Moves mode.start, whose accelerations are known, by h to `end`. forces: of its stages stay in
+/// mode.stages. False: no motion was found.
+bool moveInMode(Island& island, double h, ModePoint& end);
+
+/// [m/s] of the motion over h that was last moved to mode.end, whose accelerations are known: by
+/// the embedded formula of fourth order.
+double errorOfPiece(Island& island, double h);
+
+/// x and v at a share of a motion over h, by polynomials of degree 5 and 3 through both ends.
+void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,
+                 ModePoint& out);
+
+}  // namespace ragdoll
