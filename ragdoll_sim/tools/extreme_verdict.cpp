@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kRestDamping = 2;  ///< [1/s] what the shipped scenes have
 constexpr double kAtRest = 1e-6;    ///< of weight times size: less energy than this is rest
+constexpr double kOverlap = 1e-3;   ///< [m] deeper than sound steps leave it
 
 double largestSpeed(const State& state) { return state.v.colwise().norm().maxCoeff(); }
 
@@ -50,6 +51,7 @@ class Watch {
   /// energy [J] less the work of pokes; driven: something moved in the step before.
   void look(const State& state, double time, double energy, bool driven) {
     const double h = model_.solver.step;
+    energy -= workOfOverlaps(state, energy);
     least_ = driven ? energy : std::min(least_, energy);
     rise_ = std::max(rise_, energy - least_);
     verdict_.speed = std::max(verdict_.speed, largestSpeed(state));
@@ -96,10 +98,26 @@ class Watch {
       verdict_.broken.push_back(std::isnan(figure) ? law : law + " " + shortNumber(figure));
   }
 
+  /// [J] by which overlaps that driven obstacles left have lifted bodies as they opened, which
+  /// gives no speed: work of what drove them.
+  double workOfOverlaps(const State& state, double energy) {
+    const double height = energy - kineticEnergy(model_, state);
+    if (extreme_.laws.squeezed && overlap_ > kOverlap)
+      opened_ += std::clamp(height - height_, 0.0, std::max(0.0, energy - energy_));
+    overlap_ = maxPenetration(model_, state);
+    energy_ = energy;
+    height_ = height;
+    return opened_;
+  }
+
   const Extreme& extreme_;
   const Model& model_;
   Verdict& verdict_;
   Vec3 middle_ = Vec3::Zero();  ///< centre of mass after half of the time
+  double overlap_ = 0;          ///< [m] at the step's start
+  double energy_ = 0;           ///< [J] less the work of pokes, then
+  double height_ = 0;           ///< [J] of it without motion
+  double opened_ = 0;           ///< [J] workOfOverlaps
   double least_ = kUnbounded;   ///< [J] energy less the work of pokes
   double rise_ = 0;             ///< [J] of it, above the least before
   double kinetic_ = 0;          ///< [J] largest kinetic energy

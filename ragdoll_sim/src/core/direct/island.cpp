@@ -41,6 +41,11 @@ void setRagdolls(const StepContext& step, IslandScratch& s) {
 
 }  // namespace
 
+bool Island::opensOverlaps() const {
+  return std::all_of(bodies.begin(), bodies.end(),
+                     [](const Body* body) { return body->overlaps == OverlapPolicy::kResolve; });
+}
+
 void makePlaces(const Model& model, const std::vector<int>& bodies, IslandScratch& s) {
   s.places.resize(model.skeletons.size());
   s.used.assign(model.skeletons.size(), 0);

@@ -77,6 +77,8 @@ struct Island {
   /// tolerance (one trajectory), leave to give up an overlap with obstacles (others would be left
   /// in between), and a rigid motion as the last resort, before which an island is taken apart.
   bool isLone() const { return s.all.size() == 1; }
+  /// Whether no overlap is given up: what presses there from both sides contradicts itself.
+  bool opensOverlaps() const;
   /// Place of a ragdoll among the bodies; -1: it does not move.
   int placeOf(int ragdoll) const {
     if (ragdoll < 0) return -1;

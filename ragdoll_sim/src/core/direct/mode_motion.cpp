@@ -181,7 +181,7 @@ void addRow(Island& island, std::size_t i, const double* x, const double* v) {
 bool buildRows(Island& island, const double* x, const double* v, bool curvature) {
   Mode& mode = island.s.mode;
   JointSchur& joint = island.s.joint;
-  joint.clear();
+  joint.clear(island.opensOverlaps());
   std::size_t i = 0;
   const auto place = [&] {
     mode.place[i] = placeOf(island, mode.rows[i], x, v, curvature);

@@ -46,7 +46,7 @@ int addPairRows(Island& island, const Contact& c, int source, bool smooth) {
 }
 
 void buildRows(Island& island, double h, bool leapfrog) {
-  island.s.joint.clear();
+  island.s.joint.clear(island.opensOverlaps());
   for (Body* body : island.bodies) {
     buildRows(*body, h, leapfrog);
     island.s.joint.addBody(body->memory->schur);

@@ -372,7 +372,7 @@ void bounce(Island& island) {
 
 void solveVelocities(Island& island, Stage stage, double h, double damping) {
   JointSchur& joint = island.s.joint;
-  joint.clear();
+  joint.clear(island.opensOverlaps());
   if (!touches(island)) {
     dampWithin(island, damping);
     return;

@@ -2,6 +2,8 @@
 // How to read it: direct/constants.h.
 #pragma once
 
+#include <cstddef>
+
 namespace ragdoll {
 
 /// Relative error of a squared length. Half, double: stretch in proportion.
@@ -17,15 +19,24 @@ constexpr double kLeastRatio = 0.2;
 constexpr int kMemory = 5;  ///< batches that are combined
 
 // --- Not tuned: made of others.
-constexpr double kMostRatio = 1 - kConstant / 2;  ///< above, impulses may be growing, by leaps
-constexpr int kBatch = 2 * kMemory;               ///< [sweeps] what converges fast is then done
+constexpr double kMostRatio = 1 - kConstant / 2;   ///< above, impulses may be growing, by leaps
+constexpr int kBatch = 2 * kMemory;                ///< [sweeps] what converges fast is then done
+constexpr double kShared = 100 * kSweepTolerance;  ///< change of friction as loads are shared
 
 // --- Not tuned: caps, and guards against impulses that grow without end.
 constexpr int kBatches = 4 * kMemory;
-constexpr double kEndless = 1e-3;   ///< what the ratio of changes that do not shrink is off 1
-constexpr int kEndlessSweeps = 4;   ///< so many of them: there is no solution
-constexpr double kNoChange = 1e-6;  ///< share by which changes of no end differ
+constexpr double kEndless = 1e-3;    ///< what the ratio of changes that do not shrink is off 1
+constexpr int kEndlessSweeps = 4;    ///< so many of them: there is no solution
+constexpr double kNoChange = 1e-6;   ///< share by which changes of no end differ
 constexpr double kMostGrowth = 1e4;  ///< of impulses: rows contradict each other, no use
+
+// --- Not tuned: loads that are shared (equal_springs.h); rounding, and caps.
+constexpr double kDependentPush = 1e-11;  ///< what is left of a diagonal of 1
+constexpr double kSlides = 1 - 1e-6;      ///< of the disc's radius, at 1 of which friction slides
+constexpr int kShareRounds = 4;           ///< solutions in which friction and shares settle
+constexpr double kShrinks = 0.5;  ///< of the last change: more, and rows contradict each other
+constexpr int kMostLetGo = 2;     ///< contacts, in one sharing
+constexpr std::size_t kMostShared = 256;  ///< rows: the cost of more grows with their cube
 
 // --- Not tuned: the unit in which bodies are large or small.
 constexpr double kHumanStick = 0.25;  ///< [m] a usual length

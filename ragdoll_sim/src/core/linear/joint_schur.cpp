@@ -1,5 +1,7 @@
 #include "core/linear/joint_schur.h"
 
+#include <limits>
+
 #include "core/linear/schur_sweeps.h"
 
 namespace ragdoll {
@@ -41,7 +43,8 @@ struct JointSchur::View {
   }
 };
 
-void JointSchur::clear() {
+void JointSchur::clear(bool shares_load) {
+  shares_load_ = shares_load;
   bodies_.clear();
   first_.clear();
   rows_.clear();
@@ -109,6 +112,28 @@ void JointSchur::lock(int i, bool locked) {
 }
 
 bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeps sweeps) {
+  bool settled = sweep(b, p, sweeps);
+  if (!shares_load_) return settled;
+  double last = std::numeric_limits<double>::infinity();
+  for (int k = 0; settled && k < kShareRounds; ++k) {
+    const double change = share(p, k > 0);
+    if (change <= kShared || change > kShrinks * last) break;
+    last = change;
+    settled = sweep(b, p, sweeps);
+  }
+  return settled;
+}
+
+double JointSchur::share(RowValues& p, bool again) {
+  if (!isOneBody())
+    return springs_.share(
+        blocks_, [this](int i, int j) { return entry(i, j); }, again, p.data());
+  const Schur& s = *bodies_[0];
+  return springs_.share(
+      s.blocks(), [&s](int i, int j) { return s.entry(i, j); }, again, p.data());
+}
+
+bool JointSchur::sweep(const RowValues& b, RowValues& p, Sweeps sweeps) {
   if (isOneBody()) return bodies_[0]->solve(b, p, sweeps);
   for (Schur* s : bodies_) s->clearRates();
   View rows{*this, b};

@@ -8,13 +8,15 @@
 #include <array>
 #include <vector>
 
+#include "core/linear/equal_springs.h"
 #include "core/linear/schur.h"
 
 namespace ragdoll {
 
 class JointSchur {
  public:
-  void clear();
+  /// shares_load: whether rows that depend on each other share what they press with as springs do.
+  void clear(bool shares_load);
   /// A body's complement; its present rows become rows here, in their order. Returns its number.
   int addBody(Schur& schur);
   /// A contact between bodies (numbers, -1: one that does not move) that both hold from that row
@@ -51,16 +53,23 @@ class JointSchur {
   };
   struct View;
 
+  /// Sweeps from p on, whatever the shares. Whether they settled.
+  bool sweep(const RowValues& b, RowValues& p, Sweeps sweeps);
+  /// EqualSprings::share.
+  double share(RowValues& p, bool again);
+
   /// The first body that holds the row and does move: what the row has once, it has there.
   int sideOf(int i) const { return rows_[i].body[0] >= 0 ? 0 : 1; }
 
   /// All rows are one body's, in its order: its own matrix answers, by vectors.
   bool isOneBody() const { return bodies_.size() == 1; }
 
+  bool shares_load_ = true;
   std::vector<Schur*> bodies_;
   std::vector<int> first_;
   std::vector<Row> rows_;
   std::vector<SchurBlock> blocks_;
+  EqualSprings springs_;
   std::vector<RowValues> answers_;  ///< per body
 };
 

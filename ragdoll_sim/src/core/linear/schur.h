@@ -115,6 +115,7 @@ class Schur {
   double along(int i, const double* x) const { return now_.rows[i].along(x); }
 
   // For rows that several bodies share (joint_schur.h).
+  const std::vector<SchurBlock>& blocks() const { return blocks_; }  ///< of the last solution
   double entry(int i, int j) const { return now_.A(i, j); }
   double free(int i) const { return now_.free[i]; }  ///< A(i, i) without the sticks' answer
   void clearRates() { w_.setZero(columns_); }

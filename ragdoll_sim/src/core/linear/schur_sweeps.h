@@ -49,13 +49,12 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
 /// Sets `slid` of the blocks that slide by p, whose rates are known (Sweeps::kAlongTheSlip).
 template <class Rows>
 RAGDOLL_INLINE void keepSlips(const Rows& rows, const double* p, std::vector<SchurBlock>& blocks) {
-  constexpr double kEdge = 1 - 1e-6;  ///< of the disc's radius: what slides is at 1
   for (SchurBlock& b : blocks) {
     const double* now = p + b.row;
     if (!b.has_tangents || !(now[0] > 0)) continue;
     const double length = std::hypot(now[1], now[2]);
     const double against = rows.rate(b.row + 1) * now[1] + rows.rate(b.row + 2) * now[2];
-    if (length < kEdge * b.friction * now[0] || against >= 0) continue;
+    if (length < kSlides * b.friction * now[0] || against >= 0) continue;
     for (int k = 0; k < 2; ++k) b.slid[k] = now[1 + k] / length;
   }
 }

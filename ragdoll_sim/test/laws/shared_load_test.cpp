@@ -1,0 +1,72 @@
+// What slides on more contacts than it needs: each has the share that equal springs would, by both
+// methods, in whatever order the particles are.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/ends.h"
+
+namespace ragdoll::test {
+namespace {
+
+const char* const kLegs[] = {"a: {position: [0.5, 0.3, 0], radius: 0.05}",
+                             "b: {position: [-0.4, 0.35, 0], radius: 0.05}",
+                             "c: {position: [-0.45, -0.3, 0], radius: 0.05}",
+                             "d: {position: [0.4, -0.35, 0], radius: 0.05}"};
+
+/// com: [m], x, y, z; speed: [m/s] along x.
+struct Table {
+  const char *com, *speed;
+};
+
+/// A table of four legs that slides and turns.
+Scene table(const std::array<int, 4>& order, const Table& of) {
+  std::string particles;
+  for (const int leg : order) particles += std::string(kLegs[leg]) + ", ";
+  return parseScene(
+      "ragdolls:\n"
+      "  - {name: t, position: [0, 0, 0.05], angular_velocity: [0, 0, 2], velocity: [" +
+      std::string(of.speed) + ", 0.3, 0], model: {particles: {" + particles +
+      "top: {position: [0.1, 0.05, 0.6], radius: 0.05}}, segments: {s: {particles: [a, b, c, d, "
+      "top],"
+      " mass: 10, com: [" +
+      of.com +
+      "], inertia: [0.6, 0.7, 0.5, 0, 0, 0]}}}}\n"
+      "obstacles: [{type: plane, friction: 0.4}]\n");
+}
+
+/// Ends of a, b, c, d, top.
+Points legsOf(const Points& end, const std::array<int, 4>& order) {
+  Points legs = end;
+  for (int k = 0; k < 4; ++k) legs.col(order[k]) = end.col(k);
+  return legs;
+}
+
+class ATableThatSlides : public testing::TestWithParam<Table> {};
+
+TEST_P(ATableThatSlides, HasOneLimitByBothMethods) {
+  const std::array<int, 4> order{0, 1, 2, 3};
+  const Scene scene = table(order, GetParam());
+  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.2);
+  for (const double rate : {250.0, 1000.0, 4000.0})
+    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.2) - exact), 3 / (rate * rate))
+        << rate;
+}
+
+TEST_P(ATableThatSlides, DoesNotKnowTheOrderOfItsLegs) {
+  const std::array<int, 4> orders[] = {{0, 1, 2, 3}, {3, 2, 1, 0}, {1, 3, 0, 2}};
+  const Points end = endOfBlows(table(orders[0], GetParam()), Method::kShake, 4e-3, 0.2);
+  for (const std::array<int, 4>& order : orders) {
+    const Points other = endOfBlows(table(order, GetParam()), Method::kShake, 4e-3, 0.2);
+    EXPECT_LT(largest(legsOf(other, order) - legsOf(end, orders[0])), 1e-8);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(SharedLoad, ATableThatSlides,
+                         testing::Values(Table{"0.02, 0.03, 0.25", "1.0"},
+                                         Table{"0.35, -0.2, 0.5", "2.0"}));  // legs lift
+
+}  // namespace
+}  // namespace ragdoll::test
