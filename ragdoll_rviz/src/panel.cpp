@@ -28,6 +28,8 @@
 #include <cmath>
 #include <pluginlib/class_list_macros.hpp>
 
+#include "ragdoll_sim/ros/any_model.h"
+
 namespace ragdoll_rviz {
 namespace {
 
@@ -94,12 +96,10 @@ void RagdollPanel::connectControls() {
   connect(step_, &QPushButton::clicked, this, [this] { step(); });
   connect(reset_, &QPushButton::clicked, this, [this] { reset(); });
   connect(scene_, QOverload<int>::of(&QComboBox::activated), this, [this](int) { loadScene(); });
-  connect(preset_, QOverload<int>::of(&QComboBox::activated), this, [this](int) {
-    set("preset", preset_->currentText());
-  });
-  connect(numbers_, QOverload<int>::of(&QComboBox::activated), this, [this](int) {
-    set("numbers", numbers_->currentText());
-  });
+  connect(preset_, QOverload<int>::of(&QComboBox::activated), this,
+          [this](int) { set("preset", preset_->currentText()); });
+  connect(numbers_, QOverload<int>::of(&QComboBox::activated), this,
+          [this](int) { set("numbers", numbers_->currentText()); });
   connect(threads_, QOverload<int>::of(&QSpinBox::valueChanged), this,
           [this](int n) { set("threads", n); });
   connect(tolerance_, QOverload<double>::of(&QDoubleSpinBox::valueChanged), this,
@@ -277,8 +277,8 @@ void RagdollPanel::setNode(const QString& node) {
   description_ = nh_.subscribe<ConfigDescription>(
       prefix + "parameter_descriptions", 10,
       [this](const ConfigDescription::ConstPtr& m) { hearDescription(*m); });
-  model_ = nh_.subscribe<ragdoll_msgs::Model>(
-      prefix + "model", 1, [this](const ragdoll_msgs::Model::ConstPtr& m) { hearModel(*m); });
+  model_ = ragdoll::subscribeToModels(nh_, prefix + "model",
+                                      [this](const ragdoll_msgs::Model& m) { hearModel(m); });
   if (isVisible()) touches_.listen(nh_, node_.toStdString());
   running_scene_.clear();
   showScene();
@@ -385,8 +385,8 @@ void RagdollPanel::showState() {
   const int i = static_cast<int>(state_);
   state_label_->setText(QString("<b style='color:%1'>%2</b>").arg(kColors[i], kNames[i]));
   const bool there = state_ != State::kNoNode;
-  for (QWidget* w : std::initializer_list<QWidget*>{pause_, reset_, scene_, factor_, preset_, tolerance_,
-                                                 threads_, numbers_})
+  for (QWidget* w : std::initializer_list<QWidget*>{pause_, reset_, scene_, factor_, preset_,
+                                                    tolerance_, threads_, numbers_})
     w->setEnabled(there);
   step_->setEnabled(state_ == State::kPaused);
   pause_->setText(paused_ && there ? "Run" : "Pause");

@@ -15,6 +15,8 @@
 
 #include <pluginlib/class_list_macros.hpp>
 
+#include "ragdoll_sim/ros/any_model.h"
+
 namespace ragdoll_rviz {
 namespace {
 
@@ -54,8 +56,8 @@ void PokeTool::subscribe() {
   state_subscriber_.shutdown();
   const std::string prefix = node_->getStdString() + "/";
   try {
-    model_subscriber_ = nh_.subscribe<ragdoll_msgs::Model>(
-        prefix + "model", 1, [this](const ragdoll_msgs::Model::ConstPtr& m) { model_ = m; });
+    model_subscriber_ = ragdoll::subscribeToModels(
+        nh_, prefix + "model", [this](const ragdoll_msgs::Model& m) { model_ = m; });
     state_subscriber_ = nh_.subscribe<ragdoll_msgs::State>(
         prefix + "state", 1, [this](const ragdoll_msgs::State::ConstPtr& m) { state_ = m; });
   } catch (const ros::InvalidNameException& e) {

@@ -41,7 +41,7 @@ class PokeTool : public rviz::Tool {
   rviz::FloatProperty *strength_, *duration_;
   ros::NodeHandle nh_;
   ros::Subscriber model_subscriber_, state_subscriber_;
-  ragdoll_msgs::Model::ConstPtr model_;
+  std::optional<ragdoll_msgs::Model> model_;
   ragdoll_msgs::State::ConstPtr state_;
   bool active_ = false;
 

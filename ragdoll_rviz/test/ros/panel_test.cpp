@@ -31,6 +31,52 @@
 
 #include "qt_wait.h"
 
+namespace ragdoll_test {
+
+/// ragdoll_msgs/Model before RagdollModel.mass, without bodies.
+struct ModelOfBefore {
+  ragdoll_msgs::Model model;
+};
+
+}  // namespace ragdoll_test
+
+namespace ros {
+namespace message_traits {
+
+template <>
+struct MD5Sum<ragdoll_test::ModelOfBefore> {
+  static const char* value() { return "90718b455b603a4402841136096aae23"; }
+  static const char* value(const ragdoll_test::ModelOfBefore&) { return value(); }
+};
+template <>
+struct DataType<ragdoll_test::ModelOfBefore> : DataType<ragdoll_msgs::Model> {
+  static const char* value() { return DataType<ragdoll_msgs::Model>::value(); }
+  static const char* value(const ragdoll_test::ModelOfBefore&) { return value(); }
+};
+template <>
+struct Definition<ragdoll_test::ModelOfBefore> {
+  static const char* value() { return ""; }
+  static const char* value(const ragdoll_test::ModelOfBefore&) { return value(); }
+};
+
+}  // namespace message_traits
+namespace serialization {
+
+/// Without bodies the bytes of both versions are the same.
+template <>
+struct Serializer<ragdoll_test::ModelOfBefore> {
+  template <class Stream>
+  static void write(Stream& stream, const ragdoll_test::ModelOfBefore& m) {
+    Serializer<ragdoll_msgs::Model>::write(stream, m.model);
+  }
+  static std::uint32_t serializedLength(const ragdoll_test::ModelOfBefore& m) {
+    return Serializer<ragdoll_msgs::Model>::serializedLength(m.model);
+  }
+};
+
+}  // namespace serialization
+}  // namespace ros
+
 namespace {
 
 using ragdoll_rviz::RagdollPanel;
@@ -145,6 +191,15 @@ TEST_F(Panel, showsTheSceneThatRuns) {
   EXPECT_EQ(scene->count(), own);
 }
 
+TEST_F(Panel, showsTheSceneOfABagOfBefore) {
+  auto bag = nh_.advertise<ragdoll_test::ModelOfBefore>("/before/model", 1, true);
+  ragdoll_test::ModelOfBefore m;
+  m.model.scene = "hang";
+  bag.publish(m);
+  panel_.setNode("/before");
+  EXPECT_TRUE(waitFor([&] { return find<QComboBox>("scene")->currentText() == "hang"; }));
+}
+
 TEST_F(Panel, aSceneThatCannotBeLoadedIsNotShown) {
   auto* scene = find<QComboBox>("scene");
   ASSERT_TRUE(waitFor([&] { return !scene->currentText().isEmpty(); }));
@@ -200,7 +255,8 @@ TEST_F(Panel, setsThreadsNumbersAndTolerance) {
     Q_EMIT preset->activated(preset->currentIndex());
     node_has("preset", std::string(name));
   }
-  EXPECT_TRUE(waitFor([&] { return tolerance->value() == 0 && numbers->currentText() == "double"; }));
+  EXPECT_TRUE(
+      waitFor([&] { return tolerance->value() == 0 && numbers->currentText() == "double"; }));
   EXPECT_EQ(threads->value(), 2);
   threads->setValue(1);
   node_has("threads", 1);

@@ -1,5 +1,7 @@
 #include "ragdoll_sim/ros/any_model.h"
 
+#include <ros/console.h>
+
 #include <exception>
 
 #include "ragdoll_sim/core/error.h"
@@ -48,6 +50,19 @@ ragdoll_msgs::Model toModel(const AnyModel& message, const std::string& md5sum) 
   }
   throw Error("ragdoll_msgs/Model",
               "was recorded with another version than this one knows: md5sum " + md5sum);
+}
+
+ros::Subscriber subscribeToModels(ros::NodeHandle& nh, const std::string& topic,
+                                  const std::function<void(const ragdoll_msgs::Model&)>& hear) {
+  using Event = ros::MessageEvent<AnyModel const>;
+  const boost::function<void(const Event&)> hearAny = [hear](const Event& event) {
+    try {
+      hear(toModel(*event.getConstMessage(), event.getConnectionHeader()["md5sum"]));
+    } catch (const Error& e) {
+      ROS_WARN("%s", e.what());
+    }
+  };
+  return nh.subscribe<AnyModel, const Event&>(topic, 1, hearAny);
 }
 
 }  // namespace ragdoll

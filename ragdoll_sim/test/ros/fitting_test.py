@@ -12,6 +12,7 @@ import yaml
 from client import LIMIT, Inbox, start_node, wait_for
 from diagnostic_msgs.msg import DiagnosticArray
 from dynamic_reconfigure.client import Client as Settings
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import JointState
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
@@ -19,8 +20,9 @@ from visualization_msgs.msg import MarkerArray
 
 def crowd(count):
     return 'ragdolls:\n' + ''.join(
-        '  - {name: r%d, model: {particles: {p: {position: [0, 0, 0], mass: 1}}}, '
-        'position: [%d, 0, 0]}\n' % (i, i) for i in range(count))
+        '  - {name: r%d, model: {sticks: [[p, q]], particles: {p: {position: [0, 0, 0], mass: 1}, '
+        'q: {position: [0, 0, 1], mass: 1}}}, position: [%d, 0, 0]}\n' % (i, i)
+        for i in range(count))
 
 
 class FittingTest(unittest.TestCase):
@@ -64,9 +66,10 @@ class FittingTest(unittest.TestCase):
             self.assertTrue(all(abs(60 * t - round(60 * t)) < 1e-6 for t in told))
 
     def test_few_frames_of_many_bodies(self):
+        log = Inbox('/rosout', Log)
         for name, parameters, count, expected in (
-                ('every', {'tf_bodies': 'all'}, 60, 60), ('few', {}, 51, 51),
-                ('nothing', {'tf_bodies': 'none'}, 3, 0)):
+                ('every', {'tf_bodies': 'all'}, 60, 120), ('fifty', {}, 50, 100),
+                ('few', {}, 51, 51), ('nothing', {'tf_bodies': 'none'}, 3, 0)):
             client = start_node(self, name, **parameters)
             client.load(yaml=crowd(count))
             tf = Inbox('/tf', TFMessage)
@@ -78,6 +81,9 @@ class FittingTest(unittest.TestCase):
             if not expected:
                 self.assertFalse([f for f in self.frames(tf, '/' + name) if f.startswith('r')])
             tf.subscriber.unregister()
+        chosen = [m for m in log.all() if '/tf has one frame of each' in m.msg]
+        self.assertEqual([(m.name, m.level) for m in chosen], [('/few', Log.INFO)])
+        self.assertIn('51 bodies', chosen[0].msg)
         # Roots of bodies with more frames than that.
         client = start_node(self, 'roots', scene='two', tf_bodies='roots')
         tf = Inbox('/tf', TFMessage)

@@ -3,10 +3,12 @@
 
 #include <ragdoll_msgs/Model.h>
 #include <ros/message_traits.h>
+#include <ros/node_handle.h>
 #include <ros/serialization.h>
 
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,12 @@ struct AnyModel {
 
 /// What that version did not have is 0. Throws Error for a version that is not known.
 ragdoll_msgs::Model toModel(const AnyModel& message, const std::string& md5sum);
+
+/// hear(model) for every one on the topic, whatever its version; one that is not known is logged.
+/// All of a program's subscribers to a topic have to be such: roscpp has one connection for them
+/// all, and one of a fixed version makes it refuse the others.
+ros::Subscriber subscribeToModels(ros::NodeHandle& nh, const std::string& topic,
+                                  const std::function<void(const ragdoll_msgs::Model&)>& hear);
 
 }  // namespace ragdoll
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/energy.h"
 #include "core/mechanics/joint_damping.h"
@@ -199,16 +200,14 @@ struct Blow {
   Vec3 couple = Vec3::Zero();  ///< [kg m^2/s] of friction, whose two forces are apart
 };
 
-/// Whether a body lies on an obstacle by velocities v. One that slides along it may have been
-/// pressed with 1e-17 or with nothing, which is a matter of rounding.
-bool staysOnObstacle(const Body& body, const Points& v) {
+/// Whether a body lies on an obstacle. One that slides along it may have been pressed with 1e-17 or
+/// with nothing, which is a matter of rounding.
+bool staysOnObstacle(const Body& body) {
   const Schur& schur = body.memory->schur;
   for (int i = 0; i < body.constraints.own_rows; ++i) {
     if (schur.row(i).kind != Schur::Row::Kind::kNormal) continue;
     const Contact& c = body.touching.contacts[schur.row(i).source];
-    if (c.obstacle < 0) continue;
-    const double parting = c.normal.dot(c.of(v) - c.surface_motion / body.context->h);
-    if (parting < kParting) return true;
+    if (c.obstacle >= 0 && openingRate(body, c) < kParting) return true;
   }
   return false;
 }
@@ -229,8 +228,7 @@ Blow blowOn(const Island& island, const std::vector<Body*>& bodies) {
     blow.couple += c.of(island.context.state.x).cross(friction);
   });
   for (const Body* body : bodies)
-    blow.held =
-        blow.held || !body->pinned->pins.empty() || staysOnObstacle(*body, island.context.state.v);
+    blow.held = blow.held || !body->pinned->pins.empty() || staysOnObstacle(*body);
   return blow;
 }
 

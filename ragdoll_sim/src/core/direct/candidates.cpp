@@ -95,6 +95,10 @@ Vec3 motionOf(const Body& body, const Contact& c, const double* dx) {
   return sum;
 }
 
+double openingRate(const Body& body, const Contact& c) {
+  return c.normal.dot(motionOf(body, c, body.vData()) - c.surface_motion / body.context->h);
+}
+
 bool isKnown(const std::vector<Contact>& contacts, std::size_t count, const Contact& contact) {
   const auto end = contacts.begin() + static_cast<std::ptrdiff_t>(count);
   return std::any_of(contacts.begin(), end, [&](const Contact& c) { return c.isOfSame(contact); });

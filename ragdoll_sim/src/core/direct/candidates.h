@@ -12,6 +12,8 @@ inline double gapAfter(const Body& body, const Contact& contact) {
 }
 /// [m] or [m/s] of the contact's point, by the body's dx or velocities.
 Vec3 motionOf(const Body& body, const Contact& contact, const double* dx);
+/// [m/s] at which the gap opens now.
+double openingRate(const Body& body, const Contact& contact);
 
 /// Whether one of the same surfaces is among the first `count` contacts.
 bool isKnown(const std::vector<Contact>& contacts, std::size_t count, const Contact& contact);

@@ -163,13 +163,15 @@ double liftingWork(const Island& island) {
   return work;
 }
 
-/// Whether an obstacle touches the body or presses it.
+/// Whether an obstacle presses the body, or touches it and goes on to.
 bool meetsObstacle(const Body& body) {
-  const auto isObstacle = [](const auto& c) { return c.obstacle >= 0; };
   const std::vector<CachedImpulse>& impulses = body.cache.impulses();
   const std::vector<Contact>& contacts = body.touching.contacts;
-  return std::any_of(impulses.begin(), impulses.end(), isObstacle) ||
-         std::any_of(contacts.begin(), contacts.end(), isObstacle);
+  return std::any_of(impulses.begin(), impulses.end(),
+                     [](const CachedImpulse& impulse) { return impulse.obstacle >= 0; }) ||
+         std::any_of(contacts.begin(), contacts.end(), [&body](const Contact& c) {
+           return c.obstacle >= 0 && openingRate(body, c) < kParting;
+         });
 }
 
 }  // namespace

@@ -11,8 +11,7 @@ namespace {
 
 /// [m/s] at which the gap opens at the motion's start.
 double rateOf(const Body& body, const Contact& contact) {
-  const Contact& c = contact.touches_at_start ? contact.atStart() : contact;
-  return c.normal.dot(motionOf(body, c, body.vData()) - c.surface_motion / body.context->h);
+  return openingRate(body, contact.touches_at_start ? contact.atStart() : contact);
 }
 
 /// [rad/s] the same of a limit.
