@@ -55,8 +55,9 @@ void Run::step() {
   const StepReport r = ragdoll::step(model, inputs, workspace_, state);
   const int fields[] = {r.contacts, r.substeps, r.guarded, r.limited,
                         r.implicit, r.rigid,    r.joining, r.unresolved};
-  static_assert(sizeof r == sizeof fields + 6 * sizeof(int),
-                "every field of the report is in the list, but those of `fast` and `tolerance`");
+  static_assert(
+      sizeof r == sizeof fields + 6 * sizeof(int),
+      "every field of the report is in the list, but those of fast, tolerance and rk with events");
   static_assert(sizeof fields / sizeof fields[0] == kSumCount);
   for (int i = 0; i < kSumCount; ++i) outcome_.sums[i] += static_cast<std::uint64_t>(fields[i]);
   ++outcome_.steps;

@@ -1,4 +1,4 @@
-// Same source, same scene: same bits. golden.txt holds what some 600 runs come to, and this test
+// Same source, same scene: same bits. golden.txt holds what some 700 runs come to, and this test
 // tells when one of them changes. A list says nothing about right or wrong; the laws do.
 //
 // Where bits are MEANT to change, one command writes the list anew; the commit says why:

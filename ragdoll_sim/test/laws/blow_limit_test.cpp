@@ -145,23 +145,5 @@ obstacles: [{type: box, position: [0, 0, -0.15], size: [0.9, 1.1, 0.3], friction
     EXPECT_LT(limit.distance(rate), 1e-2 / rate) << rate;
 }
 
-/// A rod slides on a smooth bar, and one that falls on it throws it off at 50 um/s: what has parted
-/// from the bar takes no more of what the two do to each other.
-TEST(BlowLimit, OfRodsThatLeaveABarSlowly) {
-  const Limit limit(R"(
-ragdoll_collision: true
-ragdolls:
-  - {name: a, position: [-0.306, 0, 0.054], velocity: [-1.984, 0.56, 0], angular_velocity: [0, 0, 1.563],
-     model: {sticks: [[a, b]], particles: {
-       a: {position: [0, 0, 0], mass: 0.523, radius: 0.054}, b: {position: [0.6641, 0, 0], mass: 1.825, radius: 0.054}}}}
-  - {name: b, position: [-0.203, 0.0952, 0.319], velocity: [-1.72, -1.823, -1.839],
-     angular_velocity: [0.319, 3.361, 0.153], rpy_deg: [-13.66, -4.55, 119.49], model: {sticks: [[a, b]], particles: {
-       a: {position: [0, 0, 0], mass: 2.024, radius: 0.047}, b: {position: [0.621, 0, 0], mass: 1.862, radius: 0.079}}}}
-obstacles: [{type: capsule, from: [0.03, -0.8, -0.2], to: [-0.05, 0.9, -0.2], radius: 0.2, friction: 0}]
-)",
-                    0.24);
-  EXPECT_LT(limit.distance(8000), 4e-6);  // 1.5e-5 while it was held
-}
-
 }  // namespace
 }  // namespace ragdoll::test

@@ -28,7 +28,7 @@ struct State {
   std::vector<std::uint8_t> asleep;  ///< per ragdoll
   std::vector<double> quiet;         ///< [s] per ragdoll: how long it has been still
   /// [kg/s^2] of stick impulses per h^2, direct methods: per ragdoll those of the last motion, then
-  /// those of the one before; last, adaptive rk only, the substep [s] that it would try next.
+  /// those of the one before; last, within a tolerance, the part [s] that would be tried next.
   std::vector<double> multipliers;
   /// Direct methods: in the order of the last step's contacts and limits.
   std::vector<CachedImpulse> impulses;

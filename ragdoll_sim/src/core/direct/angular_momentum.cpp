@@ -188,7 +188,7 @@ void forEachPushed(const Island& island, const Of& of) {
       if (own.kind == Schur::Row::Kind::kNormal && island.s.p[row] > 0)
         of(body->touching.contacts[own.source], row);
     }
-  for (const Contact& pair : island.pairs.touching) {
+  for (const Contact& pair : island.pairs.touching.contacts) {
     if (island.s.p[row] > 0) of(pair, row);
     row += 3;
   }
@@ -282,7 +282,7 @@ bool anyRubs(const Island& island, const std::vector<Contact>& pairs, TurnOf of)
 
 void findTurns(Island& island, TurnOf of) {
   const std::vector<Contact>& pairs =
-      of == TurnOf::kMotion ? island.pairs.contacts : island.pairs.touching;
+      of == TurnOf::kMotion ? island.pairs.contacts : island.pairs.touching.contacts;
   for (Body* body : island.bodies) body->turn.setZero();
   if (!anyRubs(island, pairs, of)) return;
   std::vector<int>& group_of = island.s.group;
@@ -309,7 +309,7 @@ bool turnTogether(const Island& island) {
 }
 
 bool pressesItself(const Island& island) {
-  return !island.pairs.pushed.empty() || !island.pairs.touching.empty() ||
+  return !island.pairs.pushed.empty() || !island.pairs.touching.contacts.empty() ||
          std::any_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
            return !body->cache.empty() || !body->touching.contacts.empty() ||
                   !body->touching.limits.empty();

@@ -119,7 +119,7 @@ void findCandidates(Body& body, double h) {
     startContact(body, c, h, h);
     if (!c.isSoft()) set.overlap = std::max(set.overlap, -c.gap_start);
   }
-  set.contact_role.assign(set.contacts.size(), Role::kIfNear);
+  set.role.assign(set.contacts.size(), Role::kIfNear);
   if (body.isWhole()) addLimits(body, kNearLimit, h, Role::kIfNear);
 }
 
@@ -211,7 +211,7 @@ bool findMissed(Body& body, double h) {
       c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - recoverySpeed(c) * h));
     if (gapAfter(body, c) >= (i < obstacles ? -kGapResolution : -kSlop)) continue;
     set.contacts.push_back(c);
-    set.contact_role.push_back(Role::kActive);
+    set.role.push_back(Role::kActive);
     any = true;
   }
   return any;
@@ -221,9 +221,9 @@ bool activateViolated(Body& body) {
   ConstraintSet& set = body.constraints;
   bool any = false;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
-    if (set.contact_row[i] >= 0 || set.contact_role[i] == Role::kComing) continue;
+    if (set.row[i] >= 0 || set.role[i] == Role::kComing) continue;
     if (gapAfter(body, set.contacts[i]) >= -body.tolerances.contact) continue;
-    set.contact_role[i] = Role::kActive;
+    set.role[i] = Role::kActive;
     any = true;
   }
   if (set.limits.empty()) return any;
@@ -239,7 +239,7 @@ bool activateViolated(Body& body) {
 }
 
 void activateAll(Body& body) {
-  for (std::vector<Role>* roles : {&body.constraints.contact_role, &body.constraints.limit_role})
+  for (std::vector<Role>* roles : {&body.constraints.role, &body.constraints.limit_role})
     std::replace(roles->begin(), roles->end(), Role::kIfNear, Role::kActive);
 }
 

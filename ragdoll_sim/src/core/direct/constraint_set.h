@@ -34,32 +34,48 @@ enum class OverlapPolicy : std::uint8_t {
   kPassThrough,  ///< moving pins drag the body through the obstacles that it is in
 };
 
-struct ConstraintSet {
+/// Contacts that a motion may meet, of a body with obstacles and itself or between bodies.
+struct ContactSet {
   std::vector<Contact> contacts;
+  std::vector<Role> role;          ///< of each
+  std::vector<int> row;            ///< the first of each, or -1
+  std::vector<SpringRow> springs;  ///< of each
+};
+
+/// Those of them that touch at the motion's end: what its velocities are solved for.
+struct TouchingContacts {
+  std::vector<Contact> contacts;
+  std::vector<std::uint8_t> hit;  ///< of each: Role::kHit
+  std::vector<double> warm;       ///< of all rows: the position stage's impulses over h
+
+  void clear() {
+    contacts.clear();
+    hit.clear();
+    warm.clear();
+  }
+};
+
+/// A body's own.
+struct ConstraintSet : ContactSet {
   std::vector<LimitRow> limits;
-  std::vector<Role> contact_role, limit_role;
-  std::vector<int> contact_row, limit_row;   ///< the first row of each, or -1
+  std::vector<Role> limit_role;
+  std::vector<int> limit_row;                ///< of each, or -1
   std::vector<LimitRow::Softness> softness;  ///< of the limits
-  std::vector<SpringRow> springs;            ///< of the contacts
   int own_rows = 0;                          ///< rows of contacts with other bodies come after
   double overlap = 0;                        ///< [m] the deepest, at the motion's start
   std::vector<int> passed;                   ///< obstacles that the body is dragged through
   std::vector<Contact> missed;               ///< scratch: what the motion was pushed into
 };
 
-/// What touches at a motion's end: what its velocities are solved for.
-struct TouchingSet {
-  std::vector<Contact> contacts;
+/// A body's own; warm: of the contacts' rows, then of the limits'.
+struct TouchingSet : TouchingContacts {
   std::vector<LimitRow> limits;
-  std::vector<std::uint8_t> contact_hit, limit_hit;  ///< of each: Role::kHit
-  std::vector<double> warm;  ///< of all their rows: the position stage's impulses over h
+  std::vector<std::uint8_t> limit_hit;  ///< of each: Role::kHit
 
   void clear() {
-    contacts.clear();
+    TouchingContacts::clear();
     limits.clear();
-    contact_hit.clear();
     limit_hit.clear();
-    warm.clear();
   }
 };
 

@@ -273,8 +273,8 @@ void logPositions(Island& island, double h) {
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     const Body& body = *island.bodies[k];
     const ConstraintSet& set = body.constraints;
-    for (std::size_t i = 0; i < set.contacts.size() && i < set.contact_row.size(); ++i) {
-      const int row = set.contact_row[i];
+    for (std::size_t i = 0; i < set.contacts.size() && i < set.row.size(); ++i) {
+      const int row = set.row[i];
       if (row < 0 || row >= body.total.size()) continue;
       const int first = s.joint.firstOf(static_cast<int>(k)) + row;
       if (!takeImpulse(island, s.total, first, 1 / h, impulse)) continue;
@@ -317,8 +317,8 @@ void logVelocities(Island& island, const RowValues& rates, int first_pair, const
         add(body.touching.contacts[schur.row(i).source], s.joint.firstOf(static_cast<int>(k)) + i,
             schur.matrix()(i, i), &body, i);
   }
-  for (std::size_t i = 0; i < island.pairs.touching.size(); ++i)
-    add(island.pairs.touching[i], first_pair + 3 * static_cast<int>(i),
+  for (std::size_t i = 0; i < island.pairs.touching.contacts.size(); ++i)
+    add(island.pairs.touching.contacts[i], first_pair + 3 * static_cast<int>(i),
         pairAnswer(island, static_cast<int>(i)), nullptr, 0);
   addPeaks(logOf(island).impulses, begin);
 }

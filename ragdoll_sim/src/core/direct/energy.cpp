@@ -13,8 +13,8 @@
 namespace ragdoll {
 namespace {
 
-/// [J] in the springs of contacts with obstacles at a pose (3 x N), before or after the motion: a
-/// motion itself knows those that it was solved with, and by planes.
+/// [J] in the springs of a body's contacts, with obstacles and itself, at a pose (3 x N), before or
+/// after the motion: a motion itself knows those that it was solved with, and by planes.
 double storedAt(Body& body, const Points& pose, bool after) {
   const StepContext& step = *body.context;
   std::vector<Contact>& contacts = body.constraints.missed;
@@ -163,15 +163,14 @@ double liftingWork(const Island& island) {
   return work;
 }
 
-/// Whether an obstacle presses the body, or touches it and goes on to.
+/// Whether an obstacle touches the body or presses it. One that it leaves has pushed it in a blow,
+/// maybe.
 bool meetsObstacle(const Body& body) {
+  const auto isObstacle = [](const auto& c) { return c.obstacle >= 0; };
   const std::vector<CachedImpulse>& impulses = body.cache.impulses();
   const std::vector<Contact>& contacts = body.touching.contacts;
-  return std::any_of(impulses.begin(), impulses.end(),
-                     [](const CachedImpulse& impulse) { return impulse.obstacle >= 0; }) ||
-         std::any_of(contacts.begin(), contacts.end(), [&body](const Contact& c) {
-           return c.obstacle >= 0 && openingRate(body, c) < kParting;
-         });
+  return std::any_of(impulses.begin(), impulses.end(), isObstacle) ||
+         std::any_of(contacts.begin(), contacts.end(), isObstacle);
 }
 
 }  // namespace
@@ -219,7 +218,7 @@ double gainedEnergy(Body& body, double drive) {
 }
 
 bool isSmooth(Island& island) {
-  return island.pairs.cache.empty() && island.pairs.touching.empty() &&
+  return island.pairs.cache.empty() && island.pairs.touching.contacts.empty() &&
          std::all_of(island.bodies.begin(), island.bodies.end(),
                      [](const Body* body) { return body->pin_speed == 0 && isSmooth(*body); }) &&
          releasedByPairs(island, island.bodies) == 0;

@@ -82,12 +82,17 @@ bool isComing(const Island& island, const IslandImpacts& impacts, const Contact&
   return end < -kDeepImpact * scale ? located < kMaxDeepImpacts : comes;
 }
 
-bool reachesComing(const Body& body) {
-  const ConstraintSet& set = body.constraints;
+/// Whether motions go through a contact that is coming, by more than may be left.
+template <class Gap>
+bool reachesComing(const ContactSet& set, const Gap& gap, double left) {
   for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    if (set.contact_role[i] == Role::kComing &&
-        gapAfter(body, set.contacts[i]) < -body.tolerances.contact)
-      return true;
+    if (set.role[i] == Role::kComing && gap(set.contacts[i]) < -left) return true;
+  return false;
+}
+
+/// The same of limits.
+bool reachesLimit(const Body& body) {
+  const ConstraintSet& set = body.constraints;
   if (set.limits.empty()) return false;
   LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i)
@@ -100,37 +105,30 @@ void consider(double time, Role& role, double h, Impact& first) {
   if (time < first.time) first = {std::clamp(time, 0.0, h), &role};
 }
 
-Impact firstImpact(Body& body, double h) {
-  ConstraintSet& set = body.constraints;
+/// The first of the contacts that are coming. rate(contact): [m/s] at which it opens at the start.
+template <class Gap, class Rate>
+Impact firstImpact(ContactSet& set, const Gap& gap, const Rate& rate, double left, double h) {
   Impact first{2 * h, nullptr};
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
-    if (set.contact_role[i] != Role::kComing) continue;
-    const double end = gapAfter(body, c);
-    if (end < -body.tolerances.contact)
-      consider(timeOfZero(c.before, rateOf(body, c), end, h), set.contact_role[i], h, first);
+    if (set.role[i] != Role::kComing) continue;
+    const double end = gap(c);
+    if (end < -left) consider(timeOfZero(c.before, rate(c), end, h), set.role[i], h, first);
   }
+  return first;
+}
+
+Impact firstImpact(Body& body, double h) {
+  ConstraintSet& set = body.constraints;
+  Impact first = firstImpact(
+      set, [&body](const Contact& c) { return gapAfter(body, c); },
+      [&body](const Contact& c) { return rateOf(body, c); }, body.tolerances.contact, h);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     if (set.limit_role[i] != Role::kComing) continue;
     const LimitRow& limit = set.limits[i];
     const double end = anglesAfter(body)[limit.limit];
     if (end < 0)
       consider(timeOfZero(limit.before, rateOf(body, limit), end, h), set.limit_role[i], h, first);
-  }
-  return first;
-}
-
-/// Two bodies that come to touch each other.
-Impact firstPair(Island& island, double h) {
-  const double closed = -island.bodies[0]->tolerances.contact;
-  PairSet& pairs = island.pairs;
-  Impact first{2 * h, nullptr};
-  for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
-    const Contact& c = pairs.contacts[i];
-    if (pairs.role[i] != Role::kComing) continue;
-    const double end = pairGapAfter(island, c);
-    if (end < closed)
-      consider(timeOfZero(c.before, rateOf(island, c), end, h), pairs.role[i], h, first);
   }
   return first;
 }
@@ -156,7 +154,7 @@ void findComing(Body& body, double h) {
   ConstraintSet& set = body.constraints;
   if (set.overlap > kClose) return;
   for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    if (isComing(body, set.contacts[i], h)) set.contact_role[i] = Role::kComing;
+    if (isComing(body, set.contacts[i], h)) set.role[i] = Role::kComing;
   for (std::size_t i = 0; i < set.limits.size(); ++i)
     if (isComing(body, set.limits[i], h)) set.limit_role[i] = Role::kComing;
 }
@@ -170,17 +168,22 @@ void findComing(Island& island, double h) {
 }
 
 bool reachesComing(const Island& island) {
-  const PairSet& pairs = island.pairs;
-  for (std::size_t i = 0; i < pairs.contacts.size(); ++i)
-    if (pairs.role[i] == Role::kComing &&
-        pairGapAfter(island, pairs.contacts[i]) < -island.bodies[0]->tolerances.contact)
-      return true;
-  return std::any_of(island.bodies.begin(), island.bodies.end(),
-                     [](const Body* body) { return reachesComing(*body); });
+  return reachesComing(
+             island.pairs, [&island](const Contact& c) { return pairGapAfter(island, c); },
+             island.bodies[0]->tolerances.contact) ||
+         std::any_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
+           return reachesComing(
+                      body->constraints, [body](const Contact& c) { return gapAfter(*body, c); },
+                      body->tolerances.contact) ||
+                  reachesLimit(*body);
+         });
 }
 
 Impact firstImpact(Island& island, double h) {
-  Impact first = firstPair(island, h);
+  Impact first = firstImpact(
+      island.pairs, [&island](const Contact& c) { return pairGapAfter(island, c); },
+      [&island](const Contact& c) { return rateOf(island, c); },
+      island.bodies[0]->tolerances.contact, h);
   for (Body* body : island.bodies) {
     const Impact own = firstImpact(*body, h);
     if (own.time < first.time) first = own;
@@ -198,7 +201,7 @@ void takeImpact(Island& island, const Impact& impact) {
   };
   wait(island.pairs.role, Role::kBeyond);
   for (Body* body : island.bodies) {
-    wait(body->constraints.contact_role, Role::kBeyond);
+    wait(body->constraints.role, Role::kBeyond);
     wait(body->constraints.limit_role, Role::kIfNear);
     ++body->located;
   }
@@ -207,7 +210,7 @@ void takeImpact(Island& island, const Impact& impact) {
 bool touchesOther(const Body& body) {
   const ConstraintSet& set = body.constraints;
   for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    if (set.contact_role[i] != Role::kComing &&
+    if (set.role[i] != Role::kComing &&
         (set.contacts[i].before <= body.tolerances.touching ||
          gapAfter(body, set.contacts[i]) <= body.tolerances.touching))
       return true;
@@ -221,7 +224,7 @@ bool touchesOther(const Body& body) {
 double impactAgain(const Body& body, double h) {
   const ConstraintSet& set = body.constraints;
   for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    if (set.contact_role[i] == Role::kHit) {
+    if (set.role[i] == Role::kHit) {
       const Contact& c = set.contacts[i];
       return timeOfZero(c.before, rateOf(body, c), gapAfter(body, c), h);
     }

@@ -18,14 +18,9 @@
 namespace ragdoll {
 
 /// The contacts between the bodies of an island.
-struct PairSet {
-  std::vector<Contact> contacts, missed;
-  std::vector<int> row;            ///< of each in the joint rows, or -1
-  std::vector<SpringRow> springs;  ///< of each
-  std::vector<Role> role;
-  std::vector<Contact> touching;   ///< at the motion's end
-  std::vector<std::uint8_t> hit;   ///< of these: Role::kHit
-  std::vector<double> warm;        ///< of their rows: the position stage's impulses over h
+struct PairSet : ContactSet {
+  std::vector<Contact> missed;
+  TouchingContacts touching;       ///< at the motion's end
   ImpulseCache cache, saved;       ///< saved: before the present substep
   std::vector<BodyPair> pressing;  ///< in the last motion
   std::vector<BodyPair> met;       ///< in an impact of the step
@@ -73,9 +68,10 @@ struct Island {
   Island(const StepContext& step, IslandScratch& scratch)
       : context(step), s(scratch), bodies(scratch.bodies), pairs(scratch.pairs) {}
 
-  /// One body that has nothing to do with others: all that it is treated by alone is rk and its
-  /// tolerance (one trajectory), leave to give up an overlap with obstacles (others would be left
-  /// in between), and a rigid motion as the last resort, before which an island is taken apart.
+  /// One body that has nothing to do with others: all that it is treated by alone is rk without
+  /// events (one trajectory), leave to give up an overlap with obstacles (others would be left in
+  /// between), no substeps while it is squeezed, and a rigid motion as the last resort, before
+  /// which an island is taken apart.
   bool isLone() const { return s.all.size() == 1; }
   /// Whether no overlap is given up: what presses there from both sides contradicts itself.
   bool opensOverlaps() const;

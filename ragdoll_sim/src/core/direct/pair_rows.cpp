@@ -5,6 +5,7 @@
 
 #include "core/direct/angular_momentum.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_rows.h"
 #include "core/direct/rows.h"
 
 namespace ragdoll {
@@ -52,16 +53,11 @@ void buildRows(Island& island, double h, bool leapfrog) {
     island.s.joint.addBody(body->memory->schur);
   }
   PairSet& pairs = island.pairs;
-  pairs.row.assign(pairs.contacts.size(), -1);
-  pairs.springs.assign(pairs.contacts.size(), {});
-  for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
-    const Contact& c = pairs.contacts[i];
-    if (pairs.role[i] == Role::kComing) continue;
-    if (isOnlyNear(pairs.role[i]) && pairGapAfter(island, c) > kClose && !pairs.cache.find(c))
-      continue;
-    pairs.row[i] = addPairRows(island, leapfrog ? c.atStart() : c, static_cast<int>(i),
-                               isReached(pairs.role[i]));
-  }
+  addContactRows(
+      pairs, pairs.cache, [&island](const Contact& c) { return pairGapAfter(island, c); },
+      [&](const Contact& c, int source, bool reached) {
+        return addPairRows(island, leapfrog ? c.atStart() : c, source, reached);
+      });
 }
 
 void evaluateGaps(Island& island, double h) {
@@ -89,17 +85,7 @@ bool soften(Island& island, double h, bool leapfrog) {
   bool any = false;
   for (Body* body : island.bodies)
     if (!body->memory->schur.empty()) any = soften(*body, h, leapfrog) || any;
-  PairSet& pairs = island.pairs;
-  JointSchur& joint = island.s.joint;
-  for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
-    const int row = pairs.row[i];
-    if (row < 0 || !pairs.contacts[i].isSoft()) continue;
-    const double answer = joint.answer(row) - joint.row(row).compliance;
-    pairs.springs[i] = springRow(pairs.contacts[i], h, answer, leapfrog);
-    joint.soften(row, pairs.springs[i].compliance);
-    any = true;
-  }
-  return any;
+  return softenContacts(island.pairs, island.s.joint, h, leapfrog) || any;
 }
 
 bool anyCloses(const Island& island) {
@@ -157,15 +143,8 @@ void rememberPairs(Island& island, double h) {
 }
 
 double worstPairResidual(const Island& island, bool closed) {
-  const PairSet& pairs = island.pairs;
-  double worst = 0;
-  for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
-    if (pairs.row[i] < 0) continue;
-    const double p = island.s.total[pairs.row[i]];
-    const double slack = pairs.springs[i].slack(pairGapAfter(island, pairs.contacts[i]), p);
-    worst = std::max(worst, residual(slack, p, closed));
-  }
-  return worst;
+  const auto gap = [&island](const Contact& c) { return pairGapAfter(island, c); };
+  return worstResidual(island.pairs, island.s.total, gap, closed);
 }
 
 }  // namespace ragdoll

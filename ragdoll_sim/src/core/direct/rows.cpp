@@ -5,6 +5,7 @@
 
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_rows.h"
 
 namespace ragdoll {
 namespace {
@@ -12,19 +13,15 @@ namespace {
 using Kind = Schur::Row::Kind;
 
 void buildContactRows(Body& body, bool leapfrog) {
-  ConstraintSet& set = body.constraints;
   Schur& schur = body.memory->schur;
-  set.springs.assign(set.contacts.size(), {});
-  set.contact_row.assign(set.contacts.size(), -1);
-  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
-    const Contact& c = set.contacts[i];
-    if (set.contact_role[i] == Role::kComing) continue;
-    if (isOnlyNear(set.contact_role[i]) && gapAfter(body, c) > kClose && !body.cache.find(c))
-      continue;
-    set.contact_row[i] = schur.size();
-    schur.addContact(leapfrog ? c.atStart() : c, static_cast<int>(i));
-    if (isReached(set.contact_role[i])) schur.smooth(set.contact_row[i]);
-  }
+  addContactRows(
+      body.constraints, body.cache, [&body](const Contact& c) { return gapAfter(body, c); },
+      [&](const Contact& c, int source, bool reached) {
+        const int row = schur.size();
+        schur.addContact(leapfrog ? c.atStart() : c, source);
+        if (reached) schur.smooth(row);
+        return row;
+      });
 }
 
 void buildLimitRows(Body& body, double h, bool leapfrog) {
@@ -110,29 +107,13 @@ void evaluateGaps(Body& body, double h) {
 }
 
 bool soften(Body& body, double h, bool leapfrog) {
-  ConstraintSet& set = body.constraints;
-  Schur& schur = body.memory->schur;
-  bool any = false;
-  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
-    const int row = set.contact_row[i];
-    if (row < 0 || !set.contacts[i].isSoft()) continue;
-    const double answer = schur.matrix()(row, row) - schur.row(row).compliance;
-    set.springs[i] = springRow(set.contacts[i], h, answer, leapfrog);
-    schur.soften(row, set.springs[i].compliance);
-    any = true;
-  }
-  return any;
+  return softenContacts(body.constraints, body.memory->schur, h, leapfrog);
 }
 
 double worstResidual(Body& body, bool closed) {
   const ConstraintSet& set = body.constraints;
-  double worst = 0;
-  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
-    const int row = set.contact_row[i];
-    if (row < 0) continue;
-    const double slack = set.springs[i].slack(gapAfter(body, set.contacts[i]), body.total[row]);
-    worst = std::max(worst, residual(slack, body.total[row], closed));
-  }
+  const auto gap = [&body](const Contact& c) { return gapAfter(body, c); };
+  double worst = worstResidual(set, body.total, gap, closed);
   if (set.limits.empty()) return worst;
   LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
@@ -142,8 +123,7 @@ double worstResidual(Body& body, bool closed) {
     const bool presses = closed && body.total[row] > 0;
     if (presses || !angles.isBeyond(limit.limit, -limit.opening))
       worst = std::max(
-          worst,
-          residual(angles[limit.limit] + limit.opening, body.total[row], closed) * kLever);
+          worst, residual(angles[limit.limit] + limit.opening, body.total[row], closed) * kLever);
   }
   return worst;
 }

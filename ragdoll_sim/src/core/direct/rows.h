@@ -18,12 +18,6 @@ void evaluateGaps(Body& body, double h);
 /// Whether there are any.
 bool soften(Body& body, double h, bool leapfrog);
 
-/// By how much a row is off: violated, and, closed, open while it presses. Left open it might not
-/// count as touching where velocities are solved for, which would lack its half step of force.
-inline double residual(double slack, double p, bool closed) {
-  return closed && p > 0 ? std::abs(slack) : -slack;
-}
-
 /// [m] the worst of the rows after the motion; of limits seen on kLever.
 double worstResidual(Body& body, bool closed);
 

@@ -51,67 +51,75 @@ void evaluateRates(Body& body) {
   }
 }
 
-/// Whether what the row stands for did not touch at the motion's start.
-bool isHitNow(const Body& body, const Schur::Row& row) {
-  if (row.kind == Kind::kLimit) {
-    const LimitRow& limit = body.touching.limits[row.source];
-    return limit.compliance == 0 &&
-           (body.touching.limit_hit[row.source] || limit.before >= body.tolerances.touching_angle);
-  }
-  if (body.touching.contacts[row.source].isSoft()) return false;
-  return body.touching.contact_hit[row.source] ||
-         body.touching.contacts[row.source].before >= body.tolerances.touching;
+int rowsOf(const Contact& c) { return c.friction > 0 ? 3 : 1; }
+
+/// Whether a contact touches from this motion on.
+bool isHitNow(const Contact& c, bool hit, double touching) {
+  return !c.isSoft() && (hit || c.before >= touching);
 }
 
-/// Locks the rows of what is just hit, at no impulse.
-void lockHit(Body& body) {
-  Schur& schur = body.memory->schur;
-  for (int i = 0; i < body.constraints.own_rows; ++i)
-    if (isHitNow(body, schur.row(i))) {
-      schur.lock(i);
-      body.touching.warm[i] = 0;
+/// Locks contacts that are just hit, at no impulse. lock(row), counted from the first of them on.
+template <class Lock>
+void lockHit(TouchingContacts& set, double touching, const Lock& lock) {
+  int row = 0;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const int count = rowsOf(set.contacts[i]);
+    if (isHitNow(set.contacts[i], set.hit[i], touching)) {
+      lock(row);
+      std::fill_n(set.warm.begin() + row, count, 0.0);
     }
-}
-
-/// Whether the pair that touches, the i-th, does so from this motion on.
-bool isHitNow(const Island& island, std::size_t i) {
-  const Contact& c = island.pairs.touching[i];
-  return !c.isSoft() && (island.pairs.hit[i] || c.before >= island.bodies[0]->tolerances.touching);
-}
-
-/// The same of rows between bodies.
-void lockHitPairs(Island& island, int first) {
-  PairSet& pairs = island.pairs;
-  for (std::size_t i = 0; i < pairs.touching.size(); ++i) {
-    if (!isHitNow(island, i)) continue;
-    island.s.joint.lock(first + 3 * static_cast<int>(i), true);
-    std::fill_n(pairs.warm.begin() + 3 * static_cast<std::ptrdiff_t>(i), 3, 0.0);
+    row += count;
   }
+}
+
+/// Limits that are just hit, of whose rows the first is `row`.
+void lockHitLimits(Body& body, int row) {
+  TouchingSet& set = body.touching;
+  for (std::size_t i = 0; i < set.limits.size(); ++i, ++row) {
+    const LimitRow& limit = set.limits[i];
+    const bool touched = !set.limit_hit[i] && limit.before < body.tolerances.touching_angle;
+    if (limit.compliance > 0 || touched) continue;
+    body.memory->schur.lock(row);
+    set.warm[row] = 0;
+  }
+}
+
+void lockHit(Island& island, int first_pair) {
+  for (Body* body : island.bodies) {
+    Schur& schur = body->memory->schur;
+    lockHit(body->touching, body->tolerances.touching, [&schur](int row) { schur.lock(row); });
+    const int limits = static_cast<int>(body->touching.limits.size());
+    lockHitLimits(*body, body->constraints.own_rows - limits);
+  }
+  lockHit(island.pairs.touching, island.bodies[0]->tolerances.touching,
+          [&](int row) { island.s.joint.lock(first_pair + row, true); });
 }
 
 /// Locks the contacts that the motion ends just before: they have not pressed and come from afar,
-/// and the next substep has their impact.
-void lockComing(Body& body) {
-  Schur& schur = body.memory->schur;
-  for (int i = 0; i < body.constraints.own_rows; ++i) {
-    const Schur::Row& row = schur.row(i);
-    if (row.kind != Kind::kNormal || body.touching.warm[i] != 0 || !isHitNow(body, row)) continue;
-    const Contact& c = body.touching.contacts[row.source];
-    const double rate =
-        schur.along(i, body.vData()) - row.direction.dot(c.surface_motion) / body.context->h;
-    if (-rate > comingSpeed(*body.context, c)) schur.lock(i);
+/// and the next substep has their impact. rate(contact): [m/s] at which it opens.
+template <class Rate, class Lock>
+void lockComing(const StepContext& step, const TouchingContacts& set, double touching,
+                const Rate& rate, const Lock& lock) {
+  int row = 0;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const Contact& c = set.contacts[i];
+    if (isHitNow(c, set.hit[i], touching) && set.warm[row] == 0 && -rate(c) > comingSpeed(step, c))
+      lock(row);
+    row += rowsOf(c);
   }
 }
 
-/// The same of rows between bodies.
-void lockComingPairs(Island& island, int first) {
-  const PairSet& pairs = island.pairs;
-  for (std::size_t i = 0; i < pairs.touching.size(); ++i) {
-    const Contact& c = pairs.touching[i];
-    if (!isHitNow(island, i) || pairs.warm[3 * i] != 0) continue;
-    if (-pairRate(island.context.state, c) > comingSpeed(island.context, c))
-      island.s.joint.lock(first + 3 * static_cast<int>(i), true);
-  }
+void lockComing(Island& island, int first_pair) {
+  const StepContext& step = island.context;
+  for (Body* body : island.bodies)
+    lockComing(
+        step, body->touching, body->tolerances.touching,
+        [body](const Contact& c) { return openingRate(*body, c); },
+        [body](int row) { body->memory->schur.lock(row); });
+  lockComing(
+      step, island.pairs.touching, island.bodies[0]->tolerances.touching,
+      [&](const Contact& c) { return pairRate(step.state, c); },
+      [&](int row) { island.s.joint.lock(first_pair + row, true); });
 }
 
 /// Newton's impact law: rates after the impact, and all rows free but those of springs.
@@ -145,24 +153,27 @@ Vec3 warmOf(const Contact& c, const RowValues& total, int row, double h, bool le
   return leapfrog ? c.turned(impulse) : impulse;
 }
 
-void keepTouchingContacts(Body& body, double h, bool leapfrog) {
-  const ConstraintSet& set = body.constraints;
+/// Those of the contacts that touch at the end of a motion over h, with what pressed: total.
+template <class Gap>
+void keepTouching(const ContactSet& set, const RowValues& total, const Gap& gap, double touching,
+                  double h, bool leapfrog, TouchingContacts& kept) {
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
-    const int row = i < set.contact_row.size() ? set.contact_row[i] : -1;
+    const int row = i < set.row.size() ? set.row[i] : -1;
+    const bool hit = set.role[i] == Role::kHit;
     double spring = 0;
     if (c.isSoft()) {
       if (!leapfrog || !(h > 0) || row < 0) continue;
-      spring = springImpulse(c, set.springs[i], gapAfter(body, c), body.total, row, h);
+      spring = springImpulse(c, set.springs[i], gap(c), total, row, h);
       if (!(spring > 0)) continue;
-    } else if (gapAfter(body, c) >= body.tolerances.touching && set.contact_role[i] != Role::kHit) {
+    } else if (gap(c) >= touching && !hit) {
       continue;
     }
-    body.touching.contacts.push_back(c);
-    body.touching.contact_hit.push_back(set.contact_role[i] == Role::kHit);
-    Vec3 warm = warmOf(c, body.total, row, h, leapfrog);
+    kept.contacts.push_back(c);
+    kept.hit.push_back(hit);
+    Vec3 warm = warmOf(c, total, row, h, leapfrog);
     if (c.isSoft()) warm[0] = spring;
-    for (int k = 0; k < (c.friction > 0 ? 3 : 1); ++k) body.touching.warm.push_back(warm[k]);
+    for (int k = 0; k < rowsOf(c); ++k) kept.warm.push_back(warm[k]);
   }
 }
 
@@ -187,39 +198,22 @@ void keepTouchingLimits(Body& body, double h) {
 void findTouchingPairs(Island& island, double h, bool leapfrog) {
   PairSet& pairs = island.pairs;
   pairs.touching.clear();
-  pairs.hit.clear();
-  pairs.warm.clear();
-  for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
-    const Contact& c = pairs.contacts[i];
-    const int row = i < pairs.row.size() ? pairs.row[i] : -1;
-    double spring = 0;
-    if (c.isSoft()) {
-      if (!leapfrog || !(h > 0) || row < 0) continue;
-      spring = springImpulse(c, pairs.springs[i], pairGapAfter(island, c), island.s.total, row, h);
-      if (!(spring > 0)) continue;
-    } else if (pairGapAfter(island, c) >= island.bodies[0]->tolerances.touching &&
-               pairs.role[i] != Role::kHit) {
-      continue;
-    }
-    pairs.touching.push_back(c);
-    pairs.hit.push_back(pairs.role[i] == Role::kHit);
-    Vec3 warm = warmOf(c, island.s.total, row, h, leapfrog);
-    if (c.isSoft()) warm[0] = spring;
-    for (int k = 0; k < 3; ++k) pairs.warm.push_back(warm[k]);
-  }
+  keepTouching(
+      pairs, island.s.total, [&island](const Contact& c) { return pairGapAfter(island, c); },
+      island.bodies[0]->tolerances.touching, h, leapfrog, pairs.touching);
 }
 
 void addTouchingPair(Island& island, int i) {
-  const int row = addPairRows(island, island.pairs.touching[i], i);
-  if (island.pairs.touching[i].isSoft()) island.s.joint.give(row);
+  const int row = addPairRows(island, island.pairs.touching.contacts[i], i);
+  if (island.pairs.touching.contacts[i].isSoft()) island.s.joint.give(row);
 }
 
 /// island.s.b for the pairs' rows, which begin at `first`.
 void evaluatePairRates(Island& island, int first, bool impact) {
   IslandScratch& s = island.s;
   const Points& v = island.context.state.v;
-  for (std::size_t i = 0; i < island.pairs.touching.size(); ++i) {
-    const Contact& c = island.pairs.touching[i];
+  for (std::size_t i = 0; i < island.pairs.touching.contacts.size(); ++i) {
+    const Contact& c = island.pairs.touching.contacts[i];
     const Vec3 rate = c.of(v) - commonTurn(island, c).cross(c.of(island.context.state.x));
     if (impact) s.joint.lock(first + 3 * static_cast<int>(i), false);
     for (int d = 0; d < 3; ++d) {
@@ -243,8 +237,8 @@ void keepRates(Island& island) {
 /// Those that the last solution pressed together; of an impact, as between them nothing bounces.
 void keepPressed(Island& island, int first_pair, std::vector<BodyPair>& pressed) {
   PairSet& pairs = island.pairs;
-  for (std::size_t i = 0; i < pairs.touching.size(); ++i) {
-    const Contact& c = pairs.touching[i];
+  for (std::size_t i = 0; i < pairs.touching.contacts.size(); ++i) {
+    const Contact& c = pairs.touching.contacts[i];
     if (island.s.p[first_pair + 3 * static_cast<int>(i)] > 0)
       pressed.push_back({c.ragdoll, c.other, false});
   }
@@ -275,7 +269,8 @@ void startWarm(Island& island, int first_pair) {
     s.p.segment(s.joint.firstOf(static_cast<int>(k)), rows) =
         Eigen::Map<const Eigen::VectorXd>(body.touching.warm.data(), rows);
   }
-  std::copy(island.pairs.warm.begin(), island.pairs.warm.end(), s.p.data() + first_pair);
+  std::copy(island.pairs.touching.warm.begin(), island.pairs.touching.warm.end(),
+            s.p.data() + first_pair);
 }
 
 /// The bodies' velocities <- with impulses p.
@@ -321,7 +316,7 @@ void pushVelocities(Island& island, int first_pair, const LoggedStage& at, doubl
 }
 
 bool touches(const Island& island) {
-  return !island.pairs.touching.empty() ||
+  return !island.pairs.touching.contacts.empty() ||
          std::any_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
            return !body->touching.contacts.empty() || !body->touching.limits.empty();
          });
@@ -331,7 +326,9 @@ bool touches(const Island& island) {
 
 void findTouching(Body& body, double h, bool leapfrog) {
   body.touching.clear();
-  keepTouchingContacts(body, h, leapfrog);
+  keepTouching(
+      body.constraints, body.total, [&body](const Contact& c) { return gapAfter(body, c); },
+      body.tolerances.touching, h, leapfrog, body.touching);
   keepTouchingLimits(body, h);
 }
 
@@ -382,7 +379,7 @@ void solveVelocities(Island& island, Stage stage, double h, double damping) {
     joint.addBody(body->memory->schur);
   }
   const int first_pair = joint.size();
-  for (std::size_t i = 0; i < island.pairs.touching.size(); ++i)
+  for (std::size_t i = 0; i < island.pairs.touching.contacts.size(); ++i)
     addTouchingPair(island, static_cast<int>(i));
   for (Body* body : island.bodies) {
     BodyMemory& memory = *body->memory;
@@ -390,15 +387,10 @@ void solveVelocities(Island& island, Stage stage, double h, double damping) {
   }
   if (stage != Stage::kBounce) {
     // What pressed all the while does so until the impact, which is not to take that back.
-    for (Body* body : island.bodies)
-      if (stage == Stage::kImpact)
-        lockHit(*body);
-      else if (h > 0)
-        lockComing(*body);
     if (stage == Stage::kImpact)
-      lockHitPairs(island, first_pair);
+      lockHit(island, first_pair);
     else if (h > 0)
-      lockComingPairs(island, first_pair);
+      lockComing(island, first_pair);
     pushVelocities(island, first_pair, {false, h}, damping);
     if (stage == Stage::kImpact) keepPressed(island, first_pair, island.pairs.met);
   }

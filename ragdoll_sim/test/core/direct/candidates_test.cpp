@@ -72,7 +72,7 @@ TEST(Candidates, BecomeActiveOnceViolated) {
   EXPECT_FALSE(activateViolated(body));
   body.motion.dx(2, 0) = -6e-3;
   EXPECT_TRUE(activateViolated(body));
-  EXPECT_EQ(body.constraints.contact_role[0], Role::kActive);
+  EXPECT_EQ(body.constraints.role[0], Role::kActive);
 }
 
 TEST(Candidates, OfAMotionThatWasPushedSomewhereAreAdded) {
@@ -84,7 +84,7 @@ TEST(Candidates, OfAMotionThatWasPushedSomewhereAreAdded) {
   body.motion.dx(2, 0) = -0.95;  // 5 cm into the floor
   EXPECT_TRUE(findMissed(body, one.h));
   ASSERT_EQ(body.constraints.contacts.size(), 1U);
-  EXPECT_EQ(body.constraints.contact_role[0], Role::kActive);
+  EXPECT_EQ(body.constraints.role[0], Role::kActive);
 }
 
 TEST(Candidates, SqueezeABodyFromOppositeSidesOnly) {

@@ -31,7 +31,7 @@ TEST(Impact, IsLocatedWhereABallMeetsTheFloor) {
   const Impact first = firstImpact(one.island, one.h);
   EXPECT_NEAR(first.time, kHeight / kSpeed, 1e-12);
   takeImpact(one.island, first);
-  EXPECT_EQ(one.body().constraints.contact_role[0], Role::kHit);
+  EXPECT_EQ(one.body().constraints.role[0], Role::kHit);
 }
 
 }  // namespace
