@@ -68,5 +68,30 @@ INSTANTIATE_TEST_SUITE_P(SharedLoad, ATableThatSlides,
                          testing::Values(Table{"0.02, 0.03, 0.25", "1.0"},
                                          Table{"0.35, -0.2, 0.5", "2.0"}));  // legs lift
 
+/// A leg hits a leg: the rows of both are solved for at once.
+TEST(SharedLoad, OfTablesThatSlideAgainstEachOther) {
+  const char* const kTable =
+      "top: {position: [0.05, 0.02, 0.5], radius: 0.05}}, segments: {s: {mass: 10, "
+      "com: [0.02, 0.01, 0.2], inertia: [0.6, 0.7, 0.5, 0, 0, 0], particles: [";
+  const Scene scene =
+      parseScene(std::string("ragdoll_collision: true\nragdolls:\n"
+                             "  - {name: t, position: [0, 0, 0.05], velocity: [0.6, 0.2, 0], "
+                             "angular_velocity: [0, 0, 1], model: {particles: {") +
+                 kLegs[0] + ", " + kLegs[1] + ", " + kLegs[2] + ", " + kLegs[3] + ", " + kTable +
+                 "a, b, c, d, top]}}}}\n"
+                 "  - {name: u, position: [1.1, 0, 0.05], velocity: [-0.8, 0.1, 0], "
+                 "angular_velocity: [0, 0, -0.5], model: {particles: {" +
+                 kLegs[3] + ", " + kLegs[1] + ", " + kLegs[0] + ", " + kLegs[2] + ", " + kTable +
+                 "a, b, c, d, top]}}}}\n"
+                 "obstacles: [{type: plane, friction: 0.35}]\n");
+  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.2);
+  Scene apart = scene;
+  apart.ragdoll_collision = false;
+  ASSERT_GT(largest(endOfBlows(apart, Method::kRk, 1e-3, 0.2) - exact), 1e-3);
+  for (const double rate : {250.0, 1000.0, 4000.0})
+    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.2) - exact), 8 / (rate * rate))
+        << rate;
+}
+
 }  // namespace
 }  // namespace ragdoll::test
