@@ -202,7 +202,7 @@ void placeContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Con
     if (share <= kEndOfStick || share >= 1 - kEndOfStick) continue;
     Contact c = k.contactWith(tangentAt(m, k.axis, share));
     c.weight = {1 - share, share, 0, 0};
-    if (places.flat && k.start > -kResting)
+    if (m.obstacle->type == ObstacleSpec::Type::kBox && k.start > -kResting)
       c.gap_start = gapAtStart(k, share);
     if (touchesAtStart(k.give, c.gap_start)) {
       const Places before = placesOf(m, k.at_start, k.give);
