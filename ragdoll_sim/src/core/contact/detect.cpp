@@ -160,9 +160,21 @@ Places placesOf(const SweptObstacle& m, const Axis& axis, const Compliance& give
   return {{t, t}, false};
 }
 
-/// Its contact at one of them touched at the start where the capsule did, at a place t of `axis`.
+/// Which of them is nearer to a place t.
+int nearer(const Places& places, double t) {
+  return std::abs(places.at[1] - t) < std::abs(places.at[0] - t) ? 1 : 0;
+}
+
+/// The place before the motion that such a place has come from; nothing if there is none near it.
+std::optional<double> placeBefore(const Places& before, const Places& now, int i) {
+  const int k = before.flat && now.flat ? i : nearer(before, now.at[i]);
+  const bool same = before.flat == now.flat || nearer(now, before.at[k]) == i;
+  if (!same || std::abs(now.at[i] - before.at[k]) > kSamePlace) return std::nullopt;
+  return before.at[k];
+}
+
+/// Its contact touched at the start, at a place t of `axis`.
 void setStart(const SweptObstacle& m, const Axis& axis, double t, Contact& c) {
-  if (std::abs(t - c.weight[1]) > kSamePlace) return;
   c.start_normal = m.R0 * signedDistance(*m.obstacle, axis.at(t)).normal;
   c.start_weight = {1 - t, t, 0, 0};
   c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
@@ -186,28 +198,26 @@ struct StickSearch {
   }
 };
 
-/// [m] Gap at the start of the place that lies flat at `share` of the stick: there where the stick
-/// was over the same place of the obstacle, as it may have slid along itself.
+/// [m] Gap at the start of what is at `share` of the stick now: there where the stick was over the
+/// same place of the obstacle, as it may have slid along itself.
 double gapAtStart(const StickSearch& k, double share) {
   const Vec3 along = k.at_start.b - k.at_start.a;
   const double over = along.dot(k.axis.at(share) - k.at_start.a) / along.squaredNorm();
   return k.at_start.gap(std::clamp(over, 0.0, 1.0));
 }
 
-/// Contacts of a capsule between its ends, each with the plane that is tangent there.
+/// Contacts of a capsule between its ends, each with the plane that is tangent there. Where it
+/// rolls over an edge the place goes along, and with it its gap.
 void placeContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Contact>& contacts) {
-  const Places places = placesOf(m, k.axis, k.give);
+  const Places places = placesOf(m, k.axis, k.give), before = placesOf(m, k.at_start, k.give);
   for (int i = 0; i < (places.flat ? 2 : 1); ++i) {
     const double share = places.at[i];
     if (share <= kEndOfStick || share >= 1 - kEndOfStick) continue;
     Contact c = k.contactWith(tangentAt(m, k.axis, share));
     c.weight = {1 - share, share, 0, 0};
-    if (m.obstacle->type == ObstacleSpec::Type::kBox && k.start > -kResting)
-      c.gap_start = gapAtStart(k, share);
-    if (touchesAtStart(k.give, c.gap_start)) {
-      const Places before = placesOf(m, k.at_start, k.give);
-      if (before.flat == places.flat) setStart(m, k.at_start, before.at[i], c);
-    }
+    const std::optional<double> from = placeBefore(before, places, i);
+    if (k.start > -kResting) c.gap_start = from ? k.at_start.gap(*from) : gapAtStart(k, share);
+    if (from && touchesAtStart(k.give, c.gap_start)) setStart(m, k.at_start, *from, c);
     contacts.push_back(c);
   }
 }

@@ -98,13 +98,12 @@ constexpr int kMaxUnknown = 2 * kMaxInVain;  ///< where the guard acts, or nothi
 constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into shape: of rounding
 
 // --- Not tuned: rounding.
-constexpr double kExactGain = 1e-9;     ///< as kRedoGain: what rk from event to event may gain
+constexpr double kLeastGain = 1e-9;     ///< as kRedoGain: less stays in the motion
 constexpr double kShortEnough = 1.01;   ///< of the shortest part
 constexpr double kUnknownRate = 1e300;  ///< [m/s] where no motion was found
 constexpr double kTurned = 1e-9;        ///< [rad] of a plane: more than rounding
 constexpr double kParting = 1e-5;       ///< [m/s] what leaves slower after a blow stays
 constexpr double kSnap = 1e-6;          ///< of the substep: nearer to its ends is there
 constexpr double kNothingLeft = 1e-9;   ///< of the step: rounding of what was taken
-constexpr double kReportedGain = 1e-6;  ///< [J] less is not told
 
 }  // namespace ragdoll

@@ -106,6 +106,13 @@ bool isSmooth(const Body& body) {
          std::all_of(impulses.begin(), impulses.end(), touches);
 }
 
+/// [J]
+double kineticEnergyOf(Island& island) {
+  double energy = 0;
+  for (Body* body : island.bodies) energy += kineticEnergy(*body);
+  return energy;
+}
+
 /// [N]
 double weightOf(const Body& body) {
   return body.rows->mass.sum() * body.context->model.gravity.norm();
@@ -188,9 +195,10 @@ bool isHeld(const Island& island, const std::vector<Body*>& bodies) {
 
 double kineticEnergy(Body& body) { return kineticEnergy(*body.rows, body.v(), body.energy); }
 
-double swingScale(Body& body) {
-  const StickRows& rows = *body.rows;
-  return kineticEnergy(body) + rows.mass.sum() * body.context->model.gravity.norm() * rows.scale;
+double swingScale(Island& island) {
+  double scale = kineticEnergyOf(island);
+  for (const Body* body : island.bodies) scale += weightOf(*body) * body->rows->scale;
+  return scale;
 }
 
 double driveSpeed(const Island& island) {
@@ -236,15 +244,8 @@ double gainedEnergy(Island& island, double drive) {
 
 bool isLargeGain(Island& island, double gain, bool smooth) {
   if (smooth ? gain == 0 : gain <= kRedoGain) return false;
-  double energy = 0;
-  for (Body* body : island.bodies) energy += smooth ? swingScale(*body) : kineticEnergy(*body);
+  const double energy = smooth ? swingScale(island) : kineticEnergyOf(island);
   return smooth ? std::abs(gain) > kRedoGain * energy : gain > kRedoGain * energy;
-}
-
-double kineticEnergyOf(Island& island) {
-  double energy = 0;
-  for (Body* body : island.bodies) energy += kineticEnergy(*body);
-  return energy;
 }
 
 double wildGain(Island& island) {

@@ -7,9 +7,10 @@
 
 namespace ragdoll {
 
-/// [J] of a body; and what swings is compared with: that, and a fall of 1 m.
+/// [J] of a body.
 double kineticEnergy(Body& body);
-double swingScale(Body& body);
+/// [J] What gains are compared with: kinetic energy, and a fall of 1 m, by the bodies' size.
+double swingScale(Island& island);
 
 /// [J] by how much the body gained more since it was saved than what acts on it, driven at `drive`
 /// [m/s], can have given it.

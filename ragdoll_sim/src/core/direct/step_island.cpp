@@ -27,17 +27,18 @@ bool presses(const Island& island) {
                      [](const Body* body) { return !body->cache.empty(); });
 }
 
+/// What the guard takes of a gain [J]: not what a solution leaves.
+double worthTaking(Island& island, double gain) {
+  return gain > 0 && gain > kLeastGain * swingScale(island) ? gain : 0;
+}
+
 /// rk from event to event has no swing: what it gains is its error.
 Verdict judgeExact(Island& island, const SubstepControl& control) {
   const double gain = gainedEnergy(island, 0.0);
-  double scale = 0;
   bool stable = true;
-  for (Body* body : island.bodies) {
-    scale += swingScale(*body);
-    stable = stable && !exceedsStable(*body, control.substep(), 2);
-  }
-  if (control.canHalve() && (gain > kRedoGain * scale || !stable)) return {false, 0};
-  return {true, gain > kExactGain * scale ? gain : 0};
+  for (Body* body : island.bodies) stable = stable && !exceedsStable(*body, control.substep(), 2);
+  if (control.canHalve() && (gain > kRedoGain * swingScale(island) || !stable)) return {false, 0};
+  return {true, worthTaking(island, gain)};
 }
 
 Verdict judgeExplicit(Island& island, const Trial& trial, const SubstepControl& control) {
@@ -57,7 +58,7 @@ Verdict judgeExplicit(Island& island, const Trial& trial, const SubstepControl& 
     return {false, 0};
   // What leapfrog's energy swings by comes back; not so what limits that press have given it.
   const bool comes_back = smooth && !(large && presses(island));
-  return {true, comes_back ? 0 : std::max(0.0, gain)};
+  return {true, comes_back ? 0 : worthTaking(island, gain)};
 }
 
 Verdict judgeImplicit(Island& island) {
@@ -117,7 +118,7 @@ bool takeSubsteps(Island& island, double h, StepReport& report) {
     }
     if (verdict.gain > 0)
       for (Body* body : island.bodies) restorePins(*body, body->saved.v);
-    control.accept(trial.took, trial.limited || verdict.gain > kReportedGain);
+    control.accept(trial.took, trial.limited || verdict.gain > 0);
     report.contacts += trial.contacts;
     if (trial.handed_over) report.handed_over += static_cast<int>(island.bodies.size());
   }

@@ -136,6 +136,17 @@ double EqualSprings::slide(const std::vector<SchurBlock>& blocks, double* p) {
   return most;
 }
 
+double EqualSprings::beyondCones(const std::vector<SchurBlock>& blocks, const double* p) {
+  double most = 0;
+  for (const SchurBlock& block : blocks) {
+    if (!(block.tangent_answer > 0)) continue;
+    const double* now = p + block.row;
+    const double beyond = std::hypot(now[1], now[2]) - block.friction * now[0];
+    most = std::max(most, beyond * std::sqrt(block.own[0]));
+  }
+  return most;
+}
+
 double EqualSprings::spread(const std::vector<SchurBlock>& blocks, double* p) {
   if (!depends_) return 0;
   const int m = static_cast<int>(rows_.size());
@@ -161,7 +172,7 @@ double EqualSprings::spread(const std::vector<SchurBlock>& blocks, double* p) {
   }
   const double most = slide(blocks, p);
   for (int i = 0; i < m; ++i) p[rows_[i].row] = q_[i] * rows_[i].scale;
-  return most / q_.cwiseAbs().maxCoeff();
+  return std::max(most, beyondCones(blocks, p)) / q_.cwiseAbs().maxCoeff();
 }
 
 }  // namespace ragdoll

@@ -17,8 +17,9 @@ namespace ragdoll {
 class EqualSprings {
  public:
   /// p, shared so, where something slides; friction that slides goes along. A(i, j): of the rows;
-  /// again: as it was the last time. Returns by how much friction has changed at most, as a part of
-  /// the largest impulse, both in units in which all rows yield alike: nothing else moves bodies.
+  /// again: as it was the last time. Returns by how much friction has changed at most, or is beyond
+  /// its cone, as a part of the largest impulse, both in units in which all rows yield alike:
+  /// nothing else moves bodies.
   template <class Matrix>
   double share(const std::vector<SchurBlock>& blocks, const Matrix& A, bool again, double* p) {
     if (!collect(blocks, p)) return 0;
@@ -58,6 +59,8 @@ class EqualSprings {
   void findChange();
   /// Friction that slides, by what its contact presses with now. Returns the largest change.
   double slide(const std::vector<SchurBlock>& blocks, double* p);
+  /// By how much friction that sticks is more than its contact holds now: it is to slide.
+  static double beyondCones(const std::vector<SchurBlock>& blocks, const double* p);
 
   std::vector<Pressing> rows_;
   std::vector<int> known_;  ///< rows that B_ is of

@@ -117,9 +117,10 @@ bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeps sweeps) {
   double last = std::numeric_limits<double>::infinity();
   for (int k = 0; settled && k < kShareRounds; ++k) {
     const double change = share(p, k > 0);
-    if (change <= kShared || change > kShrinks * last) break;
-    last = change;
+    if (change <= kShared) break;
     settled = sweep(b, p, sweeps);
+    if (change > kShrinks * last) break;
+    last = change;
   }
   return settled;
 }

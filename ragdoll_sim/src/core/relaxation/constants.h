@@ -11,4 +11,7 @@ constexpr double kFreeSpeed = 1.0;  ///< [m/s] of the whole body: gains of less 
 // --- Not tuned: made of others.
 constexpr double kMostDepth = 2 * kFailed;  ///< of the radius: deeper than sweeps leave behind
 
+// --- Not tuned: rounding.
+constexpr double kReportedGain = 1e-6;  ///< [J] less is not told
+
 }  // namespace ragdoll

@@ -61,6 +61,16 @@ TEST(EqualSprings, TakeOutWhatDoesNothing) {
   for (int k = 0; k < 4; ++k) EXPECT_NEAR(after[3 * k], before[3 * k], 1e-12);
 }
 
+TEST(EqualSprings, TellWhatFrictionIsBeyondItsCone) {
+  Plate plate;
+  plate.blocks[0].friction = 0.1;
+  Eigen::VectorXd p = Plate::normals(1, 2, 2, 3);
+  p[1] = 0.1;   // slides
+  p[4] = 0.99;  // sticks where 1 holds it, and where 0.75 does from now on
+  EXPECT_NEAR(plate.share(p), (0.99 - 0.75) / 2.5, 1e-12);
+  EXPECT_NEAR(p[3], 1.5, 1e-12);
+}
+
 TEST(EqualSprings, PullNothing) {
   Plate plate;
   Eigen::VectorXd p = Plate::normals(4, 1, 0.01, 1);
