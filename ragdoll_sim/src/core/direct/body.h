@@ -41,6 +41,7 @@ struct StepContext {
   int worker = 0;             ///< which thread takes the step: whose scratch it uses
   const std::vector<CachedImpulse>* before = nullptr;  ///< pressed before; null: the state's
   double whole = 0;  ///< [s] the step that h is a part of; 0: all of it
+  Tolerances tolerances = tolerancesFor(h);
 
   double wholeStep() const { return whole > 0 ? whole : h; }
 };
@@ -80,7 +81,6 @@ struct Body {
   BodyMemory* memory = nullptr;
   int index = 0, first = 0, n = 0;
 
-  Tolerances tolerances;
   StickLengths lengths;  ///< that sticks keep in this step
   double pin_speed = 0;  ///< [m/s] of pins that move
   bool driven = false;   ///< something moves that gives energy: obstacles, pins

@@ -128,7 +128,7 @@ bool hasOtherPlane(const Body& body, const Contact& c, double over) {
   if (!c.touches_at_start || c.isSoft() || !c.surface_motion.isZero(0)) return false;
   const double seen = c.gapAt(body.context->state.x) + c.offset - c.found;
   return (c.normal - c.start_normal).norm() > kTurned ||
-         std::abs(seen - c.gap_start) > body.tolerances.contact * over / body.context->h;
+         std::abs(seen - c.gap_start) > body.context->tolerances.contact * over / body.context->h;
 }
 
 bool hasOtherPlane(const Body& body, const std::vector<Contact>& contacts, double over) {
@@ -222,7 +222,7 @@ bool activateViolated(Body& body) {
   bool any = false;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     if (set.row[i] >= 0 || set.role[i] == Role::kComing) continue;
-    if (gapAfter(body, set.contacts[i]) >= -body.tolerances.contact) continue;
+    if (gapAfter(body, set.contacts[i]) >= -body.context->tolerances.contact) continue;
     set.role[i] = Role::kActive;
     any = true;
   }
@@ -231,7 +231,7 @@ bool activateViolated(Body& body) {
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     if (set.limit_row[i] >= 0 || set.limit_role[i] == Role::kComing) continue;
     const int k = set.limits[i].limit;
-    if (angles.isBeyond(k, 0) || angles[k] * kLever >= -body.tolerances.contact) continue;
+    if (angles.isBeyond(k, 0) || angles[k] * kLever >= -body.context->tolerances.contact) continue;
     set.limit_role[i] = Role::kActive;
     any = true;
   }

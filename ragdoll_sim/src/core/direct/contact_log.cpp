@@ -192,7 +192,7 @@ void addSpring(const Island& island, const Contact& c, double answer, double h, 
   m.answer = answer;
   m.force = 2 * e.impulse.dot(c.normal) / h;
   e.peak = withFriction(c, e.impulse) * peakForce(c, m);
-  if (c.before > -island.bodies[0]->tolerances.touching) e.approach = std::max(0.0, -m.rate[0]);
+  if (c.before > -island.context.tolerances.touching) e.approach = std::max(0.0, -m.rate[0]);
 }
 
 ContactLog& logOf(const Island& island) { return *island.context.log; }

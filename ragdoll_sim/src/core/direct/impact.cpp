@@ -25,24 +25,25 @@ double rateOf(const Body& body, const LimitRow& limit) {
 
 /// A spring floor is reached, too, but does not bounce: the next substep begins with its spring.
 bool isComingSoftly(const Body& body, const Contact& c, double h) {
-  if (body.located >= kMaxLocated || c.before < body.tolerances.touching) return false;
+  if (body.located >= kMaxLocated || c.before < body.context->tolerances.touching) return false;
   return (c.before - gapAfter(body, c)) / h > comingSpeed(*body.context, c);
 }
 
 bool isComing(const Body& body, const Contact& c, double h) {
   if (c.isSoft()) return isComingSoftly(body, c, h);
-  if (c.gap_start < -body.tolerances.contact) return false;
+  if (c.gap_start < -body.context->tolerances.contact) return false;
   const double end = gapAfter(body, c);
   if (end < -kDeepImpact * body.rows->scale) return body.located < kMaxDeepImpacts;
   if (body.located >= kMaxLocated) return false;
-  const double rate = c.before < body.tolerances.touching ? rateOf(body, c) : (end - c.before) / h;
+  const double rate =
+      c.before < body.context->tolerances.touching ? rateOf(body, c) : (end - c.before) / h;
   return -rate > comingSpeed(*body.context, c);
 }
 
 bool isComing(const Body& body, const LimitRow& limit, double h) {
   if (limit.compliance > 0 || body.located >= kMaxLocated) return false;
-  if (limit.before < -body.tolerances.touching_angle) return false;
-  const double rate = limit.before < body.tolerances.touching_angle
+  if (limit.before < -body.context->tolerances.touching_angle) return false;
+  const double rate = limit.before < body.context->tolerances.touching_angle
                           ? rateOf(body, limit)
                           : (limit.value - limit.before) / h;
   const double pull = std::max(kLeastPull, body.context->model.gravity.norm());
@@ -74,11 +75,11 @@ bool isComing(const Island& island, const IslandImpacts& impacts, const Contact&
   const Body& any = *island.bodies[0];
   const auto [scale, located] = impacts;
   const double end = pairGapAfter(island, pair);
-  const bool touches = pair.before < any.tolerances.touching;
+  const bool touches = pair.before < any.context->tolerances.touching;
   const double speed = touches ? -rateOf(island, pair) : (pair.before - end) / h;
   const bool comes = located < kMaxLocated && speed > comingSpeed(island.context, pair);
   if (pair.isSoft()) return comes && !touches;
-  if (pair.gap_start < -any.tolerances.contact) return false;
+  if (pair.gap_start < -any.context->tolerances.contact) return false;
   return end < -kDeepImpact * scale ? located < kMaxDeepImpacts : comes;
 }
 
@@ -122,7 +123,7 @@ Impact firstImpact(Body& body, double h) {
   ConstraintSet& set = body.constraints;
   Impact first = firstImpact(
       set, [&body](const Contact& c) { return gapAfter(body, c); },
-      [&body](const Contact& c) { return rateOf(body, c); }, body.tolerances.contact, h);
+      [&body](const Contact& c) { return rateOf(body, c); }, body.context->tolerances.contact, h);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     if (set.limit_role[i] != Role::kComing) continue;
     const LimitRow& limit = set.limits[i];
@@ -170,11 +171,11 @@ void findComing(Island& island, double h) {
 bool reachesComing(const Island& island) {
   return reachesComing(
              island.pairs, [&island](const Contact& c) { return pairGapAfter(island, c); },
-             island.bodies[0]->tolerances.contact) ||
+             island.context.tolerances.contact) ||
          std::any_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
            return reachesComing(
                       body->constraints, [body](const Contact& c) { return gapAfter(*body, c); },
-                      body->tolerances.contact) ||
+                      body->context->tolerances.contact) ||
                   reachesLimit(*body);
          });
 }
@@ -182,8 +183,8 @@ bool reachesComing(const Island& island) {
 Impact firstImpact(Island& island, double h) {
   Impact first = firstImpact(
       island.pairs, [&island](const Contact& c) { return pairGapAfter(island, c); },
-      [&island](const Contact& c) { return rateOf(island, c); },
-      island.bodies[0]->tolerances.contact, h);
+      [&island](const Contact& c) { return rateOf(island, c); }, island.context.tolerances.contact,
+      h);
   for (Body* body : island.bodies) {
     const Impact own = firstImpact(*body, h);
     if (own.time < first.time) first = own;
@@ -211,8 +212,8 @@ bool touchesOther(const Body& body) {
   const ConstraintSet& set = body.constraints;
   for (std::size_t i = 0; i < set.contacts.size(); ++i)
     if (set.role[i] != Role::kComing &&
-        (set.contacts[i].before <= body.tolerances.touching ||
-         gapAfter(body, set.contacts[i]) <= body.tolerances.touching))
+        (set.contacts[i].before <= body.context->tolerances.touching ||
+         gapAfter(body, set.contacts[i]) <= body.context->tolerances.touching))
       return true;
   for (std::size_t i = 0; i < set.limits.size(); ++i)
     if (set.limit_role[i] != Role::kComing &&

@@ -154,7 +154,7 @@ bool activateViolated(Island& island) {
   PairSet& pairs = island.pairs;
   for (std::size_t i = 0; i < pairs.contacts.size(); ++i) {
     if (pairs.row[i] >= 0 || pairs.role[i] == Role::kComing) continue;
-    if (pairGapAfter(island, pairs.contacts[i]) >= -island.bodies[0]->tolerances.contact) continue;
+    if (pairGapAfter(island, pairs.contacts[i]) >= -island.context.tolerances.contact) continue;
     pairs.role[i] = Role::kActive;
     any = true;
   }

@@ -36,7 +36,7 @@ void addSpring(Island& island, const ModeRow& row, double h, LoggedImpact& gave)
   const Contact c = at(island.s.mode.end, m.gap[1], m.rate[1]);
   m.force = gave.impulse.dot(c.normal) / h;
   gave.peak = peakForce(c, m);
-  if (m.gap[0] > -island.bodies[0]->tolerances.touching) gave.approach = std::max(0.0, -m.rate[0]);
+  if (m.gap[0] > -island.context.tolerances.touching) gave.approach = std::max(0.0, -m.rate[0]);
 }
 
 /// Writes down what pressed over h: of second order, along and at what is between start and end.

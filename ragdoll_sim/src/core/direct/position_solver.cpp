@@ -110,7 +110,7 @@ bool solveRows(Island& island, double h) {
     }
     if (!solveRound(island, {fresh, true, false})) return false;
     const double now = worstOf(island, true);
-    if (now < island.bodies[0]->tolerances.contact) return true;
+    if (now < island.context.tolerances.contact) return true;
     if (round > 1 && now > kSlop && now > kProgress * violation) return true;
     violation = now;
   }
@@ -127,7 +127,7 @@ bool solveRowsImplicitly(Island& island, double h) {
   const bool on_and_on =
       island.bodies[0]->overlaps == OverlapPolicy::kResolve && !island.context.relaxed;
   double violation = violationOf(island);
-  bool done = violation < island.bodies[0]->tolerances.contact;
+  bool done = violation < island.context.tolerances.contact;
   for (int round = 0; round < kImplicitRounds && !done; ++round) {
     buildRows(island, h, false);
     if (s.total.size() != s.joint.size()) startTotals(island);  // other rows
@@ -137,7 +137,7 @@ bool solveRowsImplicitly(Island& island, double h) {
     s.p = s.total;
     if (!solveRound(island, {round == 0, false, on_and_on})) return false;
     const double now = violationOf(island);
-    done = now < island.bodies[0]->tolerances.contact;
+    done = now < island.context.tolerances.contact;
     if (!done && round > 1 && now > kProgress * violation) break;
     violation = now;
   }

@@ -39,7 +39,7 @@ void buildLimitRows(Body& body, double h, bool leapfrog) {
       continue;
     // One that touches at the start pushes along its direction there, as the sticks do.
     if (leapfrog && limit.compliance == 0 &&
-        std::abs(limit.before) < body.tolerances.touching_angle)
+        std::abs(limit.before) < body.context->tolerances.touching_angle)
       anglesBefore(body).evaluate(limit);
     else
       angles.evaluate(limit);

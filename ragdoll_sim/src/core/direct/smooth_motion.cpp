@@ -42,7 +42,8 @@ bool integrate(Body& body, double h) {
 /// Whether nothing touches on the way.
 bool isFree(const Body& body) {
   for (const Contact& c : body.constraints.contacts)
-    if (gapAfter(body, c) <= body.tolerances.touching || c.gap_start <= body.tolerances.touching)
+    if (gapAfter(body, c) <= body.context->tolerances.touching ||
+        c.gap_start <= body.context->tolerances.touching)
       return false;
   for (const LimitRow& l : body.constraints.limits)
     if (l.value <= 0 || l.start != 0) return false;

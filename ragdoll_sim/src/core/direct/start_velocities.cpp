@@ -28,7 +28,6 @@ void stopPins(Body& body) {
 
 void settle(Island& island) {
   for (Body* body : island.bodies) {
-    body->tolerances = kAtStart;
     body->located = kMaxLocated + 1;  // it does not bounce
     if (!body->skeleton->groups.empty()) {
       body->kept.noalias() = body->v() * body->system->affine.transpose();
@@ -55,8 +54,8 @@ double makeConsistent(const Model& model, State& state) {
   DirectWorkspace ws;
   Supports supports;
   const Inputs none;
-  const StepContext context{model, none,    model.solver.step, nullptr, true,
-                            false, settled, ws,                supports};
+  StepContext context{model, none, model.solver.step, nullptr, true, false, settled, ws, supports};
+  context.tolerances = kAtStart;
   prepareDirect(context);
   Island island(context, scratchOf(context).island);
   std::vector<int> all(model.ragdolls.size());

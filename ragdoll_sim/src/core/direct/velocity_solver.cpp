@@ -77,7 +77,8 @@ void lockHitLimits(Body& body, int row) {
   TouchingSet& set = body.touching;
   for (std::size_t i = 0; i < set.limits.size(); ++i, ++row) {
     const LimitRow& limit = set.limits[i];
-    const bool touched = !set.limit_hit[i] && limit.before < body.tolerances.touching_angle;
+    const bool touched =
+        !set.limit_hit[i] && limit.before < body.context->tolerances.touching_angle;
     if (limit.compliance > 0 || touched) continue;
     body.memory->schur.lock(row);
     set.warm[row] = 0;
@@ -87,11 +88,12 @@ void lockHitLimits(Body& body, int row) {
 void lockHit(Island& island, int first_pair) {
   for (Body* body : island.bodies) {
     Schur& schur = body->memory->schur;
-    lockHit(body->touching, body->tolerances.touching, [&schur](int row) { schur.lock(row); });
+    lockHit(body->touching, body->context->tolerances.touching,
+            [&schur](int row) { schur.lock(row); });
     const int limits = static_cast<int>(body->touching.limits.size());
     lockHitLimits(*body, body->constraints.own_rows - limits);
   }
-  lockHit(island.pairs.touching, island.bodies[0]->tolerances.touching,
+  lockHit(island.pairs.touching, island.context.tolerances.touching,
           [&](int row) { island.s.joint.lock(first_pair + row, true); });
 }
 
@@ -113,11 +115,11 @@ void lockComing(Island& island, int first_pair) {
   const StepContext& step = island.context;
   for (Body* body : island.bodies)
     lockComing(
-        step, body->touching, body->tolerances.touching,
+        step, body->touching, body->context->tolerances.touching,
         [body](const Contact& c) { return openingRate(*body, c); },
         [body](int row) { body->memory->schur.lock(row); });
   lockComing(
-      step, island.pairs.touching, island.bodies[0]->tolerances.touching,
+      step, island.pairs.touching, island.context.tolerances.touching,
       [&](const Contact& c) { return pairRate(step.state, c); },
       [&](int row) { island.s.joint.lock(first_pair + row, true); });
 }
@@ -184,7 +186,7 @@ void keepTouchingLimits(Body& body, double h) {
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];
     if (limit.compliance > 0) continue;
-    if (angles.isBeyond(limit.limit, body.tolerances.touching_angle - limit.opening) &&
+    if (angles.isBeyond(limit.limit, body.context->tolerances.touching_angle - limit.opening) &&
         set.limit_role[i] != Role::kHit)
       continue;
     body.touching.limits.push_back(limit);
@@ -200,7 +202,7 @@ void findTouchingPairs(Island& island, double h, bool leapfrog) {
   pairs.touching.clear();
   keepTouching(
       pairs, island.s.total, [&island](const Contact& c) { return pairGapAfter(island, c); },
-      island.bodies[0]->tolerances.touching, h, leapfrog, pairs.touching);
+      island.context.tolerances.touching, h, leapfrog, pairs.touching);
 }
 
 void addTouchingPair(Island& island, int i) {
@@ -328,7 +330,7 @@ void findTouching(Body& body, double h, bool leapfrog) {
   body.touching.clear();
   keepTouching(
       body.constraints, body.total, [&body](const Contact& c) { return gapAfter(body, c); },
-      body.tolerances.touching, h, leapfrog, body.touching);
+      body.context->tolerances.touching, h, leapfrog, body.touching);
   keepTouchingLimits(body, h);
 }
 
