@@ -207,7 +207,7 @@ bool staysOnObstacle(const Body& body) {
   for (int i = 0; i < body.constraints.own_rows; ++i) {
     if (schur.row(i).kind != Schur::Row::Kind::kNormal) continue;
     const Contact& c = body.touching.contacts[schur.row(i).source];
-    if (c.obstacle >= 0 && openingRate(body, c) < kParting) return true;
+    if (c.obstacle >= 0 && openingRate(*body.context, c) < kParting) return true;
   }
   return false;
 }

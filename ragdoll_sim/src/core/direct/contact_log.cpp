@@ -44,11 +44,6 @@ ContactImpulse entryOf(const Model& model, const State& state, const Contact& c)
   return e;
 }
 
-/// [m/s] against the surface.
-Vec3 rateOf(const StepContext& step, const Contact& c) {
-  return c.of(step.state.v) - c.surface_motion / step.h;
-}
-
 double slipOf(const StepContext& step, const Contact& c) {
   const Vec3 rate = rateOf(step, c);
   return (rate - rate.dot(c.normal) * c.normal).norm();
@@ -85,7 +80,7 @@ void addPosition(const Island& island, const Contact& c, const Vec3& impulse) {
   ContactImpulse e = entryOf(step.model, step.state, c);
   e.point = pointBefore(island, c);
   e.impulse = impulse;
-  e.approach = std::max(0.0, -c.normal.dot(rateOf(step, c)));
+  e.approach = std::max(0.0, -openingRate(step, c));
   step.log->impulses.push_back(e);
 }
 
@@ -188,7 +183,7 @@ void addSpring(const Island& island, const Contact& c, double answer, double h, 
   m.gap[0] = c.before;
   m.gap[1] = c.gapAt(step.state.x);
   m.rate[0] = rateBefore(island, c);
-  m.rate[1] = c.normal.dot(rateOf(step, c));
+  m.rate[1] = openingRate(step, c);
   m.answer = answer;
   m.force = 2 * e.impulse.dot(c.normal) / h;
   e.peak = withFriction(c, e.impulse) * peakForce(c, m);

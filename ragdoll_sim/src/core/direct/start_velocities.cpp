@@ -3,9 +3,9 @@
 #include <numeric>
 #include <vector>
 
+#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/direct_step.h"
-#include "core/direct/island.h"
 #include "core/direct/velocity_solver.h"
 #include "core/direct/workspace.h"
 #include "ragdoll_sim/core/measures.h"

@@ -49,8 +49,7 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
   }
   trial.ok = freeMotions(island, impact.time);
   findContactsAnew(island, impact.time);
-  for (Body* body : island.bodies) limitDepenetration(*body, impact.time, h);
-  for (Contact& pair : island.pairs.contacts) limitDepenetration(island, pair, impact.time);
+  limitDepenetration(island, impact.time, h);
   trial.ok = trial.ok && solvePositions(island, impact.time, trial.contacts);
   if (!trial.ok) return trial;
   finishMotion(island, impact.time, true, Stage::kImpact, damping);

@@ -10,7 +10,7 @@
 #include "core/direct/driving.h"
 #include "core/direct/impact.h"
 #include "core/direct/motion.h"
-#include "core/direct/pair_rows.h"
+#include "core/direct/rows.h"
 
 namespace ragdoll {
 namespace {
@@ -60,11 +60,11 @@ bool isHitNow(const Contact& c, bool hit, double touching) {
 
 /// Locks contacts that are just hit, at no impulse. lock(row), counted from the first of them on.
 template <class Lock>
-void lockHit(TouchingContacts& set, double touching, const Lock& lock) {
+void lockHit(const StepContext& step, TouchingContacts& set, const Lock& lock) {
   int row = 0;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const int count = rowsOf(set.contacts[i]);
-    if (isHitNow(set.contacts[i], set.hit[i], touching)) {
+    if (isHitNow(set.contacts[i], set.hit[i], step.tolerances.touching)) {
       lock(row);
       std::fill_n(set.warm.begin() + row, count, 0.0);
     }
@@ -88,24 +88,23 @@ void lockHitLimits(Body& body, int row) {
 void lockHit(Island& island, int first_pair) {
   for (Body* body : island.bodies) {
     Schur& schur = body->memory->schur;
-    lockHit(body->touching, body->context->tolerances.touching,
-            [&schur](int row) { schur.lock(row); });
+    lockHit(island.context, body->touching, [&schur](int row) { schur.lock(row); });
     const int limits = static_cast<int>(body->touching.limits.size());
     lockHitLimits(*body, body->constraints.own_rows - limits);
   }
-  lockHit(island.pairs.touching, island.context.tolerances.touching,
+  lockHit(island.context, island.pairs.touching,
           [&](int row) { island.s.joint.lock(first_pair + row, true); });
 }
 
 /// Locks the contacts that the motion ends just before: they have not pressed and come from afar,
-/// and the next substep has their impact. rate(contact): [m/s] at which it opens.
-template <class Rate, class Lock>
-void lockComing(const StepContext& step, const TouchingContacts& set, double touching,
-                const Rate& rate, const Lock& lock) {
+/// and the next substep has their impact. lock(row), counted as by lockHit.
+template <class Lock>
+void lockComing(const StepContext& step, const TouchingContacts& set, const Lock& lock) {
   int row = 0;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
-    if (isHitNow(c, set.hit[i], touching) && set.warm[row] == 0 && -rate(c) > comingSpeed(step, c))
+    if (isHitNow(c, set.hit[i], step.tolerances.touching) && set.warm[row] == 0 &&
+        -openingRate(step, c) > comingSpeed(step, c))
       lock(row);
     row += rowsOf(c);
   }
@@ -114,14 +113,9 @@ void lockComing(const StepContext& step, const TouchingContacts& set, double tou
 void lockComing(Island& island, int first_pair) {
   const StepContext& step = island.context;
   for (Body* body : island.bodies)
-    lockComing(
-        step, body->touching, body->context->tolerances.touching,
-        [body](const Contact& c) { return openingRate(*body, c); },
-        [body](int row) { body->memory->schur.lock(row); });
-  lockComing(
-      step, island.pairs.touching, island.context.tolerances.touching,
-      [&](const Contact& c) { return pairRate(step.state, c); },
-      [&](int row) { island.s.joint.lock(first_pair + row, true); });
+    lockComing(step, body->touching, [body](int row) { body->memory->schur.lock(row); });
+  lockComing(step, island.pairs.touching,
+             [&](int row) { island.s.joint.lock(first_pair + row, true); });
 }
 
 /// Newton's impact law: rates after the impact, and all rows free but those of springs.
@@ -156,9 +150,9 @@ Vec3 warmOf(const Contact& c, const RowValues& total, int row, double h, bool le
 }
 
 /// Those of the contacts that touch at the end of a motion over h, with what pressed: total.
-template <class Gap>
-void keepTouching(const ContactSet& set, const RowValues& total, const Gap& gap, double touching,
-                  double h, bool leapfrog, TouchingContacts& kept) {
+template <class Owner>
+void keepTouching(const Owner& owner, const StepContext& step, const ContactSet& set,
+                  const RowValues& total, double h, bool leapfrog, TouchingContacts& kept) {
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
     const int row = i < set.row.size() ? set.row[i] : -1;
@@ -166,9 +160,9 @@ void keepTouching(const ContactSet& set, const RowValues& total, const Gap& gap,
     double spring = 0;
     if (c.isSoft()) {
       if (!leapfrog || !(h > 0) || row < 0) continue;
-      spring = springImpulse(c, set.springs[i], gap(c), total, row, h);
+      spring = springImpulse(c, set.springs[i], gapAfter(owner, c), total, row, h);
       if (!(spring > 0)) continue;
-    } else if (gap(c) >= touching && !hit) {
+    } else if (gapAfter(owner, c) >= step.tolerances.touching && !hit) {
       continue;
     }
     kept.contacts.push_back(c);
@@ -200,9 +194,7 @@ void keepTouchingLimits(Body& body, double h) {
 void findTouchingPairs(Island& island, double h, bool leapfrog) {
   PairSet& pairs = island.pairs;
   pairs.touching.clear();
-  keepTouching(
-      pairs, island.s.total, [&island](const Contact& c) { return pairGapAfter(island, c); },
-      island.context.tolerances.touching, h, leapfrog, pairs.touching);
+  keepTouching(island, island.context, pairs, island.s.total, h, leapfrog, pairs.touching);
 }
 
 void addTouchingPair(Island& island, int i) {
@@ -328,9 +320,7 @@ bool touches(const Island& island) {
 
 void findTouching(Body& body, double h, bool leapfrog) {
   body.touching.clear();
-  keepTouching(
-      body.constraints, body.total, [&body](const Contact& c) { return gapAfter(body, c); },
-      body.context->tolerances.touching, h, leapfrog, body.touching);
+  keepTouching(body, *body.context, body.constraints, body.total, h, leapfrog, body.touching);
   keepTouchingLimits(body, h);
 }
 
