@@ -111,6 +111,7 @@ struct Body {
   /// [rad] of the motion, or [rad/s]: as one with all that press on each other, nothing outside on
   /// them; else none. Slip between and within bodies is measured against it (angular_momentum.h).
   Vec3 turn = Vec3::Zero();
+  const Body* turns_with = nullptr;  ///< the first of them
   EnergyScratch energy;
   PairDetector detector;  ///< of the body with itself
   RungeKuttaScratch stages;

@@ -43,8 +43,7 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
   const double damping = trial.took - 0.5 * h;
   if (!(impact.time > 0)) {
     dampWithin(island, damping);
-    bounce(island);
-    restoreAfterBlow(island);
+    restoreAfterImpact(island, bounce(island));
     return trial;
   }
   trial.ok = freeMotions(island, impact.time);
@@ -52,8 +51,7 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
   limitDepenetration(island, impact.time, h);
   trial.ok = trial.ok && solvePositions(island, impact.time, trial.contacts);
   if (!trial.ok) return trial;
-  finishMotion(island, impact.time, true, Stage::kImpact, damping);
-  restoreAfterBlow(island);
+  restoreAfterImpact(island, finishMotion(island, impact.time, true, Stage::kImpact, damping));
   return trial;
 }
 

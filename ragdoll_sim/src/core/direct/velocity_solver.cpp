@@ -228,14 +228,13 @@ void keepRates(Island& island) {
   }
 }
 
-/// Those that the last solution pressed together; of an impact, as between them nothing bounces.
-void keepPressed(Island& island, int first_pair, std::vector<BodyPair>& pressed) {
-  PairSet& pairs = island.pairs;
-  for (std::size_t i = 0; i < pairs.touching.contacts.size(); ++i) {
-    const Contact& c = pairs.touching.contacts[i];
-    if (island.s.p[first_pair + 3 * static_cast<int>(i)] > 0)
-      pressed.push_back({c.ragdoll, c.other, false});
-  }
+/// Those that a solution pressed together; of an impact, as between them nothing bounces.
+void keepPressed(const Island& island, int first_pair, const RowValues& p,
+                 std::vector<BodyPair>& pressed) {
+  const std::vector<Contact>& touching = island.pairs.touching.contacts;
+  for (std::size_t i = 0; i < touching.size(); ++i)
+    if (p[first_pair + 3 * static_cast<int>(i)] > 0)
+      pressed.push_back({touching[i].ragdoll, touching[i].other, false});
 }
 
 /// island.s.b <- the rates of all rows.
@@ -292,7 +291,8 @@ void pressAndDamp(Island& island, int first_pair, double damping) {
 }
 
 /// One solution of the rates and what it does to velocities. damping: [s] of the motion within.
-void pushVelocities(Island& island, int first_pair, const LoggedStage& at, double damping = 0) {
+VelocityImpulses pushVelocities(Island& island, int first_pair, const LoggedStage& at,
+                                double damping = 0) {
   IslandScratch& s = island.s;
   const bool damps = damping != 0 && island.context.model.solver.joint_damping > 0;
   s.p.setZero(s.joint.size());
@@ -302,11 +302,12 @@ void pushVelocities(Island& island, int first_pair, const LoggedStage& at, doubl
   const bool pressed = damps || (!at.impact && turnTogether(island));
   if (pressed) pressAndDamp(island, first_pair, damps ? damping : 0);
   s.joint.solve(s.b, s.p, at.impact ? Sweeps::kToTheEnd : Sweeps::kAlongTheSlip);
-  keepPressed(island, first_pair, island.pairs.pushed);
+  keepPressed(island, first_pair, s.p, island.pairs.pushed);
   if (pressed) s.change = s.p - s.change;
   push(island, pressed ? s.change : s.p);
   if (isLogged(island)) logVelocities(island, s.rates, first_pair, at);
   if (!damps) dampWithin(island, damping);
+  return &s.p;
 }
 
 bool touches(const Island& island) {
@@ -341,30 +342,32 @@ void releaseSprings(Body& body, double h) {
   }
 }
 
-void finishMotion(Island& island, double h, bool leapfrog, Stage stage, double damping) {
+VelocityImpulses finishMotion(Island& island, double h, bool leapfrog, Stage stage,
+                              double damping) {
   findTouchingPairs(island, h, leapfrog);
   if (isLogged(island)) logPositions(island, h);
   for (Body* body : island.bodies) makeMotion(*body, h, leapfrog);
-  solveVelocities(island, stage, h, damping);
+  const VelocityImpulses impulses = solveVelocities(island, stage, h, damping);
   for (Body* body : island.bodies) body->memory->response.endIsStart();
+  return impulses;
 }
 
-void bounce(Island& island) {
+VelocityImpulses bounce(Island& island) {
   for (Body* body : island.bodies) {
     body->motion.dx.setZero(3, body->n);
     body->memory->response.setStart(body->xData());
     findTouching(*body, 0);
   }
   findTouchingPairs(island, 0, true);
-  solveVelocities(island, Stage::kBounce, 0, 0);
+  return solveVelocities(island, Stage::kBounce, 0, 0);
 }
 
-void solveVelocities(Island& island, Stage stage, double h, double damping) {
+VelocityImpulses solveVelocities(Island& island, Stage stage, double h, double damping) {
   JointSchur& joint = island.s.joint;
   joint.clear(island.opensOverlaps());
   if (!touches(island)) {
     dampWithin(island, damping);
-    return;
+    return nullptr;
   }
   for (Body* body : island.bodies) {
     buildTouchingRows(*body, h);
@@ -383,12 +386,13 @@ void solveVelocities(Island& island, Stage stage, double h, double damping) {
       lockHit(island, first_pair);
     else if (h > 0)
       lockComing(island, first_pair);
-    pushVelocities(island, first_pair, {false, h}, damping);
-    if (stage == Stage::kImpact) keepPressed(island, first_pair, island.pairs.met);
+    const VelocityImpulses impulses = pushVelocities(island, first_pair, {false, h}, damping);
+    if (stage == Stage::kMotion) return impulses;
+    keepPressed(island, first_pair, *impulses, island.pairs.met);
   }
-  if (stage == Stage::kMotion) return;
-  pushVelocities(island, first_pair, {true, h});
-  keepPressed(island, first_pair, island.pairs.met);
+  const VelocityImpulses impulses = pushVelocities(island, first_pair, {true, h});
+  keepPressed(island, first_pair, *impulses, island.pairs.met);
+  return impulses;
 }
 
 }  // namespace ragdoll

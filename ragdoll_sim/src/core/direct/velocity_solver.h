@@ -21,14 +21,18 @@ void findTouching(Body& body, double h, bool leapfrog = true);
 /// Springs of soft limits act on velocities; those with a damper join what touches.
 void releaseSprings(Body& body, double h);
 
+/// What the last solution of velocities pressed with [N s], by the rows of island.s.joint; null:
+/// nothing touches. Until the next solution.
+using VelocityImpulses = const RowValues*;
+
 /// Makes the motions over h and solves their velocities. damping: [s] of it at the motion's end,
 /// before its impact.
-void finishMotion(Island& island, double h, bool leapfrog, Stage stage, double damping);
+VelocityImpulses finishMotion(Island& island, double h, bool leapfrog, Stage stage, double damping);
 
 /// Newton's impact law at the present pose for what touches.
-void bounce(Island& island);
+VelocityImpulses bounce(Island& island);
 
 /// Velocities of what touches at the end pose, which the response holds.
-void solveVelocities(Island& island, Stage stage, double h, double damping);
+VelocityImpulses solveVelocities(Island& island, Stage stage, double h, double damping);
 
 }  // namespace ragdoll
