@@ -15,7 +15,6 @@ constexpr double kDiverged = 1e6;  ///< relative error of a squared length: no w
 
 void BodyResponse::bind(const DirectSystem& system) {
   rows_ = system.rows.get();
-  condition_ = system.condition;
   start_.resize(*rows_);
   end_.resize(*rows_);
 }

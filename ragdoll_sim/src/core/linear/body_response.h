@@ -6,7 +6,6 @@
 //   back onto the lengths              alongEnd: the nearest pose, along the new directions
 //   the answer to a row                assemble: the rows of a Schur complement
 //   the answer to a force              accelerate: [m/s^2] with the lengths kept, for stages
-//   how well that is conditioned       condition
 // Whoever solves the sticks in another way (a tree in its tangent coordinates) stands beside this.
 #pragma once
 
@@ -77,9 +76,6 @@ class BodyResponse {
   /// The rows' answers at the end, or the start.
   void assemble(Schur& schur, bool at_end) { schur.assemble(*rows_, at_end ? end_ : start_); }
 
-  /// Of the sticks' matrix at rest, scaled to a unit diagonal.
-  double condition() const { return condition_; }
-
  private:
   static constexpr int kMaxRelaxations = 60;  ///< Newton iterations along new directions
 
@@ -87,7 +83,6 @@ class BodyResponse {
   double endResiduals(const StickLengths& lengths);
 
   const StickRows* rows_ = nullptr;
-  double condition_ = 1;
   StickSolver start_, end_;
   PaddedRows D1_;
   Eigen::VectorXd residual_, correction_;
