@@ -7,40 +7,12 @@
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/energy.h"
-#include "core/mechanics/joint_damping.h"
+#include "core/direct/group_motion.h"
 
 namespace ragdoll {
 namespace {
 
 constexpr double kNothingLost = 1e-15;  ///< of the angular momentum: less lost is nothing lost
-
-/// The motion of the bodies' common centre of mass, at x, v of each: of(body).
-template <class OfX, class OfV>
-RigidMotion driftOf(const std::vector<Body*>& bodies, const OfX& x, const OfV& v) {
-  RigidMotion drift;
-  double mass = 0;
-  for (const Body* body : bodies) {
-    const Eigen::VectorXd& own = body->rows->mass;
-    drift.centre += x(*body).lazyProduct(own);
-    drift.drift += v(*body).lazyProduct(own);
-    mass += own.sum();
-  }
-  drift.centre /= mass;
-  drift.drift /= mass;
-  return drift;
-}
-
-template <class OfX, class OfV>
-Rotation rotationOf(const std::vector<Body*>& bodies, const RigidMotion& drift, const OfX& x,
-                    const OfV& v) {
-  Rotation all;
-  for (Body* body : bodies) {
-    const Rotation own = rotationOf(massOf(*body), x(*body), v(*body), drift);
-    all.angular += own.angular;
-    all.inertia += own.inertia;
-  }
-  return all;
-}
 
 template <class OfX, class OfV>
 Vec3 angularOf(const std::vector<Body*>& bodies, const RigidMotion& drift, const OfX& x,
@@ -148,9 +120,7 @@ void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took)
 /// Joins the groups of two ragdolls; a sleeper's does not move.
 void join(const Island& island, int first, int second, std::vector<int>& group_of) {
   const int a = island.placeOf(first), b = island.placeOf(second);
-  if (a < 0 || b < 0) return;
-  const int kept = std::min(group_of[a], group_of[b]), gone = std::max(group_of[a], group_of[b]);
-  std::replace(group_of.begin(), group_of.end(), gone, kept);
+  if (a >= 0 && b >= 0) joinGroups(a, b, group_of);
 }
 
 /// Each body by itself.
@@ -159,23 +129,11 @@ void startGroups(const Island& island, std::vector<int>& group_of) {
   std::iota(group_of.begin(), group_of.end(), 0);
 }
 
-/// of(bodies) of each group that island.s.group tells.
+/// of(bodies) of each group.
 template <class Of>
-void forEachGroup(Island& island, const Of& of) {
-  const std::vector<int>& group_of = island.s.group;
-  std::vector<Body*>& grouped = island.s.grouped;
-  for (std::size_t k = 0; k < group_of.size(); ++k) {
-    grouped.clear();
-    for (std::size_t i = k; i < group_of.size(); ++i)
-      if (group_of[i] == static_cast<int>(k)) grouped.push_back(island.bodies[i]);
-    if (!grouped.empty()) of(grouped);
-  }
-}
-
-/// One number for bodies that pressed on each other.
-void findGroups(const Island& island, std::vector<int>& group_of) {
-  startGroups(island, group_of);
-  for (const BodyPair& pair : island.pairs.pushed) join(island, pair.first, pair.second, group_of);
+void forEachGroup(const Island& island, const std::vector<int>& group_of, const Of& of) {
+  for (int k = 0; k < static_cast<int>(group_of.size()); ++k)
+    if (group_of[k] == k) of(membersOf(island, group_of, k));
 }
 
 /// What pressed with p in a solution of velocities: of(contact, its first row).
@@ -292,7 +250,7 @@ void findTurns(Island& island, TurnOf of) {
   startGroups(island, group_of);
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (pressesNow(island, i, of)) join(island, pairs[i].ragdoll, pairs[i].other, group_of);
-  forEachGroup(island, [&](const std::vector<Body*>& bodies) {
+  forEachGroup(island, group_of, [&](const std::vector<Body*>& bodies) {
     if (isHeld(island, bodies) || pressesOnSleeper(island, pairs, of, bodies)) return;
     const Vec3 turn = turnOf(bodies, of);
     for (Body* body : bodies) {
@@ -323,8 +281,10 @@ bool pressesItself(const Island& island) {
 }
 
 void restoreAngularMomentum(Island& island, double took) {
-  findGroups(island, island.s.group);
-  forEachGroup(island,
+  std::vector<int>& group_of = island.s.group;
+  startGroups(island, group_of);
+  for (const BodyPair& pair : island.pairs.pushed) join(island, pair.first, pair.second, group_of);
+  forEachGroup(island, group_of,
                [&](const std::vector<Body*>& bodies) { restoreGroup(island, bodies, took); });
 }
 
@@ -335,7 +295,7 @@ void restoreAfterImpact(Island& island, VelocityImpulses impulses) {
   forEachPushed(island, *impulses, [&](const Contact& c, int) {
     if (c.other >= 0) join(island, c.ragdoll, c.other, group_of);
   });
-  forEachGroup(island, [&](const std::vector<Body*>& bodies) {
+  forEachGroup(island, group_of, [&](const std::vector<Body*>& bodies) {
     const Pushed pushed = pushedBy(*impulses, island, bodies);
     if (pushed.held || pushed.couple.isZero(0)) return;
     const auto x = [](const Body& body) { return body.x(); };
