@@ -12,8 +12,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kNothingLost = 1e-15;  ///< of the angular momentum: less lost is nothing lost
-
 template <class OfX, class OfV>
 Vec3 angularOf(const std::vector<Body*>& bodies, const RigidMotion& drift, const OfX& x,
                const OfV& v) {

@@ -13,9 +13,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kLeastSlip = 1e-6;  ///< [m/s]
-constexpr double kLocked = 1e-9;     ///< of the body's inverse mass: what answers less is held
-
 using Kind = Schur::Row::Kind;
 
 /// A contact without its impulse, as it stands at the state's positions.
@@ -152,7 +149,7 @@ Vec3 lockedFriction(const StepContext& step, const Body& body, const Contact& c,
   const auto A = schur.matrix();
   const double answer = t1 * t1 * A(row + 1, row + 1) + t2 * t2 * A(row + 2, row + 2) +
                         2 * t1 * t2 * A(row + 1, row + 2);
-  if (answer * body.rows->mass.sum() > kLocked) return Vec3::Zero();
+  if (answer * body.rows->mass.sum() > kLockedAnswer) return Vec3::Zero();
   return -(c.friction * normal + impulse.dot(slip)) * slip;
 }
 

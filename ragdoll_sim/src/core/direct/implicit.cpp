@@ -10,9 +10,6 @@ namespace ragdoll {
 
 namespace {
 
-constexpr double kBalance = 1e-9;       ///< of the longest stick: positions against multipliers
-constexpr int kMaxImplicitNewton = 40;  ///< iterations
-
 /// Where Newton's method starts: at rest, with the tension of the last motion.
 void start(const Body& body, double h, ImplicitScratch& s) {
   const int sticks = body.rows->s;

@@ -11,9 +11,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kPositionRounding = 4e-15;  ///< relative, with some room
-constexpr double kWhole = 1e-6;  ///< relative error of a squared length: none to restore
-
 /// Relative error of the worst squared length.
 double lengthError(Body& body) {
   BodyResponse& response = body.memory->response;

@@ -102,7 +102,7 @@ void keepPressing(Island& island, int& contacts) {
 }
 
 /// body.v1 <- its accelerations by all that presses on it but its sticks.
-void gatherAccelerations(Island& island, int k) {
+void findAccelerations(Island& island, int k) {
   Mode& mode = island.s.mode;
   Body& body = *island.bodies[k];
   Points& free = body.v1;
@@ -135,7 +135,7 @@ void keepMultipliers(Island& island) {
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Body& body = *island.bodies[k];
     const int offset = mode.offset[k];
-    gatherAccelerations(island, static_cast<int>(k));
+    findAccelerations(island, static_cast<int>(k));
     BodyResponse& response = body.memory->response;
     response.setFree(body.v1);
     response.setEnd(mode.start.x.data() + offset);

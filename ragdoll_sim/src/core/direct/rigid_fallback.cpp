@@ -11,10 +11,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kEnergyRounding = 1e-9;  ///< of the energy: less is no rise
-constexpr int kMaxShortenings = 30;       ///< of a rigid motion that touches
-constexpr double kTouchDepth = 1e-7;      ///< [m] a rigid motion may end in an obstacle by that
-
 /// [m/s] of what several pins carry along, which need not be rigid: into body.moved.
 void findCarried(Body& body) {
   const std::vector<int>& pins = body.pinned->pins;
@@ -96,7 +92,7 @@ bool moveRigidly(Island& island, double h, StepReport& report) {
   report.unresolved += !body.v().allFinite();
   const bool touches = !pins.empty() || !body.touching.contacts.empty();
   if (!body.v().allFinite() ||
-      (touches && gainedEnergy(body, 0) > kEnergyRounding * kineticEnergy(body))) {
+      (touches && gainedEnergy(body, 0) > kRigidGain * kineticEnergy(body))) {
     body.v().setZero();
     return true;
   }

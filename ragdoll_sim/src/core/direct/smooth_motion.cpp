@@ -14,8 +14,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kRefinements = 3;  ///< of the time at which rk arrives
-
 Drive driveOf(Body& body) {
   if (!forcesFollow(body)) return {};
   return

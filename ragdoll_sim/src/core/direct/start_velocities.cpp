@@ -15,8 +15,7 @@ namespace {
 
 /// What touches, whatever the step is. What is farther is met in the first steps.
 constexpr Tolerances kAtStart{kContactTolerance, kContactTolerance, kContactTolerance / kLever};
-constexpr double kNoFriction = 1e-30;    ///< [-] of pairs, whose contacts are three rows always
-constexpr double kContradiction = 1e-9;  ///< [m/s] less is rounding
+constexpr double kNoFriction = 1e-30;  ///< [-] of pairs, whose contacts are three rows always
 
 void stopPins(Body& body) {
   const std::vector<int>& pins = body.pinned->pins;
