@@ -137,17 +137,9 @@ void forEachGroup(const Island& island, const std::vector<int>& group_of, const 
 /// What pressed with p in a solution of velocities: of(contact, its first row).
 template <class Of>
 void forEachPushed(const Island& island, const RowValues& p, const Of& of) {
-  int row = 0;
-  for (const Body* body : island.bodies)
-    for (int i = 0; i < body->constraints.own_rows; ++i, ++row) {
-      const Schur::Row& own = body->memory->schur.row(i);
-      if (own.kind == Schur::Row::Kind::kNormal && p[row] > 0)
-        of(body->touching.contacts[own.source], row);
-    }
-  for (const Contact& pair : island.pairs.touching.contacts) {
-    if (p[row] > 0) of(pair, row);
-    row += 3;
-  }
+  forEachTouching(island, [&](const Contact& c, int row, const Body*, int) {
+    if (p[row] > 0) of(c, row);
+  });
 }
 
 /// What an impact did to bodies that it pressed on each other.

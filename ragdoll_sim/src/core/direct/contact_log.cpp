@@ -8,6 +8,7 @@
 #include "core/direct/constants.h"
 #include "core/direct/mode_rows.h"
 #include "core/direct/spring.h"
+#include "core/direct/velocity_solver.h"
 #include "core/direct/workspace.h"
 
 namespace ragdoll {
@@ -284,35 +285,26 @@ void logPositions(Island& island, double h) {
   }
 }
 
-void logVelocities(Island& island, const RowValues& rates, int first_pair, const LoggedStage& at) {
-  const IslandScratch& s = island.s;
-  const bool impact = at.impact;
-  const std::size_t begin = logSize(island);
-  const auto add = [&](const Contact& c, int first, double answer, const Body* body, int row) {
+void logVelocities(Island& island, const RowValues& p, const RowValues& rates,
+                   const LoggedStage& at) {
+  std::vector<ContactImpulse>& entries = logOf(island).impulses;
+  const std::size_t begin = entries.size();
+  forEachTouching(island, [&](const Contact& c, int first, const Body* body, int place) {
     Vec3 impulse;
-    if (!takeImpulse(island, s.p, first, 1, impulse)) return;
-    if (body) impulse += lockedFriction(island.context, *body, c, row, impulse);
+    if (!takeImpulse(island, p, first, 1, impulse)) return;
+    if (body) impulse += lockedFriction(island.context, *body, c, place, impulse);
     ContactImpulse e = entryOf(island.context.model, island.context.state, c);
     e.impulse = impulse;
     e.slip = slipOf(island.context, c);
-    if (impact) e.approach = std::max(0.0, -rates[first]);
+    if (at.impact) e.approach = std::max(0.0, -rates[first]);
+    const double answer =
+        body ? body->memory->schur.matrix()(place, place) : pairAnswer(island, place);
     e.effective_mass = answer > 0 ? 1 / answer : 0;
     if (c.isSoft()) addSpring(island, c, answer, at.h, e);
-    logOf(island).impulses.push_back(e);
-    joinEnds(c, logOf(island).impulses, begin);
-  };
-  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
-    const Body& body = *island.bodies[k];
-    const Schur& schur = body.memory->schur;
-    for (int i = 0; i < body.constraints.own_rows; ++i)
-      if (schur.row(i).kind == Kind::kNormal)
-        add(body.touching.contacts[schur.row(i).source], s.joint.firstOf(static_cast<int>(k)) + i,
-            schur.matrix()(i, i), &body, i);
-  }
-  for (std::size_t i = 0; i < island.pairs.touching.contacts.size(); ++i)
-    add(island.pairs.touching.contacts[i], first_pair + 3 * static_cast<int>(i),
-        pairAnswer(island, static_cast<int>(i)), nullptr, 0);
-  addPeaks(logOf(island).impulses, begin);
+    entries.push_back(e);
+    joinEnds(c, entries, begin);
+  });
+  addPeaks(entries, begin);
 }
 
 namespace {

@@ -305,7 +305,7 @@ VelocityImpulses pushVelocities(Island& island, int first_pair, const LoggedStag
   keepPressed(island, first_pair, s.p, island.pairs.pushed);
   if (pressed) s.change = s.p - s.change;
   push(island, pressed ? s.change : s.p);
-  if (isLogged(island)) logVelocities(island, s.rates, first_pair, at);
+  if (isLogged(island)) logVelocities(island, s.p, s.rates, at);
   if (!damps) dampWithin(island, damping);
   return &s.p;
 }
