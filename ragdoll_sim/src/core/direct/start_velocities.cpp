@@ -3,6 +3,7 @@
 #include <numeric>
 #include <vector>
 
+#include "core/direct/begin_step.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/direct_step.h"
@@ -28,10 +29,7 @@ void stopPins(Body& body) {
 void settle(Island& island) {
   for (Body* body : island.bodies) {
     body->located = kMaxLocated + 1;  // it does not bounce
-    if (!body->skeleton->groups.empty()) {
-      body->kept.noalias() = body->v() * body->system->affine.transpose();
-      body->v() = body->kept;
-    }
+    makeVelocitiesAffine(*body);
     stopPins(*body);
     body->motion.dx.setZero(3, body->n);
     BodyResponse& response = body->memory->response;
