@@ -7,12 +7,12 @@
 
 #include "core/contact/pair_detect.h"
 #include "core/direct/constraint_set.h"
-#include "core/direct/implicit_scratch.h"
 #include "core/direct/impulse_cache.h"
 #include "core/direct/runge_kutta.h"
 #include "core/direct/tolerances.h"
 #include "core/limits/limit_angles.h"
 #include "core/linear/body_response.h"
+#include "core/linear/implicit_sticks.h"
 #include "core/mechanics/energy_gain.h"
 #include "core/mechanics/joint_damping.h"
 #include "core/mechanics/supports.h"
@@ -115,7 +115,7 @@ struct Body {
   EnergyScratch energy;
   PairDetector detector;  ///< of the body with itself
   RungeKuttaScratch stages;
-  ImplicitScratch implicit;
+  ImplicitSticks implicit;
   RowValues b, total;  ///< of the Schur complement's rows: gaps or rates, impulses
   Eigen::VectorXd tension, row_sums;
   Eigen::VectorXd lengths2, inverse_lengths2;  ///< of sticks that recover their lengths

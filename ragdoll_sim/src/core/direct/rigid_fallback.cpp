@@ -6,6 +6,7 @@
 #include "core/direct/constants.h"
 #include "core/direct/energy.h"
 #include "core/direct/velocity_solver.h"
+#include "core/linear/constants.h"
 #include "core/mechanics/joint_damping.h"
 
 namespace ragdoll {
