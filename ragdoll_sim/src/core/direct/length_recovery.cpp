@@ -32,22 +32,6 @@ void spreadCollapsed(Body& body) {
     if (body.system->W(i, i) > 0) body.x().col(i) += kNoLength * (rest.col(i) - middle);
 }
 
-/// One stick after the other, where Newton's method fails.
-void relaxInTurn(Body& body) {
-  const DirectSystem& system = *body.system;
-  Points& moved = body.moved;
-  moved = body.x();
-  for (int sweep = 0; sweep < kRecoverySweeps; ++sweep)
-    for (int s = 0; s < body.rows->s; ++s) {
-      const Vec3 d = moved * system.B.row(s).transpose();
-      const double now = std::max(d.norm(), kMinLength);
-      if (!(system.G(s, s) > 0)) continue;
-      moved +=
-          (std::sqrt(body.lengths.length2[s]) / now - 1) / system.G(s, s) * d * system.BW.row(s);
-    }
-  body.x() = moved;
-}
-
 }  // namespace
 
 bool restoreLengths(Body& body, double h) {
@@ -75,7 +59,9 @@ bool restoreLengths(Body& body, double h) {
   if (satisfySticksAlongNew(body)) {
     body.x() += body.motion.dx;
   } else {
-    relaxInTurn(body);
+    body.moved = body.x();
+    response.relaxInTurn(body.lengths, kRecoverySweeps, body.moved);
+    body.x() = body.moved;
     if (!body.x().allFinite()) body.x() = body.kept;
   }
   response.setStart(body.xData());

@@ -112,7 +112,7 @@ void findAccelerations(Island& island, int k) {
     free = body.acceleration;
   const auto push = [&](int particle, const Vec3& force) {
     const int own = particle - body.first;
-    if (own >= 0 && own < body.n) free.noalias() += force * body.system->W.row(own);
+    if (own >= 0 && own < body.n) body.memory->response.push(own, force, free);
   };
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
     const ModeRow& row = mode.rows[i];

@@ -333,8 +333,8 @@ void releaseSprings(Body& body, double h) {
     const double torque = limit.springTorque();
     if (torque == 0) continue;
     for (int k = 0; k < limit.count; ++k)
-      body.v().noalias() += ((0.5 * h * torque) * limit.gradient[k]) *
-                            body.system->W.row(limit.particle[k] - body.first);
+      body.memory->response.push(limit.particle[k] - body.first,
+                                 (0.5 * h * torque) * limit.gradient[k], body.v());
     if (limit.damping == 0) continue;
     body.touching.limits.push_back(limit);
     body.touching.limit_hit.push_back(0);
