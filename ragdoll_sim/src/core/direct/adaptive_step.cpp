@@ -57,22 +57,12 @@ class StepParts {
   }
 
  private:
-  struct Span {
-    int first, n, multiplier, multipliers;
-  };
-  Span spanOf(int ragdoll) const {
-    const Ragdoll& r = whole_.model.ragdolls[ragdoll];
-    const StickRows& rows = *whole_.model.systemOf(r).direct.rows;
-    return {r.first, rows.n, whole_.ws.first_multiplier[ragdoll], 2 * rows.s};
-  }
   StepContext contextOf(double part, const Impulses& before) const {
     return {whole_.model,  s_.inputs,    part,      whole_.force,    whole_.guarded,
             false,         whole_.state, whole_.ws, whole_.supports, whole_.log,
             whole_.worker, &before,      whole_.h};
   }
-  /// Of the island's bodies.
-  void copyMotion(const Points& x, const Points& v, Points& x1, Points& v1) const;
-  void copyMultipliers(const std::vector<double>& from, std::vector<double>& to) const;
+  void saveIn(SavedMotion& saved) const;
   /// Where pins and obstacles are at both ends of a part.
   void lead(double from, double part);
   /// One part: as it comes, from what pressed before it to what does so at its end. second: of the
@@ -83,7 +73,6 @@ class StepParts {
   bool isSmooth(const StepReport& part) const;
   /// Extrapolates the halves and what came in one to fourth order, and back onto the sticks.
   void refine(Island& island);
-  void keepCoarse();
   /// [m]; swing: [s] in which a velocity's error becomes one of positions.
   double distanceFromCoarse(double swing) const;
 
@@ -106,52 +95,29 @@ void StepParts::lead(double from, double part) {
   sweepObstacles(whole_.model, whole_.state, s_.inputs.obstacles, whole_.ws.obstacles);
 }
 
-void StepParts::copyMotion(const Points& x, const Points& v, Points& x1, Points& v1) const {
-  for (const int i : bodies_) {
-    const Span span = spanOf(i);
-    x1.middleCols(span.first, span.n) = x.middleCols(span.first, span.n);
-    v1.middleCols(span.first, span.n) = v.middleCols(span.first, span.n);
-  }
-}
-
-void StepParts::copyMultipliers(const std::vector<double>& from, std::vector<double>& to) const {
-  for (const int i : bodies_) {
-    const Span span = spanOf(i);
-    std::copy_n(from.begin() + span.multiplier, span.multipliers, to.begin() + span.multiplier);
-  }
+void StepParts::saveIn(SavedMotion& saved) const {
+  makeRoom(whole_.state, saved);
+  for (const int i : bodies_) ragdoll::save(whole_, i, saved);
 }
 
 void StepParts::save() {
-  const State& state = whole_.state;
-  s_.x.resize(3, state.x.cols());
-  s_.v.resize(3, state.x.cols());
-  s_.multipliers.resize(state.multipliers.size());
-  copyMotion(state.x, state.v, s_.x, s_.v);
-  copyMultipliers(state.multipliers, s_.multipliers);
+  saveIn(s_.start);
   s_.logged = whole_.log ? whole_.log->impulses.size() : 0;
 }
 
 void StepParts::restore() {
-  copyMotion(s_.x, s_.v, whole_.state.x, whole_.state.v);
-  copyMultipliers(s_.multipliers, whole_.state.multipliers);
+  for (const int i : bodies_) ragdoll::restore(whole_, i, s_.start);
   if (whole_.log) whole_.log->impulses.resize(s_.logged);
-}
-
-void StepParts::keepCoarse() {
-  const State& state = whole_.state;
-  s_.coarse_x.resize(3, state.x.cols());
-  s_.coarse_v.resize(3, state.x.cols());
-  copyMotion(state.x, state.v, s_.coarse_x, s_.coarse_v);
 }
 
 double StepParts::distanceFromCoarse(double swing) const {
   const State& state = whole_.state;
   double x = 0, v = 0;
   for (const int i : bodies_) {
-    const Span span = spanOf(i);
-    for (int k = span.first; k < span.first + span.n; ++k) {
-      x = std::max(x, (state.x.col(k) - s_.coarse_x.col(k)).squaredNorm());
-      v = std::max(v, (state.v.col(k) - s_.coarse_v.col(k)).squaredNorm());
+    const Ragdoll& r = whole_.model.ragdolls[i];
+    for (int k = r.first; k < r.first + whole_.model.skeletonOf(r).size(); ++k) {
+      x = std::max(x, (state.x.col(k) - s_.coarse.x.col(k)).squaredNorm());
+      v = std::max(v, (state.v.col(k) - s_.coarse.v.col(k)).squaredNorm());
     }
   }
   const double distance = std::max(std::sqrt(x), swing * std::sqrt(v));
@@ -172,10 +138,10 @@ bool StepParts::isSmooth(const StepReport& part) const {
 void StepParts::refine(Island& island) {
   for (Body* body : island.bodies) {
     const double share = 1 / kDoubling;
-    body->motion.dx = share * (body->x() - s_.coarse_x.middleCols(body->first, body->n));
+    body->motion.dx = share * (body->x() - s_.coarse.x.middleCols(body->first, body->n));
     if (!satisfySticksAlongNew(*body)) continue;
     body->x() += body->motion.dx;
-    body->v() += share * (body->v() - s_.coarse_v.middleCols(body->first, body->n));
+    body->v() += share * (body->v() - s_.coarse.v.middleCols(body->first, body->n));
     BodyResponse& response = body->memory->response;
     response.setEnd(body->xData());
     response.projectAtEnd(body->vData());
@@ -222,7 +188,7 @@ double StepParts::takeTwice(double from, double part, StepReport& report) {
     report += once;
     return kUnknownRate;
   }
-  keepCoarse();
+  saveIn(s_.coarse);
   restore();
   const double half = 0.5 * part;
   take(from, half, s_.before, s_.middle, report);

@@ -7,40 +7,10 @@
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/energy.h"
-#include "core/mechanics/joint_damping.h"
+#include "core/direct/group_motion.h"
 
 namespace ragdoll {
 namespace {
-
-constexpr double kNothingLost = 1e-15;  ///< of the angular momentum: less lost is nothing lost
-
-/// The motion of the bodies' common centre of mass, at x, v of each: of(body).
-template <class OfX, class OfV>
-RigidMotion driftOf(const std::vector<Body*>& bodies, const OfX& x, const OfV& v) {
-  RigidMotion drift;
-  double mass = 0;
-  for (const Body* body : bodies) {
-    const Eigen::VectorXd& own = body->rows->mass;
-    drift.centre += x(*body).lazyProduct(own);
-    drift.drift += v(*body).lazyProduct(own);
-    mass += own.sum();
-  }
-  drift.centre /= mass;
-  drift.drift /= mass;
-  return drift;
-}
-
-template <class OfX, class OfV>
-Rotation rotationOf(const std::vector<Body*>& bodies, const RigidMotion& drift, const OfX& x,
-                    const OfV& v) {
-  Rotation all;
-  for (Body* body : bodies) {
-    const Rotation own = rotationOf(massOf(*body), x(*body), v(*body), drift);
-    all.angular += own.angular;
-    all.inertia += own.inertia;
-  }
-  return all;
-}
 
 template <class OfX, class OfV>
 Vec3 angularOf(const std::vector<Body*>& bodies, const RigidMotion& drift, const OfX& x,
@@ -124,8 +94,8 @@ void giveSpin(Island& island, const std::vector<Body*>& bodies, const Vec3& cent
 }
 
 /// Gives back to bodies that pressed on each other what they lost together over `took`: evenly over
-/// that time, so that half of the spin's turn is missing as well. What a blow took came back in it
-/// (restoreAfterBlow).
+/// that time, so that half of the spin's turn is missing as well. What an impact took came back in
+/// it (restoreAfterImpact).
 void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took) {
   if (isHeld(island, bodies)) return;
   const auto x0 = [](const Body& body) -> const Points& { return body.saved.x; };
@@ -148,9 +118,7 @@ void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took)
 /// Joins the groups of two ragdolls; a sleeper's does not move.
 void join(const Island& island, int first, int second, std::vector<int>& group_of) {
   const int a = island.placeOf(first), b = island.placeOf(second);
-  if (a < 0 || b < 0) return;
-  const int kept = std::min(group_of[a], group_of[b]), gone = std::max(group_of[a], group_of[b]);
-  std::replace(group_of.begin(), group_of.end(), gone, kept);
+  if (a >= 0 && b >= 0) joinGroups(a, b, group_of);
 }
 
 /// Each body by itself.
@@ -159,43 +127,23 @@ void startGroups(const Island& island, std::vector<int>& group_of) {
   std::iota(group_of.begin(), group_of.end(), 0);
 }
 
-/// of(bodies) of each group that island.s.group tells.
+/// of(bodies) of each group.
 template <class Of>
-void forEachGroup(Island& island, const Of& of) {
-  const std::vector<int>& group_of = island.s.group;
-  std::vector<Body*>& grouped = island.s.grouped;
-  for (std::size_t k = 0; k < group_of.size(); ++k) {
-    grouped.clear();
-    for (std::size_t i = k; i < group_of.size(); ++i)
-      if (group_of[i] == static_cast<int>(k)) grouped.push_back(island.bodies[i]);
-    if (!grouped.empty()) of(grouped);
-  }
+void forEachGroup(const Island& island, const std::vector<int>& group_of, const Of& of) {
+  for (int k = 0; k < static_cast<int>(group_of.size()); ++k)
+    if (group_of[k] == k) of(membersOf(island, group_of, k));
 }
 
-/// One number for bodies that pressed on each other.
-void findGroups(const Island& island, std::vector<int>& group_of) {
-  startGroups(island, group_of);
-  for (const BodyPair& pair : island.pairs.pushed) join(island, pair.first, pair.second, group_of);
-}
-
-/// What pressed in the last solution of velocities: of(contact, its first row).
+/// What pressed with p in a solution of velocities: of(contact, its first row).
 template <class Of>
-void forEachPushed(const Island& island, const Of& of) {
-  int row = 0;
-  for (const Body* body : island.bodies)
-    for (int i = 0; i < body->constraints.own_rows; ++i, ++row) {
-      const Schur::Row& own = body->memory->schur.row(i);
-      if (own.kind == Schur::Row::Kind::kNormal && island.s.p[row] > 0)
-        of(body->touching.contacts[own.source], row);
-    }
-  for (const Contact& pair : island.pairs.touching.contacts) {
-    if (island.s.p[row] > 0) of(pair, row);
-    row += 3;
-  }
+void forEachPushed(const Island& island, const RowValues& p, const Of& of) {
+  forEachTouching(island, [&](const Contact& c, int row, const Body*, int) {
+    if (p[row] > 0) of(c, row);
+  });
 }
 
-/// What a blow did to bodies that it pressed on each other.
-struct Blow {
+/// What an impact did to bodies that it pressed on each other.
+struct Pushed {
   bool held = false;           ///< something outside holds them
   Vec3 couple = Vec3::Zero();  ///< [kg m^2/s] of friction, whose two forces are apart
 };
@@ -207,29 +155,29 @@ bool staysOnObstacle(const Body& body) {
   for (int i = 0; i < body.constraints.own_rows; ++i) {
     if (schur.row(i).kind != Schur::Row::Kind::kNormal) continue;
     const Contact& c = body.touching.contacts[schur.row(i).source];
-    if (c.obstacle >= 0 && openingRate(body, c) < kParting) return true;
+    if (c.obstacle >= 0 && openingRate(*body.context, c) < kParting) return true;
   }
   return false;
 }
 
-Blow blowOn(const Island& island, const std::vector<Body*>& bodies) {
+Pushed pushedBy(const RowValues& p, const Island& island, const std::vector<Body*>& bodies) {
   const JointSchur& joint = island.s.joint;
-  Blow blow;
+  Pushed pushed;
   const auto isOf = [&](int ragdoll) {
     return std::any_of(bodies.begin(), bodies.end(),
                        [&](const Body* body) { return body->index == ragdoll; });
   };
-  forEachPushed(island, [&](const Contact& c, int row) {
+  forEachPushed(island, p, [&](const Contact& c, int row) {
     const bool one = isOf(c.ragdoll), other = c.other < 0 ? one : isOf(c.other);
-    blow.held = blow.held || one != other || (one && c.obstacle >= 0);
+    pushed.held = pushed.held || one != other || (one && c.obstacle >= 0);
     if (!one || !other || c.obstacle >= 0 || !(c.friction > 0)) return;
     Vec3 friction = Vec3::Zero();
-    for (int k = row + 1; k < row + 3; ++k) friction += island.s.p[k] * joint.row(k).direction;
-    blow.couple += c.of(island.context.state.x).cross(friction);
+    for (int k = row + 1; k < row + 3; ++k) friction += p[k] * joint.row(k).direction;
+    pushed.couple += c.of(island.context.state.x).cross(friction);
   });
   for (const Body* body : bodies)
-    blow.held = blow.held || !body->pinned->pins.empty() || staysOnObstacle(*body);
-  return blow;
+    pushed.held = pushed.held || !body->pinned->pins.empty() || staysOnObstacle(*body);
+  return pushed;
 }
 
 /// Whether a contact between two bodies presses in the present stage.
@@ -283,24 +231,30 @@ bool anyRubs(const Island& island, const std::vector<Contact>& pairs, TurnOf of)
 void findTurns(Island& island, TurnOf of) {
   const std::vector<Contact>& pairs =
       of == TurnOf::kMotion ? island.pairs.contacts : island.pairs.touching.contacts;
-  for (Body* body : island.bodies) body->turn.setZero();
+  for (Body* body : island.bodies) {
+    body->turn.setZero();
+    body->turns_with = body;
+  }
   if (!anyRubs(island, pairs, of)) return;
   std::vector<int>& group_of = island.s.group;
   startGroups(island, group_of);
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (pressesNow(island, i, of)) join(island, pairs[i].ragdoll, pairs[i].other, group_of);
-  forEachGroup(island, [&](const std::vector<Body*>& bodies) {
+  forEachGroup(island, group_of, [&](const std::vector<Body*>& bodies) {
     if (isHeld(island, bodies) || pressesOnSleeper(island, pairs, of, bodies)) return;
     const Vec3 turn = turnOf(bodies, of);
-    for (Body* body : bodies) body->turn = turn;
+    for (Body* body : bodies) {
+      body->turn = turn;
+      body->turns_with = bodies[0];
+    }
   });
 }
 
 Vec3 commonTurn(const Island& island, const Contact& pair) {
   const int a = island.placeOf(pair.ragdoll), b = island.placeOf(pair.other);
-  const std::vector<int>& group_of = island.s.group;
-  if (a < 0 || b < 0 || std::max(a, b) >= static_cast<int>(group_of.size())) return Vec3::Zero();
-  return group_of[a] == group_of[b] ? island.bodies[a]->turn : Vec3(Vec3::Zero());
+  if (a < 0 || b < 0) return Vec3::Zero();
+  const Body &first = *island.bodies[a], &second = *island.bodies[b];
+  return first.turns_with == second.turns_with ? first.turn : Vec3(Vec3::Zero());
 }
 
 bool turnTogether(const Island& island) {
@@ -317,26 +271,28 @@ bool pressesItself(const Island& island) {
 }
 
 void restoreAngularMomentum(Island& island, double took) {
-  findGroups(island, island.s.group);
-  forEachGroup(island,
+  std::vector<int>& group_of = island.s.group;
+  startGroups(island, group_of);
+  for (const BodyPair& pair : island.pairs.pushed) join(island, pair.first, pair.second, group_of);
+  forEachGroup(island, group_of,
                [&](const std::vector<Body*>& bodies) { restoreGroup(island, bodies, took); });
 }
 
-void restoreAfterBlow(Island& island) {
-  if (island.s.joint.size() == 0) return;
+void restoreAfterImpact(Island& island, VelocityImpulses impulses) {
+  if (!impulses) return;
   std::vector<int>& group_of = island.s.group;
   startGroups(island, group_of);
-  forEachPushed(island, [&](const Contact& c, int) {
+  forEachPushed(island, *impulses, [&](const Contact& c, int) {
     if (c.other >= 0) join(island, c.ragdoll, c.other, group_of);
   });
-  forEachGroup(island, [&](const std::vector<Body*>& bodies) {
-    const Blow blow = blowOn(island, bodies);
-    if (blow.held || blow.couple.isZero(0)) return;
+  forEachGroup(island, group_of, [&](const std::vector<Body*>& bodies) {
+    const Pushed pushed = pushedBy(*impulses, island, bodies);
+    if (pushed.held || pushed.couple.isZero(0)) return;
     const auto x = [](const Body& body) { return body.x(); };
     const auto v = [](const Body& body) { return body.v(); };
     const RigidMotion drift = driftOf(bodies, x, v);
     const Rotation now = rotationOf(bodies, drift, x, v);
-    giveSpin(island, bodies, drift.centre, spinOf(now.inertia, -blow.couple, true), now);
+    giveSpin(island, bodies, drift.centre, spinOf(now.inertia, -pushed.couple, true), now);
   });
 }
 

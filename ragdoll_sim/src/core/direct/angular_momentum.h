@@ -7,19 +7,19 @@
 // that are as far apart as the radii together, in place of one point of both surfaces. What they
 // take comes back as a spin of all bodies that pressed on each other together, which changes no
 // distance and no speed between them; who only came near gets none of it. The couple of friction
-// does work on that spin. So what slips is measured against it, and bodies that turn together as one
-// do not slip: then friction gives no energy. What the other two stages need is taken out of the
-// motion within them.
+// does work on that spin. So what slips is measured against it, and bodies that turn together as
+// one do not slip: then friction gives no energy. What the other two stages need is taken out of
+// the motion within them.
 #pragma once
 
-#include "core/direct/island.h"
+#include "core/direct/velocity_solver.h"
 
 namespace ragdoll {
 
 /// Whether contacts between the bodies, or contacts or limits of one, pressed in the last motion.
 bool pressesItself(const Island& island);
 
-/// Body::turn <- of the bodies' motions (dx), or of their velocities.
+/// Body::turn and turns_with <- of the bodies' motions (dx), or of their velocities.
 enum class TurnOf { kMotion, kVelocity };
 void findTurns(Island& island, TurnOf of);
 /// That of both sides of a contact between bodies; none where they do not press on each other.
@@ -31,8 +31,8 @@ bool turnTogether(const Island& island);
 /// sleepers take part.
 void restoreAngularMomentum(Island& island, double took);
 
-/// After a blow, which velocities were solved for last: what its friction took of bodies that it
-/// pressed on each other, and nothing outside on them, whatever held them until then.
-void restoreAfterBlow(Island& island);
+/// After an impact that pressed with `impulses`: what its friction took of bodies that it pressed
+/// on each other, and nothing outside on them, whatever held them until then.
+void restoreAfterImpact(Island& island, VelocityImpulses impulses);
 
 }  // namespace ragdoll

@@ -54,6 +54,11 @@ void makeAffine(Body& body) {
   if (body.skeleton->groups.empty()) return;  // then `affine` is the identity
   body.kept.noalias() = body.x() * body.system->affine.transpose();
   body.x() = body.kept;
+  makeVelocitiesAffine(body);
+}
+
+void makeVelocitiesAffine(Body& body) {
+  if (body.skeleton->groups.empty()) return;
   body.kept.noalias() = body.v() * body.system->affine.transpose();
   body.v() = body.kept;
 }

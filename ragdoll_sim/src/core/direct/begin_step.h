@@ -10,7 +10,8 @@ namespace ragdoll {
 void beginStep(Island& island, StepReport& report);
 void beginStep(Body& body, StepReport& report);
 
-/// Puts rigid groups back into the shape that their frames can have.
+/// Puts rigid groups back into the shape that their frames can have; or their velocities alone.
 void makeAffine(Body& body);
+void makeVelocitiesAffine(Body& body);
 
 }  // namespace ragdoll

@@ -17,7 +17,6 @@ void Body::bind(const StepContext& c, int r) {
   first = ragdoll->first;
   n = rows->n;
   memory->response.bind(*system);
-  tolerances = tolerancesFor(c.h);
   lengths = {rows->length2.data(), rows->inverse_length2.data(), kLengthTolerance};
   pin_speed = 0;
   driven = pushed = damps_within = false;

@@ -7,12 +7,12 @@
 
 #include "core/contact/pair_detect.h"
 #include "core/direct/constraint_set.h"
-#include "core/direct/implicit_scratch.h"
 #include "core/direct/impulse_cache.h"
 #include "core/direct/runge_kutta.h"
 #include "core/direct/tolerances.h"
 #include "core/limits/limit_angles.h"
 #include "core/linear/body_response.h"
+#include "core/linear/implicit_sticks.h"
 #include "core/mechanics/energy_gain.h"
 #include "core/mechanics/joint_damping.h"
 #include "core/mechanics/supports.h"
@@ -41,6 +41,7 @@ struct StepContext {
   int worker = 0;             ///< which thread takes the step: whose scratch it uses
   const std::vector<CachedImpulse>* before = nullptr;  ///< pressed before; null: the state's
   double whole = 0;  ///< [s] the step that h is a part of; 0: all of it
+  Tolerances tolerances = tolerancesFor(h);
 
   double wholeStep() const { return whole > 0 ? whole : h; }
 };
@@ -80,7 +81,6 @@ struct Body {
   BodyMemory* memory = nullptr;
   int index = 0, first = 0, n = 0;
 
-  Tolerances tolerances;
   StickLengths lengths;  ///< that sticks keep in this step
   double pin_speed = 0;  ///< [m/s] of pins that move
   bool driven = false;   ///< something moves that gives energy: obstacles, pins
@@ -111,10 +111,11 @@ struct Body {
   /// [rad] of the motion, or [rad/s]: as one with all that press on each other, nothing outside on
   /// them; else none. Slip between and within bodies is measured against it (angular_momentum.h).
   Vec3 turn = Vec3::Zero();
+  const Body* turns_with = nullptr;  ///< the first of them
   EnergyScratch energy;
   PairDetector detector;  ///< of the body with itself
   RungeKuttaScratch stages;
-  ImplicitScratch implicit;
+  ImplicitSticks implicit;
   RowValues b, total;  ///< of the Schur complement's rows: gaps or rates, impulses
   Eigen::VectorXd tension, row_sums;
   Eigen::VectorXd lengths2, inverse_lengths2;  ///< of sticks that recover their lengths

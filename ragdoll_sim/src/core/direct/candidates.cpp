@@ -13,15 +13,18 @@ namespace ragdoll {
 namespace {
 
 void setOffset(Body& body, Contact& c, const MotionSpan& span) {
-  if (c.isSoft()) {
-    c.offset = movedOffset(c, span);
-    return;
-  }
   c.offset = allowedOffset(c, span);
-  if (!isIgnored(c, body.overlaps)) return;
+  if (c.isSoft() || !isIgnored(c, body.overlaps)) return;
   c.surface_motion.setZero();
   body.kept.setZero(3, body.n);
   c.offset = std::min(c.offset, c.offset + gapAt(body, c, body.kept.data()));
+}
+
+/// before: [m] its gap at the motion's start, where the plane is as at the end.
+void startContact(const StepContext& step, Contact& c, double before) {
+  if (step.relaxed) c.give = {};  // relaxation's own contacts are rigid
+  c.found = c.offset;
+  c.before = c.isSoft() ? c.gap_start : gapBefore(c, before);
 }
 
 /// over: [s] in which what it overlaps opens, h but for what was missed.
@@ -29,12 +32,20 @@ void startContact(Body& body, Contact& c, double h, double over) {
   const double* dx = body.motion.dx.data();
   const double share = h / body.context->h;
   scaleMotion(body, h, c);
-  if (body.context->relaxed) c.give = {};  // relaxation's own contacts are rigid
-  c.found = c.offset;
-  c.before = gapBefore(
-      c, gapAt(body, c, dx) - c.normal.dot(motionOf(body, c, dx) - share * c.surface_motion));
-  if (c.isSoft()) c.before = c.gap_start;  // as deep as it is, not as the plane at the end says
+  const double moved = c.normal.dot(motionOf(body, c, dx) - share * c.surface_motion);
+  startContact(*body.context, c, gapAt(body, c, dx) - moved);
   setOffset(body, c, {over, over, body.context->h});
+}
+
+void startContact(const Island& island, Contact& c, double h, double over) {
+  startContact(island.context, c, c.gapAt(island.context.state.x));
+  c.offset = allowedOffset(c, {over, h, island.context.h});
+}
+
+template <class Owner>
+void startContacts(Owner& owner, ContactSet& set, double h) {
+  for (Contact& c : set.contacts) startContact(owner, c, h, h);
+  set.role.assign(set.contacts.size(), Role::kIfNear);
 }
 
 void startLimit(Body& body, LimitAngles::Pose& before, LimitRow& limit, double h) {
@@ -43,6 +54,20 @@ void startLimit(Body& body, LimitAngles::Pose& before, LimitRow& limit, double h
     limit.start = std::min(0.0, limit.before);
   else
     limit.opening = allowedViolation(limit, {h, h, body.context->h}, body.overlaps);
+}
+
+/// Where the bodies' motions lead, sleepers where they are; as poseAfter.
+const Points& posesAfter(const Island& island) {
+  const StepContext& step = island.context;
+  for (const Body* body : island.bodies) poseAfter(*body);
+  Points& poses = posesOf(step);
+  for (const int i : island.s.all) {
+    if (island.placeOf(i) >= 0) continue;
+    const Ragdoll& r = step.model.ragdolls[i];
+    const int n = step.model.skeletonOf(r).size();
+    poses.middleCols(r.first, n) = step.state.x.middleCols(r.first, n);
+  }
+  return poses;
 }
 
 /// Contacts of the motion over h with obstacles and with the body itself.
@@ -57,23 +82,113 @@ void appendNear(Body& body, double h, std::vector<Contact>& contacts) {
                              PairSearch::touches(kNearBody), contacts);
 }
 
+void appendBetween(Island& island, PairSearch search, std::vector<Contact>& contacts) {
+  const StepContext& step = island.context;
+  island.s.detector.appendBetween(step.model, step.state, island.s.all, step.state.x,
+                                  posesAfter(island), search, contacts);
+}
+
+void appendNear(Island& island, double, std::vector<Contact>& contacts) {
+  appendBetween(island, PairSearch::touches(kNearBody), contacts);
+}
+
 bool isPassed(const Body& body, const Contact& c) {
   const std::vector<int>& passed = body.constraints.passed;
   return body.overlaps == OverlapPolicy::kPassThrough &&
          std::count(passed.begin(), passed.end(), c.obstacle) > 0;
 }
 
-/// Takes out the contacts with the obstacles that the body is in.
-void passThrough(Body& body) {
-  std::vector<Contact>& all = body.constraints.contacts;
+/// Takes out the contacts with obstacles that the body is dragged through.
+void passThrough(const Body& body, std::vector<Contact>& contacts) {
+  if (body.overlaps != OverlapPolicy::kPassThrough) return;
+  contacts.erase(std::remove_if(contacts.begin(), contacts.end(),
+                                [&](const Contact& c) { return isPassed(body, c); }),
+                 contacts.end());
+}
+
+/// Those that it is in.
+void findPassed(ConstraintSet& set) {
   double deepest = 0;
-  for (const Contact& c : all) deepest = std::min(deepest, c.gap_start);
-  body.constraints.passed.clear();
-  for (const Contact& c : all)
-    if (c.gap_start < 0.5 * deepest) body.constraints.passed.push_back(c.obstacle);
-  all.erase(
-      std::remove_if(all.begin(), all.end(), [&](const Contact& c) { return isPassed(body, c); }),
-      all.end());
+  for (const Contact& c : set.contacts) deepest = std::min(deepest, c.gap_start);
+  set.passed.clear();
+  for (const Contact& c : set.contacts)
+    if (c.gap_start < 0.5 * deepest) set.passed.push_back(c.obstacle);
+}
+
+/// Whether what touches all along an obstacle at rest, or a limb, has another plane than a motion
+/// over `over` would: it is turned, or seen from the start it lies elsewhere than what touches
+/// there, by more than may be left in such a part of a step, where it becomes a speed.
+/// What moves keeps its plane: found anew, one of 600 random driven scenes gained 1.1 % of energy.
+bool hasOtherPlane(const StepContext& step, const Contact& c, double over) {
+  if (!c.touches_at_start || c.isSoft() || !c.surface_motion.isZero(0)) return false;
+  const double seen = c.gapAt(step.state.x) + c.offset - c.found;
+  return (c.normal - c.start_normal).norm() > kTurned ||
+         std::abs(seen - c.gap_start) > step.tolerances.contact * over / step.h;
+}
+
+/// Has the contact as it is among those that are found now, at the place nearest to its own;
+/// whether it is there.
+bool takeNearest(const std::vector<Contact>& found, Contact& c) {
+  const Contact* nearest = nullptr;
+  const auto away = [&c](const Contact& other) { return std::abs(other.weight[1] - c.weight[1]); };
+  for (const Contact& other : found) {
+    if (other.obstacle != c.obstacle || other.count != c.count || other.particle != c.particle)
+      continue;
+    if (!nearest || away(other) < away(*nearest)) nearest = &other;
+  }
+  if (nearest) c = *nearest;
+  return nearest;
+}
+
+template <class Owner>
+void findAnew(Owner& owner, const StepContext& step, ContactSet& set, double over) {
+  const auto isOther = [&](const Contact& c) { return hasOtherPlane(step, c, over); };
+  if (std::none_of(set.contacts.begin(), set.contacts.end(), isOther)) return;
+  set.missed.clear();
+  appendNear(owner, over, set.missed);
+  for (Contact& c : set.contacts)
+    if (isOther(c) && takeNearest(set.missed, c)) startContact(owner, c, over, over);
+}
+
+/// Whether one of the same surfaces is among the first `count` contacts.
+bool isKnown(const std::vector<Contact>& contacts, std::size_t count, const Contact& contact) {
+  const auto end = contacts.begin() + static_cast<std::ptrdiff_t>(count);
+  return std::any_of(contacts.begin(), end, [&](const Contact& c) { return c.isOfSame(contact); });
+}
+
+/// What overlaps an obstacle opens over the step, in a part of it by a part of it.
+void startMissed(Body& body, Contact& c, double h) {
+  const bool opens = c.obstacle >= 0 && (body.context->relaxed || !c.isSoft());
+  startContact(body, c, h, opens ? body.context->h : h);
+  if (opens)
+    c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - recoverySpeed(c) * h));
+}
+void startMissed(const Island& island, Contact& c, double h) { startContact(island, c, h, h); }
+
+/// Adds those of set.missed that the motions go into; whether there are any.
+template <class Owner>
+bool takeMissed(Owner& owner, ContactSet& set, double h) {
+  const std::size_t known = set.contacts.size();
+  for (Contact& c : set.missed) {
+    startMissed(owner, c, h);
+    if (c.isSoft() && isKnown(set.contacts, known, c)) continue;  // its spring overlaps
+    if (gapAfter(owner, c) >= (c.obstacle >= 0 ? -kGapResolution : -kSlop)) continue;
+    set.contacts.push_back(c);
+    set.role.push_back(Role::kActive);
+  }
+  return set.contacts.size() > known;
+}
+
+template <class Owner>
+bool activateViolated(const Owner& owner, ContactSet& set, double left) {
+  bool any = false;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    if (set.row[i] >= 0 || set.role[i] == Role::kComing) continue;
+    if (gapAfter(owner, set.contacts[i]) >= -left) continue;
+    set.role[i] = Role::kActive;
+    any = true;
+  }
+  return any;
 }
 
 }  // namespace
@@ -95,13 +210,24 @@ Vec3 motionOf(const Body& body, const Contact& c, const double* dx) {
   return sum;
 }
 
-double openingRate(const Body& body, const Contact& c) {
-  return c.normal.dot(motionOf(body, c, body.vData()) - c.surface_motion / body.context->h);
+double gapAfter(const Island& island, const Contact& c) {
+  double gap = c.gapAt(island.context.state.x);
+  for (int side = 0; side < 2; ++side) {
+    const int place = island.placeOf(side == 0 ? c.ragdoll : c.other);
+    if (place < 0) continue;
+    const Body& body = *island.bodies[place];
+    for (int k = 2 * side; k < 2 * side + 2; ++k)
+      gap += c.weight[k] * c.normal.dot(body.motion.dx.col(c.particle[k] - body.first));
+  }
+  return gap;
 }
 
-bool isKnown(const std::vector<Contact>& contacts, std::size_t count, const Contact& contact) {
-  const auto end = contacts.begin() + static_cast<std::ptrdiff_t>(count);
-  return std::any_of(contacts.begin(), end, [&](const Contact& c) { return c.isOfSame(contact); });
+Vec3 rateOf(const StepContext& step, const Contact& c) {
+  return c.of(step.state.v) - c.surface_motion / step.h;
+}
+
+double openingRate(const StepContext& step, const Contact& c) {
+  return c.normal.dot(rateOf(step, c));
 }
 
 void findCandidates(Body& body, double h) {
@@ -113,48 +239,30 @@ void findCandidates(Body& body, double h) {
   if (step.ws.obstacles.empty() && body.skeleton->joints.empty() && !step.model.self_collision)
     return;
   appendNear(body, h, set.contacts);
-  if (body.overlaps == OverlapPolicy::kPassThrough) passThrough(body);
+  if (body.overlaps == OverlapPolicy::kPassThrough) findPassed(set);
+  passThrough(body, set.contacts);
+  startContacts(body, set, h);
   set.overlap = 0;
-  for (Contact& c : set.contacts) {
-    startContact(body, c, h, h);
+  for (const Contact& c : set.contacts)
     if (!c.isSoft()) set.overlap = std::max(set.overlap, -c.gap_start);
-  }
-  set.role.assign(set.contacts.size(), Role::kIfNear);
   if (body.isWhole()) addLimits(body, kNearLimit, h, Role::kIfNear);
 }
 
-// What moves keeps its plane: found anew, one of 600 random driven scenes gained 1.1 % of energy.
-bool hasOtherPlane(const Body& body, const Contact& c, double over) {
-  if (!c.touches_at_start || c.isSoft() || !c.surface_motion.isZero(0)) return false;
-  const double seen = c.gapAt(body.context->state.x) + c.offset - c.found;
-  return (c.normal - c.start_normal).norm() > kTurned ||
-         std::abs(seen - c.gap_start) > body.tolerances.contact * over / body.context->h;
-}
-
-bool hasOtherPlane(const Body& body, const std::vector<Contact>& contacts, double over) {
-  return std::any_of(contacts.begin(), contacts.end(),
-                     [&](const Contact& c) { return hasOtherPlane(body, c, over); });
-}
-
-bool findAnew(const std::vector<Contact>& found, Contact& c) {
-  const Contact* nearest = nullptr;
-  const auto away = [&c](const Contact& other) { return std::abs(other.weight[1] - c.weight[1]); };
-  for (const Contact& other : found) {
-    if (other.obstacle != c.obstacle || other.count != c.count || other.particle != c.particle)
-      continue;
-    if (!nearest || away(other) < away(*nearest)) nearest = &other;
-  }
-  if (nearest) c = *nearest;
-  return nearest;
+void findCandidates(Island& island, double h) {
+  for (Body* body : island.bodies) findCandidates(*body, h);
+  island.pairs.contacts.clear();
+  if (island.isLone()) return;
+  appendNear(island, h, island.pairs.contacts);
+  startContacts(island, island.pairs, h);
 }
 
 void findContactsAnew(Body& body, double over) {
-  ConstraintSet& set = body.constraints;
-  if (!hasOtherPlane(body, set.contacts, over)) return;
-  set.missed.clear();
-  appendNear(body, over, set.missed);
-  for (Contact& c : set.contacts)
-    if (hasOtherPlane(body, c, over) && findAnew(set.missed, c)) startContact(body, c, over, over);
+  findAnew(body, *body.context, body.constraints, over);
+}
+
+void findContactsAnew(Island& island, double over) {
+  for (Body* body : island.bodies) findContactsAnew(*body, over);
+  findAnew(island, island.context, island.pairs, over);
 }
 
 void limitDepenetration(Body& body, double h, double substep) {
@@ -162,6 +270,12 @@ void limitDepenetration(Body& body, double h, double substep) {
   for (Contact& c : body.constraints.contacts) setOffset(body, c, span);
   for (LimitRow& limit : body.constraints.limits)
     if (limit.compliance == 0) limit.opening = allowedViolation(limit, span, body.overlaps);
+}
+
+void limitDepenetration(Island& island, double h, double substep) {
+  for (Body* body : island.bodies) limitDepenetration(*body, h, substep);
+  for (Contact& c : island.pairs.contacts)
+    c.offset = allowedOffset(c, {h, substep, island.context.h});
 }
 
 bool addLimits(Body& body, double margin, double h, Role role) {
@@ -190,57 +304,56 @@ bool findMissed(Body& body, double h) {
   // The relaxation leaves sticks off their lengths, too, but not so far.
   const bool limits = body.isWhole() || step.relaxed;
   const Points& after = poseAfter(body);
-  bool any = limits && addLimits(body, -kGapResolution / kLever, step.h, Role::kActive);
+  const bool any = limits && addLimits(body, -kGapResolution / kLever, step.h, Role::kActive);
   set.missed.clear();
   if (!step.ws.obstacles.empty()) {
     const std::vector<SweptObstacle>& swept = obstaclesOver(body, h);
     appendContacts(step.model, swept, step.state.x, after, body.index, 0, set.missed);
     appendStickOverlaps(step.model, swept, step.state.x, after, body.index, kSlop, set.missed);
   }
-  const std::size_t obstacles = set.missed.size(), known = set.contacts.size();
   if (step.model.self_collision)
     body.detector.appendSelf(step.model, step.state.x, after, body.index,
                              PairSearch::overlaps(kSlop), set.missed);
-  for (std::size_t i = 0; i < set.missed.size(); ++i) {
-    Contact& c = set.missed[i];
-    if (isPassed(body, c)) continue;
-    const bool rigid = step.relaxed || !c.isSoft();
-    if (!rigid && isKnown(set.contacts, known, c)) continue;  // its spring overlaps
-    startContact(body, c, h, i < obstacles && rigid ? step.h : h);
-    if (i < obstacles && rigid)  // what overlaps opens in a part of a step by a part of it
-      c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - recoverySpeed(c) * h));
-    if (gapAfter(body, c) >= (i < obstacles ? -kGapResolution : -kSlop)) continue;
-    set.contacts.push_back(c);
-    set.role.push_back(Role::kActive);
-    any = true;
-  }
-  return any;
+  passThrough(body, set.missed);
+  return takeMissed(body, set, h) || any;
+}
+
+bool findMissed(Island& island, double h) {
+  bool any = false;
+  for (Body* body : island.bodies) any = findMissed(*body, h) || any;
+  if (island.isLone()) return any;
+  island.pairs.missed.clear();
+  appendBetween(island, PairSearch::overlaps(kSlop), island.pairs.missed);
+  return takeMissed(island, island.pairs, h) || any;
 }
 
 bool activateViolated(Body& body) {
   ConstraintSet& set = body.constraints;
-  bool any = false;
-  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
-    if (set.row[i] >= 0 || set.role[i] == Role::kComing) continue;
-    if (gapAfter(body, set.contacts[i]) >= -body.tolerances.contact) continue;
-    set.role[i] = Role::kActive;
-    any = true;
-  }
+  const double left = body.context->tolerances.contact;
+  bool any = activateViolated(body, set, left);
   if (set.limits.empty()) return any;
   LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     if (set.limit_row[i] >= 0 || set.limit_role[i] == Role::kComing) continue;
     const int k = set.limits[i].limit;
-    if (angles.isBeyond(k, 0) || angles[k] * kLever >= -body.tolerances.contact) continue;
+    if (angles.isBeyond(k, 0) || angles[k] * kLever >= -left) continue;
     set.limit_role[i] = Role::kActive;
     any = true;
   }
   return any;
 }
 
-void activateAll(Body& body) {
-  for (std::vector<Role>* roles : {&body.constraints.role, &body.constraints.limit_role})
-    std::replace(roles->begin(), roles->end(), Role::kIfNear, Role::kActive);
+bool activateViolated(Island& island) {
+  bool any = false;
+  for (Body* body : island.bodies) any = activateViolated(*body) || any;
+  return activateViolated(island, island.pairs, island.context.tolerances.contact) || any;
+}
+
+void activateAll(Island& island) {
+  for (Body* body : island.bodies)
+    for (std::vector<Role>* roles : {&body->constraints.role, &body->constraints.limit_role})
+      std::replace(roles->begin(), roles->end(), Role::kIfNear, Role::kActive);
+  island.pairs.role.assign(island.pairs.contacts.size(), Role::kActive);
 }
 
 bool isSqueezed(const Body& body) {

@@ -1,7 +1,8 @@
-// Which contacts and limits a motion may meet.
+// Which contacts and limits motions may meet: of a body with obstacles and itself, and between the
+// bodies of an island.
 #pragma once
 
-#include "core/direct/body.h"
+#include "core/direct/island.h"
 
 namespace ragdoll {
 
@@ -10,42 +11,40 @@ double gapAt(const Body& body, const Contact& contact, const double* dx);
 inline double gapAfter(const Body& body, const Contact& contact) {
   return gapAt(body, contact, body.motion.dx.data());
 }
-/// [m] or [m/s] of the contact's point, by the body's dx or velocities.
+/// Of one between bodies, after their motions.
+double gapAfter(const Island& island, const Contact& contact);
+/// [m] of the contact's point, by the body's motion.
 Vec3 motionOf(const Body& body, const Contact& contact, const double* dx);
-/// [m/s] at which the gap opens now.
-double openingRate(const Body& body, const Contact& contact);
+/// [m/s] of the contact's point against the other surface; and at which the gap opens now.
+Vec3 rateOf(const StepContext& step, const Contact& contact);
+double openingRate(const StepContext& step, const Contact& contact);
 
-/// Whether one of the same surfaces is among the first `count` contacts.
-bool isKnown(const std::vector<Contact>& contacts, std::size_t count, const Contact& contact);
-
-/// All that the present motion over h comes near to, in place of what was known.
+/// All that the present motions over h come near to, in place of what was known.
 void findCandidates(Body& body, double h);
+void findCandidates(Island& island, double h);
 
-/// Whether what touches all along an obstacle at rest, or a limb, has another plane than a motion
-/// over `over` would: it is turned, or seen from the start it lies elsewhere than what touches
-/// there, by more than may be left in such a part of a step, where it becomes a speed.
-bool hasOtherPlane(const Body& body, const Contact& contact, double over);
-bool hasOtherPlane(const Body& body, const std::vector<Contact>& contacts, double over);
-/// Has the contact as it is among those that are found now, at the place nearest to its own;
-/// whether it is there.
-bool findAnew(const std::vector<Contact>& found, Contact& contact);
-/// Has all such contacts as they are at the end of the motion over `over`, which is cut short.
+/// Has contacts whose planes are others in a motion that is cut short to `over` as they are then.
 void findContactsAnew(Body& body, double over);
+void findContactsAnew(Island& island, double over);
 
-/// What may stay of overlaps, anew: the motion is cut short to h of its substep.
+/// What may stay of overlaps, anew: motions are cut short to h of their substep.
 void limitDepenetration(Body& body, double h, double substep);
+void limitDepenetration(Island& island, double h, double substep);
 
 /// Adds the limits that come nearer than the margin [rad] at the motion's end; whether there are
 /// new ones.
 bool addLimits(Body& body, double margin, double h, Role role);
 
-/// Adds, as active, what a motion was pushed into by what it was solved for; whether there is any.
+/// Adds, as active, what motions were pushed into by what they were solved for; whether there is
+/// any.
 bool findMissed(Body& body, double h);
+bool findMissed(Island& island, double h);
 
 /// Makes rows of those that the solution of the others violates; whether there are any.
 bool activateViolated(Body& body);
+bool activateViolated(Island& island);
 /// Makes rows of all that are not to be reached later.
-void activateAll(Body& body);
+void activateAll(Island& island);
 
 /// Whether what overlaps at the start, by more than sound steps leave, leaves no direction to open
 /// in: it presses from opposite sides, or is a body.

@@ -51,8 +51,6 @@ constexpr int kMaxSubsteps = 16;  ///< above, one implicit step is cheaper
 constexpr double kRedoGain = 3e-4;
 /// Of the kinetic energy: more than friction between limbs gives back in a step.
 constexpr double kMostGiven = 0.01;
-/// Of a stick's length, how far an iteration moves its ends; [rad] of a rigid motion: more is lost.
-constexpr double kLargestTurn = 0.5;
 
 // --- Adaptive steps.
 /// How much more the positions' error counts where something is met or let go: velocities, which
@@ -95,14 +93,29 @@ constexpr int kMaxSearches = 3;              ///< for contacts that others push 
 constexpr int kIslandRounds = 4;             ///< of islands that grow
 constexpr int kMaxInVain = 2;                ///< in a row: the motion has a jump or a fork there
 constexpr int kMaxUnknown = 2 * kMaxInVain;  ///< where the guard acts, or nothing is found
+constexpr int kMaxShortenings = 30;          ///< of a rigid motion that touches
+constexpr int kRefinements = 3;              ///< of the time at which rk arrives
 constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into shape: of rounding
+
+// --- Not tuned: rounding, in single stages.
+constexpr double kFinestShare = 1e-3;        ///< of tolerances in short steps: rounding is near
+constexpr double kPartEnd = 1e-12;           ///< of a step: nearer to its ends is there
+constexpr double kAbout = 0.01;              ///< of a substep: less longer or shorter is as long
+constexpr double kPositionRounding = 4e-15;  ///< relative, with some room
+constexpr double kWhole = 1e-6;          ///< relative error of a squared length: none to restore
+constexpr double kTouchDepth = 1e-7;     ///< [m] a rigid motion may end in an obstacle by that
+constexpr double kRigidGain = 1e-9;      ///< of the energy: less is no rise by a rigid motion
+constexpr double kNothingLost = 1e-15;   ///< of the angular momentum: less lost is nothing lost
+constexpr double kContradiction = 1e-9;  ///< [m/s] of velocities at a start: less is none
+constexpr double kLeastSlip = 1e-6;      ///< [m/s] of friction that the log completes
+constexpr double kLockedAnswer = 1e-9;  ///< of the body's inverse mass: what answers less is locked
 
 // --- Not tuned: rounding.
 constexpr double kLeastGain = 1e-9;     ///< as kRedoGain: less stays in the motion
 constexpr double kShortEnough = 1.01;   ///< of the shortest part
 constexpr double kUnknownRate = 1e300;  ///< [m/s] where no motion was found
 constexpr double kTurned = 1e-9;        ///< [rad] of a plane: more than rounding
-constexpr double kParting = 1e-5;       ///< [m/s] what leaves slower after a blow stays
+constexpr double kParting = 1e-5;       ///< [m/s] what leaves slower after an impact stays
 constexpr double kSnap = 1e-6;          ///< of the substep: nearer to its ends is there
 constexpr double kNothingLeft = 1e-9;   ///< of the step: rounding of what was taken
 

@@ -40,6 +40,7 @@ struct ContactSet {
   std::vector<Role> role;          ///< of each
   std::vector<int> row;            ///< the first of each, or -1
   std::vector<SpringRow> springs;  ///< of each
+  std::vector<Contact> missed;     ///< scratch: what is found beside them
 };
 
 /// Those of them that touch at the motion's end: what its velocities are solved for.
@@ -64,7 +65,6 @@ struct ConstraintSet : ContactSet {
   int own_rows = 0;                          ///< rows of contacts with other bodies come after
   double overlap = 0;                        ///< [m] the deepest, at the motion's start
   std::vector<int> passed;                   ///< obstacles that the body is dragged through
-  std::vector<Contact> missed;               ///< scratch: what the motion was pushed into
 };
 
 /// A body's own; warm: of the contacts' rows, then of the limits'.

@@ -8,13 +8,11 @@
 #include "core/direct/constants.h"
 #include "core/direct/mode_rows.h"
 #include "core/direct/spring.h"
+#include "core/direct/velocity_solver.h"
 #include "core/direct/workspace.h"
 
 namespace ragdoll {
 namespace {
-
-constexpr double kLeastSlip = 1e-6;  ///< [m/s]
-constexpr double kLocked = 1e-9;     ///< of the body's inverse mass: what answers less is held
 
 using Kind = Schur::Row::Kind;
 
@@ -42,11 +40,6 @@ ContactImpulse entryOf(const Model& model, const State& state, const Contact& c)
   e.point -= radius * c.normal;
   e.depth = c.found - along;
   return e;
-}
-
-/// [m/s] against the surface.
-Vec3 rateOf(const StepContext& step, const Contact& c) {
-  return c.of(step.state.v) - c.surface_motion / step.h;
 }
 
 double slipOf(const StepContext& step, const Contact& c) {
@@ -85,7 +78,7 @@ void addPosition(const Island& island, const Contact& c, const Vec3& impulse) {
   ContactImpulse e = entryOf(step.model, step.state, c);
   e.point = pointBefore(island, c);
   e.impulse = impulse;
-  e.approach = std::max(0.0, -c.normal.dot(rateOf(step, c)));
+  e.approach = std::max(0.0, -openingRate(step, c));
   step.log->impulses.push_back(e);
 }
 
@@ -157,7 +150,7 @@ Vec3 lockedFriction(const StepContext& step, const Body& body, const Contact& c,
   const auto A = schur.matrix();
   const double answer = t1 * t1 * A(row + 1, row + 1) + t2 * t2 * A(row + 2, row + 2) +
                         2 * t1 * t2 * A(row + 1, row + 2);
-  if (answer * body.rows->mass.sum() > kLocked) return Vec3::Zero();
+  if (answer * body.rows->mass.sum() > kLockedAnswer) return Vec3::Zero();
   return -(c.friction * normal + impulse.dot(slip)) * slip;
 }
 
@@ -188,11 +181,11 @@ void addSpring(const Island& island, const Contact& c, double answer, double h, 
   m.gap[0] = c.before;
   m.gap[1] = c.gapAt(step.state.x);
   m.rate[0] = rateBefore(island, c);
-  m.rate[1] = c.normal.dot(rateOf(step, c));
+  m.rate[1] = openingRate(step, c);
   m.answer = answer;
   m.force = 2 * e.impulse.dot(c.normal) / h;
   e.peak = withFriction(c, e.impulse) * peakForce(c, m);
-  if (c.before > -island.bodies[0]->tolerances.touching) e.approach = std::max(0.0, -m.rate[0]);
+  if (c.before > -island.context.tolerances.touching) e.approach = std::max(0.0, -m.rate[0]);
 }
 
 ContactLog& logOf(const Island& island) { return *island.context.log; }
@@ -292,35 +285,26 @@ void logPositions(Island& island, double h) {
   }
 }
 
-void logVelocities(Island& island, const RowValues& rates, int first_pair, const LoggedStage& at) {
-  const IslandScratch& s = island.s;
-  const bool impact = at.impact;
-  const std::size_t begin = logSize(island);
-  const auto add = [&](const Contact& c, int first, double answer, const Body* body, int row) {
+void logVelocities(Island& island, const RowValues& p, const RowValues& rates,
+                   const LoggedStage& at) {
+  std::vector<ContactImpulse>& entries = logOf(island).impulses;
+  const std::size_t begin = entries.size();
+  forEachTouching(island, [&](const Contact& c, int first, const Body* body, int place) {
     Vec3 impulse;
-    if (!takeImpulse(island, s.p, first, 1, impulse)) return;
-    if (body) impulse += lockedFriction(island.context, *body, c, row, impulse);
+    if (!takeImpulse(island, p, first, 1, impulse)) return;
+    if (body) impulse += lockedFriction(island.context, *body, c, place, impulse);
     ContactImpulse e = entryOf(island.context.model, island.context.state, c);
     e.impulse = impulse;
     e.slip = slipOf(island.context, c);
-    if (impact) e.approach = std::max(0.0, -rates[first]);
+    if (at.impact) e.approach = std::max(0.0, -rates[first]);
+    const double answer =
+        body ? body->memory->schur.matrix()(place, place) : pairAnswer(island, place);
     e.effective_mass = answer > 0 ? 1 / answer : 0;
     if (c.isSoft()) addSpring(island, c, answer, at.h, e);
-    logOf(island).impulses.push_back(e);
-    joinEnds(c, logOf(island).impulses, begin);
-  };
-  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
-    const Body& body = *island.bodies[k];
-    const Schur& schur = body.memory->schur;
-    for (int i = 0; i < body.constraints.own_rows; ++i)
-      if (schur.row(i).kind == Kind::kNormal)
-        add(body.touching.contacts[schur.row(i).source], s.joint.firstOf(static_cast<int>(k)) + i,
-            schur.matrix()(i, i), &body, i);
-  }
-  for (std::size_t i = 0; i < island.pairs.touching.contacts.size(); ++i)
-    add(island.pairs.touching.contacts[i], first_pair + 3 * static_cast<int>(i),
-        pairAnswer(island, static_cast<int>(i)), nullptr, 0);
-  addPeaks(logOf(island).impulses, begin);
+    entries.push_back(e);
+    joinEnds(c, entries, begin);
+  });
+  addPeaks(entries, begin);
 }
 
 namespace {

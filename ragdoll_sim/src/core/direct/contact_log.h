@@ -15,16 +15,17 @@ struct LoggedStage {
   double h = 0;         ///< [s] of the motion before it
 };
 
-/// Of one solution of the velocity stage: s.p [N s]. rates: before it [m/s].
-void logVelocities(Island& island, const RowValues& rates, int first_pair, const LoggedStage& at);
+/// Of one solution of the velocity stage: p [N s]. rates: before it [m/s].
+void logVelocities(Island& island, const RowValues& p, const RowValues& rates,
+                   const LoggedStage& at);
 
 struct LoggedImpact {
   Vec3 impulse = Vec3::Zero();  ///< [N s]
   double approach = 0;          ///< [m/s]
   double answer = 0;            ///< [1/kg] to a push along the normal
   double peak = 0;              ///< [N] of what gives way
-  Vec3 back = Vec3::Zero();  ///< [m] from where it is to where it pressed in the mean
-  Vec3 turn = Vec3::Zero();  ///< from the normal to the mean one
+  Vec3 back = Vec3::Zero();     ///< [m] from where it is to where it pressed in the mean
+  Vec3 turn = Vec3::Zero();     ///< from the normal to the mean one
 };
 
 /// [m] of the first body's surface at x, coordinates as of a mode (mode.h).

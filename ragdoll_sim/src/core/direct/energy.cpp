@@ -94,7 +94,8 @@ double releasedByPairs(Island& island, const std::vector<Body*>& bodies) {
 
 bool isSmooth(const Body& body) {
   const auto presses = [&body](const LimitRow& limit) {
-    return limit.compliance == 0 && std::abs(limit.before) < body.tolerances.touching_angle;
+    return limit.compliance == 0 &&
+           std::abs(limit.before) < body.context->tolerances.touching_angle;
   };
   const auto touches = [&body](const CachedImpulse& impulse) {
     return std::any_of(body.touching.limits.begin(), body.touching.limits.end(),

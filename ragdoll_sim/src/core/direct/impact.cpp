@@ -10,12 +10,12 @@ namespace ragdoll {
 namespace {
 
 /// [m/s] at which the gap opens at the motion's start.
-double rateOf(const Body& body, const Contact& contact) {
-  return openingRate(body, contact.touches_at_start ? contact.atStart() : contact);
+double rateAtStart(const StepContext& step, const Contact& c) {
+  return openingRate(step, c.touches_at_start ? c.atStart() : c);
 }
 
 /// [rad/s] the same of a limit.
-double rateOf(const Body& body, const LimitRow& limit) {
+double rateAtStart(const Body& body, const LimitRow& limit) {
   const LimitRow& row = anglesBefore(body).row(limit.limit);
   const Points& v = body.context->state.v;
   double rate = 0;
@@ -23,70 +23,59 @@ double rateOf(const Body& body, const LimitRow& limit) {
   return rate;
 }
 
-/// A spring floor is reached, too, but does not bounce: the next substep begins with its spring.
-bool isComingSoftly(const Body& body, const Contact& c, double h) {
-  if (body.located >= kMaxLocated || c.before < body.tolerances.touching) return false;
-  return (c.before - gapAfter(body, c)) / h > comingSpeed(*body.context, c);
+/// What decides for contacts: the smallest size of the bodies, by a human's, and how many impacts
+/// of the step were located.
+struct Located {
+  double scale = 1;
+  int count = 0;
+};
+
+Located locatedOf(const Body& body) { return {body.rows->scale, body.located}; }
+Located locatedOf(const Island& island) {
+  Located all;
+  for (const Body* body : island.bodies) {
+    all.scale = std::min(all.scale, body->rows->scale);
+    all.count = std::max(all.count, body->located);
+  }
+  return all;
 }
 
-bool isComing(const Body& body, const Contact& c, double h) {
-  if (c.isSoft()) return isComingSoftly(body, c, h);
-  if (c.gap_start < -body.tolerances.contact) return false;
-  const double end = gapAfter(body, c);
-  if (end < -kDeepImpact * body.rows->scale) return body.located < kMaxDeepImpacts;
-  if (body.located >= kMaxLocated) return false;
-  const double rate = c.before < body.tolerances.touching ? rateOf(body, c) : (end - c.before) / h;
-  return -rate > comingSpeed(*body.context, c);
+/// A spring is reached, too, but does not bounce: the next substep begins with it.
+template <class Owner>
+bool isComing(const Owner& owner, const StepContext& step, const Located& located, const Contact& c,
+              double h) {
+  const bool touches = c.before < step.tolerances.touching;
+  if (c.isSoft() ? touches : c.gap_start < -step.tolerances.contact) return false;
+  const double end = gapAfter(owner, c);
+  if (!c.isSoft() && end < -kDeepImpact * located.scale) return located.count < kMaxDeepImpacts;
+  if (located.count >= kMaxLocated) return false;
+  const double rate = touches ? rateAtStart(step, c) : (end - c.before) / h;
+  return -rate > comingSpeed(step, c);
+}
+
+template <class Owner>
+void findComingContacts(const Owner& owner, const StepContext& step, ContactSet& set, double h) {
+  const Located located = locatedOf(owner);
+  for (std::size_t i = 0; i < set.contacts.size(); ++i)
+    if (isComing(owner, step, located, set.contacts[i], h)) set.role[i] = Role::kComing;
 }
 
 bool isComing(const Body& body, const LimitRow& limit, double h) {
   if (limit.compliance > 0 || body.located >= kMaxLocated) return false;
-  if (limit.before < -body.tolerances.touching_angle) return false;
-  const double rate = limit.before < body.tolerances.touching_angle
-                          ? rateOf(body, limit)
+  if (limit.before < -body.context->tolerances.touching_angle) return false;
+  const double rate = limit.before < body.context->tolerances.touching_angle
+                          ? rateAtStart(body, limit)
                           : (limit.value - limit.before) / h;
   const double pull = std::max(kLeastPull, body.context->model.gravity.norm());
   return -rate > kRestSteps * body.context->h * pull / kLimb;
 }
 
-/// [m/s] the same of two bodies.
-double rateOf(const Island& island, const Contact& pair) {
-  return pairRate(island.context.state, pair.touches_at_start ? pair.atStart() : pair);
-}
-
-/// What decides for pairs, of the island's bodies: the smallest size, and how many impacts of the
-/// step were located.
-struct IslandImpacts {
-  double scale = 1;
-  int located = 0;
-};
-
-IslandImpacts impactsOf(const Island& island) {
-  IslandImpacts impacts;
-  for (const Body* body : island.bodies) {
-    impacts.scale = std::min(impacts.scale, body->rows->scale);
-    impacts.located = std::max(impacts.located, body->located);
-  }
-  return impacts;
-}
-
-bool isComing(const Island& island, const IslandImpacts& impacts, const Contact& pair, double h) {
-  const Body& any = *island.bodies[0];
-  const auto [scale, located] = impacts;
-  const double end = pairGapAfter(island, pair);
-  const bool touches = pair.before < any.tolerances.touching;
-  const double speed = touches ? -rateOf(island, pair) : (pair.before - end) / h;
-  const bool comes = located < kMaxLocated && speed > comingSpeed(island.context, pair);
-  if (pair.isSoft()) return comes && !touches;
-  if (pair.gap_start < -any.tolerances.contact) return false;
-  return end < -kDeepImpact * scale ? located < kMaxDeepImpacts : comes;
-}
-
 /// Whether motions go through a contact that is coming, by more than may be left.
-template <class Gap>
-bool reachesComing(const ContactSet& set, const Gap& gap, double left) {
+template <class Owner>
+bool reachesContact(const Owner& owner, const StepContext& step, const ContactSet& set) {
   for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    if (set.role[i] == Role::kComing && gap(set.contacts[i]) < -left) return true;
+    if (set.role[i] == Role::kComing && gapAfter(owner, set.contacts[i]) < -step.tolerances.contact)
+      return true;
   return false;
 }
 
@@ -105,32 +94,30 @@ void consider(double time, Role& role, double h, Impact& first) {
   if (time < first.time) first = {std::clamp(time, 0.0, h), &role};
 }
 
-/// The first of the contacts that are coming. rate(contact): [m/s] at which it opens at the start.
-template <class Gap, class Rate>
-Impact firstImpact(ContactSet& set, const Gap& gap, const Rate& rate, double left, double h) {
-  Impact first{2 * h, nullptr};
+/// The first of the contacts that are coming.
+template <class Owner>
+void considerContacts(const Owner& owner, const StepContext& step, ContactSet& set, double h,
+                      Impact& first) {
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
     if (set.role[i] != Role::kComing) continue;
-    const double end = gap(c);
-    if (end < -left) consider(timeOfZero(c.before, rate(c), end, h), set.role[i], h, first);
+    const double end = gapAfter(owner, c);
+    if (end < -step.tolerances.contact)
+      consider(timeOfZero(c.before, rateAtStart(step, c), end, h), set.role[i], h, first);
   }
-  return first;
 }
 
-Impact firstImpact(Body& body, double h) {
+/// Of the limits.
+void considerLimits(Body& body, double h, Impact& first) {
   ConstraintSet& set = body.constraints;
-  Impact first = firstImpact(
-      set, [&body](const Contact& c) { return gapAfter(body, c); },
-      [&body](const Contact& c) { return rateOf(body, c); }, body.tolerances.contact, h);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     if (set.limit_role[i] != Role::kComing) continue;
     const LimitRow& limit = set.limits[i];
     const double end = anglesAfter(body)[limit.limit];
     if (end < 0)
-      consider(timeOfZero(limit.before, rateOf(body, limit), end, h), set.limit_role[i], h, first);
+      consider(timeOfZero(limit.before, rateAtStart(body, limit), end, h), set.limit_role[i], h,
+               first);
   }
-  return first;
 }
 
 }  // namespace
@@ -153,40 +140,31 @@ double timeOfZero(double start, double rate, double end, double h) {
 void findComing(Body& body, double h) {
   ConstraintSet& set = body.constraints;
   if (set.overlap > kClose) return;
-  for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    if (isComing(body, set.contacts[i], h)) set.role[i] = Role::kComing;
+  findComingContacts(body, *body.context, set, h);
   for (std::size_t i = 0; i < set.limits.size(); ++i)
     if (isComing(body, set.limits[i], h)) set.limit_role[i] = Role::kComing;
 }
 
 void findComing(Island& island, double h) {
   for (Body* body : island.bodies) findComing(*body, h);
-  PairSet& pairs = island.pairs;
-  const IslandImpacts impacts = impactsOf(island);
-  for (std::size_t i = 0; i < pairs.contacts.size(); ++i)
-    if (isComing(island, impacts, pairs.contacts[i], h)) pairs.role[i] = Role::kComing;
+  findComingContacts(island, island.context, island.pairs, h);
 }
 
 bool reachesComing(const Island& island) {
-  return reachesComing(
-             island.pairs, [&island](const Contact& c) { return pairGapAfter(island, c); },
-             island.bodies[0]->tolerances.contact) ||
-         std::any_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
-           return reachesComing(
-                      body->constraints, [body](const Contact& c) { return gapAfter(*body, c); },
-                      body->tolerances.contact) ||
-                  reachesLimit(*body);
+  const StepContext& step = island.context;
+  return reachesContact(island, step, island.pairs) ||
+         std::any_of(island.bodies.begin(), island.bodies.end(), [&step](const Body* body) {
+           return reachesContact(*body, step, body->constraints) || reachesLimit(*body);
          });
 }
 
 Impact firstImpact(Island& island, double h) {
-  Impact first = firstImpact(
-      island.pairs, [&island](const Contact& c) { return pairGapAfter(island, c); },
-      [&island](const Contact& c) { return rateOf(island, c); },
-      island.bodies[0]->tolerances.contact, h);
+  const StepContext& step = island.context;
+  Impact first{2 * h, nullptr};
+  considerContacts(island, step, island.pairs, h, first);
   for (Body* body : island.bodies) {
-    const Impact own = firstImpact(*body, h);
-    if (own.time < first.time) first = own;
+    considerContacts(*body, step, body->constraints, h, first);
+    considerLimits(*body, h, first);
   }
   if (!first.role) return first;
   if (first.time < kSnap * h) first.time = 0;
@@ -211,8 +189,8 @@ bool touchesOther(const Body& body) {
   const ConstraintSet& set = body.constraints;
   for (std::size_t i = 0; i < set.contacts.size(); ++i)
     if (set.role[i] != Role::kComing &&
-        (set.contacts[i].before <= body.tolerances.touching ||
-         gapAfter(body, set.contacts[i]) <= body.tolerances.touching))
+        (set.contacts[i].before <= body.context->tolerances.touching ||
+         gapAfter(body, set.contacts[i]) <= body.context->tolerances.touching))
       return true;
   for (std::size_t i = 0; i < set.limits.size(); ++i)
     if (set.limit_role[i] != Role::kComing &&
@@ -226,12 +204,12 @@ double impactAgain(const Body& body, double h) {
   for (std::size_t i = 0; i < set.contacts.size(); ++i)
     if (set.role[i] == Role::kHit) {
       const Contact& c = set.contacts[i];
-      return timeOfZero(c.before, rateOf(body, c), gapAfter(body, c), h);
+      return timeOfZero(c.before, rateAtStart(*body.context, c), gapAfter(body, c), h);
     }
   for (std::size_t i = 0; i < set.limits.size(); ++i)
     if (set.limit_role[i] == Role::kHit) {
       const LimitRow& limit = set.limits[i];
-      return timeOfZero(limit.before, rateOf(body, limit), anglesAfter(body)[limit.limit], h);
+      return timeOfZero(limit.before, rateAtStart(body, limit), anglesAfter(body)[limit.limit], h);
     }
   return h;
 }

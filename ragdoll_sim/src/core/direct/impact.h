@@ -21,8 +21,7 @@ double bounceSpeed(const StepContext& step, const Contact& contact);
 double comingSpeed(const StepContext& step, const Contact& contact);
 
 /// Marks as coming what the bodies, or two of them, come to from afar, faster than gravity would
-/// bring them there:
-/// it does not press until it is reached.
+/// bring them there: it does not press until it is reached.
 void findComing(Body& body, double h);
 void findComing(Island& island, double h);
 

@@ -6,8 +6,8 @@
 
 namespace ragdoll {
 
-/// The motion of a backward Euler step over h without contacts, by Newton's method with the
-/// tension's stiffness in its matrix. False: none was found.
+/// The motion of a backward Euler step over h without contacts, from the last motion's tension.
+/// False: none was found.
 bool solveImplicitMotion(Body& body, double h);
 
 }  // namespace ragdoll

@@ -19,7 +19,6 @@ namespace ragdoll {
 
 /// The contacts between the bodies of an island.
 struct PairSet : ContactSet {
-  std::vector<Contact> missed;
   TouchingContacts touching;       ///< at the motion's end
   ImpulseCache cache, saved;       ///< saved: before the present substep
   std::vector<BodyPair> pressing;  ///< in the last motion
@@ -93,21 +92,6 @@ Body& takePlace(const Model& model, int ragdoll, IslandScratch& scratch);
 void bindIsland(Island& island, const std::vector<int>& bodies, const std::vector<int>& others);
 /// Binds an island to a body that is a place of another one.
 void bindLone(Island& island, Body& body);
-
-/// [m] of a contact between bodies after their motions; and how it opens [m/s] at the start.
-double pairGapAfter(const Island& island, const Contact& contact);
-double pairRate(const State& state, const Contact& contact);
-
-/// What may stay of its overlap in a motion over h.
-void limitDepenetration(const Island& island, Contact& pair, double h);
-
-/// All candidates of the bodies' motions over h: their own, and between them.
-void findCandidates(Island& island, double h);
-/// As those of a body, for all together.
-void findContactsAnew(Island& island, double over);
-bool findMissed(Island& island, double h);
-bool activateViolated(Island& island);
-void activateAll(Island& island);
 
 /// What changes in a trial; and back to it. Impulses of a rejected trial are forgotten.
 void save(Island& island);

@@ -64,9 +64,8 @@ int IslandBuilder::root(int i) {
 
 void IslandBuilder::begin(const StepContext& context) {
   const std::size_t count = context.model.ragdolls.size();
-  x0_ = context.state.x;
-  v0_ = context.state.v;
-  multipliers0_ = context.state.multipliers;
+  makeRoom(context.state, start_);
+  for (std::size_t i = 0; i < count; ++i) save(context, static_cast<int>(i), start_);
   parent_.resize(count);
   std::iota(parent_.begin(), parent_.end(), 0);
   outcomes_.resize(count);
@@ -79,15 +78,8 @@ void IslandBuilder::begin(const StepContext& context) {
   turns_ = 0;
 }
 
-void IslandBuilder::restore(const StepContext& context, int i) {
-  const Ragdoll& r = context.model.ragdolls[i];
-  const int n = sizeOf(context.model, i), first = context.ws.first_multiplier[i];
-  State& state = context.state;
-  state.x.middleCols(r.first, n) = x0_.middleCols(r.first, n);
-  state.v.middleCols(r.first, n) = v0_.middleCols(r.first, n);
-  std::copy_n(multipliers0_.begin() + first,
-              multiplierCount(*context.model.systemOf(r).direct.rows),
-              state.multipliers.begin() + first);
+void IslandBuilder::reset(const StepContext& context, int i) {
+  restore(context, i, start_);
   context.supports.pressed[i] = context.supports.gripped[i] = 0;
   outcomes_[i].clear();
 }
@@ -111,7 +103,7 @@ void IslandBuilder::predict(const StepContext& context) {
 }
 
 void IslandBuilder::stepAlone(StepContext& context, int i) {
-  restore(context, i);
+  reset(context, i);
   IslandOutcome& outcome = outcomes_[i];
   outcome.island.assign(1, i);
   std::vector<int>& alone = scratchOf(context).lone_body;
@@ -125,9 +117,9 @@ void IslandBuilder::findContacts(const StepContext& context, bool overlaps_only)
   for (;;) {
     contacts_.clear();
     if (!overlaps_only)
-      detector_.appendBetween(context.model, state, x0_, state.x, PairSearch::touches(kNearBody),
-                              contacts_);
-    detector_.appendBetween(context.model, state, x0_, state.x,
+      detector_.appendBetween(context.model, state, start_.x, state.x,
+                              PairSearch::touches(kNearBody), contacts_);
+    detector_.appendBetween(context.model, state, start_.x, state.x,
                             PairSearch::overlaps(overlapOf(context)), contacts_);
     was_asleep_ = state.asleep;
     if (!wakeTouched(contacts_, state.x, state)) return;
@@ -196,7 +188,7 @@ void IslandBuilder::stepTogether(StepContext& context, const std::vector<int>& b
   if (bodies.size() == 1 && sleepers.empty()) return stepAlone(context, bodies[0]);
   IslandOutcome& front = outcomes_[bodies[0]];
   for (const int i : bodies) {
-    restore(context, i);
+    reset(context, i);
     outcomes_[i].island = bodies;
   }
   front.sleepers = sleepers;

@@ -12,6 +12,7 @@
 #include "core/contact/pair_detect.h"
 #include "core/direct/body.h"
 #include "core/direct/outcome.h"
+#include "core/direct/saved_motion.h"
 
 namespace ragdoll {
 
@@ -30,7 +31,8 @@ class IslandBuilder {
   };
 
   void begin(const StepContext& context);
-  void restore(const StepContext& context, int ragdoll);
+  /// Before its step.
+  void reset(const StepContext& context, int ragdoll);
   void predict(const StepContext& context);
   /// Before a body, or the island that it is the first of, is stepped (anew).
   void takeTurn(int ragdoll) { outcomes_[ragdoll].turn = ++turns_; }
@@ -52,14 +54,13 @@ class IslandBuilder {
   int root(int ragdoll);
 
   PairDetector detector_;
-  Points x0_, v0_;
-  std::vector<double> multipliers0_;
+  SavedMotion start_;
   std::vector<Contact> contacts_;
   std::vector<int> parent_;  ///< per ragdoll: disjoint sets
   std::vector<IslandOutcome> outcomes_;
   std::vector<std::uint8_t> pressed_pair_, was_asleep_;
   std::vector<std::vector<int>> members_, sleepers_;  ///< per root
-  std::vector<int> parts_;  ///< ragdolls, or roots, that are stepped now
+  std::vector<int> parts_;                            ///< ragdolls, or roots, that are stepped now
   std::vector<int> no_sleepers_, order_;
   int turns_ = 0;  ///< taken in this step
 };

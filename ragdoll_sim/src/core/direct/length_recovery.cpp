@@ -11,9 +11,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kPositionRounding = 4e-15;  ///< relative, with some room
-constexpr double kWhole = 1e-6;  ///< relative error of a squared length: none to restore
-
 /// Relative error of the worst squared length.
 double lengthError(Body& body) {
   BodyResponse& response = body.memory->response;
@@ -33,22 +30,6 @@ void spreadCollapsed(Body& body) {
   const Vec3 middle = rest.rowwise().mean();
   for (int i = 0; i < body.n; ++i)
     if (body.system->W(i, i) > 0) body.x().col(i) += kNoLength * (rest.col(i) - middle);
-}
-
-/// One stick after the other, where Newton's method fails.
-void relaxInTurn(Body& body) {
-  const DirectSystem& system = *body.system;
-  Points& moved = body.moved;
-  moved = body.x();
-  for (int sweep = 0; sweep < kRecoverySweeps; ++sweep)
-    for (int s = 0; s < body.rows->s; ++s) {
-      const Vec3 d = moved * system.B.row(s).transpose();
-      const double now = std::max(d.norm(), kMinLength);
-      if (!(system.G(s, s) > 0)) continue;
-      moved +=
-          (std::sqrt(body.lengths.length2[s]) / now - 1) / system.G(s, s) * d * system.BW.row(s);
-    }
-  body.x() = moved;
 }
 
 }  // namespace
@@ -78,7 +59,9 @@ bool restoreLengths(Body& body, double h) {
   if (satisfySticksAlongNew(body)) {
     body.x() += body.motion.dx;
   } else {
-    relaxInTurn(body);
+    body.moved = body.x();
+    response.relaxInTurn(body.lengths, kRecoverySweeps, body.moved);
+    body.x() = body.moved;
     if (!body.x().allFinite()) body.x() = body.kept;
   }
   response.setStart(body.xData());

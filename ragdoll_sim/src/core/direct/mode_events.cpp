@@ -36,7 +36,7 @@ void addSpring(Island& island, const ModeRow& row, double h, LoggedImpact& gave)
   const Contact c = at(island.s.mode.end, m.gap[1], m.rate[1]);
   m.force = gave.impulse.dot(c.normal) / h;
   gave.peak = peakForce(c, m);
-  if (m.gap[0] > -island.bodies[0]->tolerances.touching) gave.approach = std::max(0.0, -m.rate[0]);
+  if (m.gap[0] > -island.context.tolerances.touching) gave.approach = std::max(0.0, -m.rate[0]);
 }
 
 /// Writes down what pressed over h: of second order, along and at what is between start and end.
@@ -102,7 +102,7 @@ void keepPressing(Island& island, int& contacts) {
 }
 
 /// body.v1 <- its accelerations by all that presses on it but its sticks.
-void gatherAccelerations(Island& island, int k) {
+void findAccelerations(Island& island, int k) {
   Mode& mode = island.s.mode;
   Body& body = *island.bodies[k];
   Points& free = body.v1;
@@ -112,7 +112,7 @@ void gatherAccelerations(Island& island, int k) {
     free = body.acceleration;
   const auto push = [&](int particle, const Vec3& force) {
     const int own = particle - body.first;
-    if (own >= 0 && own < body.n) free.noalias() += force * body.system->W.row(own);
+    if (own >= 0 && own < body.n) body.memory->response.push(own, force, free);
   };
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
     const ModeRow& row = mode.rows[i];
@@ -135,7 +135,7 @@ void keepMultipliers(Island& island) {
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Body& body = *island.bodies[k];
     const int offset = mode.offset[k];
-    gatherAccelerations(island, static_cast<int>(k));
+    findAccelerations(island, static_cast<int>(k));
     BodyResponse& response = body.memory->response;
     response.setFree(body.v1);
     response.setEnd(mode.start.x.data() + offset);

@@ -11,7 +11,7 @@
 #include "core/direct/mode_constants.h"
 #include "core/direct/mode_rows.h"
 #include "core/direct/mode_spin.h"
-#include "core/direct/pair_rows.h"
+#include "core/direct/rows.h"
 
 namespace ragdoll {
 namespace {

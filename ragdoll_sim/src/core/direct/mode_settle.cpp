@@ -65,7 +65,7 @@ void findClosed(Island& island, bool pressed, bool blow, bool& impact) {
     const RowPlace place = placeOf(island, row, mode.start.x.data(), mode.start.v.data(), false);
     if (!staysWithin(island, row, place)) continue;
     if (pressed && row.gap_start >= close) {
-      const Tolerances& tolerances = island.bodies[0]->tolerances;
+      const Tolerances& tolerances = island.context.tolerances;
       const double touching = row.isContact() ? tolerances.touching : tolerances.touching_angle;
       if (row.gap_start >= touching || !hasPressed(island, row, place)) continue;
     }

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "core/direct/group_motion.h"
 #include "core/direct/mode_constants.h"
-#include "core/mechanics/joint_damping.h"
 
 namespace ragdoll {
 namespace {
@@ -30,10 +30,9 @@ std::array<Vec3, 2> armsOf(const Mode& mode, std::size_t i) {
   return {arm.cross(directions[1]), arm.cross(directions[2])};
 }
 
-/// That has an angular momentum: exact but for the guard of bodies on a line.
+/// [rad/s] That has an angular momentum.
 Vec3 turnBy(const ModeSpin& spin, const Vec3& angular) {
-  const Vec3 once = spinOf(spin.inertia, angular);
-  return once + spinOf(spin.inertia, angular - spin.inertia * once);
+  return spinOf(spin.inertia, angular, true);
 }
 
 /// mode.spin_of <- one number for bodies that press on each other; -1: on nothing, or held.
@@ -47,9 +46,7 @@ void findGroups(const Island& island, SpinOf which, std::vector<int>& group) {
     if (!counts(row) || row.kind != ModeKind::kPair) continue;
     for (const int body : {row.body, row.other})
       if (group[body] < 0) group[body] = body;
-    const int kept = std::min(group[row.body], group[row.other]);
-    const int gone = std::max(group[row.body], group[row.other]);
-    std::replace(group.begin(), group.end(), gone, kept);
+    joinGroups(row.body, row.other, group);
   }
   const auto hold = [&](int held) {
     if (held >= 0) std::replace(group.begin(), group.end(), held, -1);
@@ -63,34 +60,16 @@ void findGroups(const Island& island, SpinOf which, std::vector<int>& group) {
 /// Of the bodies of one group at x, as they move by v.
 ModeSpin spinOfGroup(const Island& island, const double* x, const double* v, int group) {
   const Mode& mode = island.s.mode;
-  ModeSpin spin;
-  RigidMotion motion;
-  double mass = 0;
-  const auto forEach = [&](const auto& part) {
-    for (std::size_t k = 0; k < island.bodies.size(); ++k) {
-      if (mode.spin_of[k] != group) continue;
-      Body& body = *island.bodies[k];
-      part(body, Eigen::Map<const Points>(x + mode.offset[k], 3, body.n),
-           Eigen::Map<const Points>(v + mode.offset[k], 3, body.n));
-    }
+  const auto of = [&](const double* values) {
+    return [&, values](const Body& body) {
+      const int offset = mode.offset[island.placeOf(body.index)];
+      return Eigen::Map<const Points>(values + offset, 3, body.n);
+    };
   };
-  using Of = Eigen::Map<const Points>;
-  forEach([&](Body& body, const Of& pose, const Of& moves) {
-    spin.centre += pose.lazyProduct(body.rows->mass);
-    motion.drift += moves.lazyProduct(body.rows->mass);
-    mass += body.rows->mass.sum();
-  });
-  motion.centre = spin.centre /= mass;
-  motion.drift /= mass;
-  Rotation all;
-  forEach([&](Body& body, const Of& pose, const Of& moves) {
-    const Rotation own = rotationOf(massOf(body), pose, moves, motion);
-    all.inertia += own.inertia;
-    all.angular += own.angular;
-  });
-  spin.inertia = all.inertia;
-  spin.rate = turnBy(spin, all.angular);
-  return spin;
+  const std::vector<Body*>& bodies = membersOf(island, mode.spin_of, group);
+  const RigidMotion drift = driftOf(bodies, of(x), of(v));
+  const Rotation all = rotationOf(bodies, drift, of(x), of(v));
+  return {drift.centre, all.inertia, spinOf(all.inertia, all.angular, true)};
 }
 
 /// [rad/s^2] How the spin changes as its bodies move by point.v and accelerate by point.a: by what

@@ -1,11 +1,10 @@
 #include "core/direct/moving_obstacles.h"
 
+#include "core/direct/constants.h"
 #include "core/direct/workspace.h"
 
 namespace ragdoll {
 namespace {
-
-constexpr double kEnd = 1e-12;  ///< of a step: less is left by rounding
 
 /// Where trials that take part of a step begin and end in it [1].
 struct StepPart {
@@ -16,8 +15,8 @@ struct StepPart {
 StepPart partOf(const Body& body, double h) {
   const double step = body.context->h;
   StepPart part{body.from / step, (body.from + h) / step};
-  if (part.start < kEnd) part.start = 0;
-  if (part.end > 1 - kEnd) part.end = 1;
+  if (part.start < kPartEnd) part.start = 0;
+  if (part.end > 1 - kPartEnd) part.end = 1;
   return part;
 }
 

@@ -26,6 +26,7 @@ double movedOffset(const Contact& c, const MotionSpan& span) {
 }
 
 double allowedOffset(const Contact& c, const MotionSpan& span) {
+  if (c.isSoft()) return movedOffset(c, span);
   if (c.count == 4) return c.found - allowedPenetration(c, span.over, span.step);
   // In a part of a step a part of it, or what rounding leaves would become a speed.
   const double least = std::max(0.0, -c.before) * (1 - span.over / span.step);

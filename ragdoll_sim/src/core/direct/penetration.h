@@ -27,7 +27,7 @@ double recoverySpeed(const Contact& contact);
 /// [m] The plane's offset at the motion's end, with nothing left of an overlap.
 double movedOffset(const Contact& contact, const MotionSpan& span);
 
-/// [m] The plane's offset by which a contact with an obstacle, or with the body itself, is solved.
+/// [m] The plane's offset by which a contact is solved.
 double allowedOffset(const Contact& contact, const MotionSpan& span);
 
 /// [rad] The same of a hard limit: by how much it may stay violated.

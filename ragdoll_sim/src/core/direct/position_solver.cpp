@@ -7,7 +7,6 @@
 #include "core/direct/constants.h"
 #include "core/direct/impact.h"
 #include "core/direct/motion.h"
-#include "core/direct/pair_rows.h"
 #include "core/direct/rows.h"
 
 namespace ragdoll {
@@ -26,14 +25,8 @@ void forgetImpulses(Island& island) {
   island.pairs.pressing.clear();
 }
 
-double worstOf(Island& island, bool closed) {
-  double worst = worstPairResidual(island, closed);
-  for (Body* body : island.bodies) worst = std::max(worst, worstResidual(*body, closed));
-  return worst;
-}
-
 /// [m] What is violated.
-double violationOf(Island& island) { return worstOf(island, false); }
+double violationOf(Island& island) { return worstResidual(island, false); }
 
 void assemble(Island& island, bool at_end) {
   for (Body* body : island.bodies) {
@@ -59,7 +52,7 @@ struct Round {
 
 /// Moves the bodies by what the impulses s.p are beyond s.total, which they become. False: sticks
 /// cannot follow.
-bool press(Island& island, bool at_start) {
+bool applyImpulses(Island& island, bool at_start) {
   IslandScratch& s = island.s;
   s.change = s.p - s.total;
   s.joint.split(s.change, s.parts);
@@ -85,7 +78,7 @@ bool solveRound(Island& island, const Round& round) {
   if (!fresh) s.joint.addAnswer(-1, s.parts, s.b);
   const bool settled = s.joint.solve(s.b, s.p) || (on_and_on && s.joint.solveOn(s.b, s.p));
   if (!settled && island.isLone() && hasNoWayOut(*island.bodies[0])) return false;
-  return press(island, at_start);
+  return applyImpulses(island, at_start);
 }
 
 /// Solves for the candidates that are rows.
@@ -99,18 +92,18 @@ bool solveRows(Island& island, double h) {
   assemble(island, false);
   if (soften(island, h, true)) evaluateGaps(island, h);
   warmStart(island, h);
-  const bool pressed = turnTogether(island);  // their turn by friction is in no row's answer
-  if (pressed && !press(island, true)) return false;
+  const bool started = turnTogether(island);  // their turn by friction is in no row's answer
+  if (started && !applyImpulses(island, true)) return false;
   double violation = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const bool fresh = round == 0 && !pressed;
+    const bool fresh = round == 0 && !started;
     if (!fresh) {
       evaluateGaps(island, h);
       s.p = s.total;
     }
     if (!solveRound(island, {fresh, true, false})) return false;
-    const double now = worstOf(island, true);
-    if (now < island.bodies[0]->tolerances.contact) return true;
+    const double now = worstResidual(island, true);
+    if (now < island.context.tolerances.contact) return true;
     if (round > 1 && now > kSlop && now > kProgress * violation) return true;
     violation = now;
   }
@@ -127,7 +120,7 @@ bool solveRowsImplicitly(Island& island, double h) {
   const bool on_and_on =
       island.bodies[0]->overlaps == OverlapPolicy::kResolve && !island.context.relaxed;
   double violation = violationOf(island);
-  bool done = violation < island.bodies[0]->tolerances.contact;
+  bool done = violation < island.context.tolerances.contact;
   for (int round = 0; round < kImplicitRounds && !done; ++round) {
     buildRows(island, h, false);
     if (s.total.size() != s.joint.size()) startTotals(island);  // other rows
@@ -137,7 +130,7 @@ bool solveRowsImplicitly(Island& island, double h) {
     s.p = s.total;
     if (!solveRound(island, {round == 0, false, on_and_on})) return false;
     const double now = violationOf(island);
-    done = now < island.bodies[0]->tolerances.contact;
+    done = now < island.context.tolerances.contact;
     if (!done && round > 1 && now > kProgress * violation) break;
     violation = now;
   }
@@ -150,11 +143,6 @@ int countContacts(const Island& island) {
     if (island.s.joint.row(i).kind == Schur::Row::Kind::kNormal && island.s.total[i] > 0)
       ++contacts;
   return contacts;
-}
-
-void rememberAll(Island& island, double h) {
-  for (Body* body : island.bodies) rememberImpulses(*body, h);
-  rememberPairs(island, h);
 }
 
 }  // namespace
@@ -178,7 +166,7 @@ bool solvePositions(Island& island, double h, int& contacts) {
   }
   if (violationOf(island) > kSlop) return false;
   contacts += countContacts(island);
-  rememberAll(island, h);
+  rememberImpulses(island, h);
   return true;
 }
 
@@ -191,7 +179,7 @@ bool solvePositionsImplicitly(Island& island, double h) {
       for (Body* body : island.bodies) body->motion = body->free;
     if (!solveRowsImplicitly(island, h)) return false;
     if (!findMissed(island, h)) {
-      rememberAll(island, h);
+      rememberImpulses(island, h);
       return true;
     }
   }

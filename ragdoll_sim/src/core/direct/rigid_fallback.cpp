@@ -6,14 +6,11 @@
 #include "core/direct/constants.h"
 #include "core/direct/energy.h"
 #include "core/direct/velocity_solver.h"
+#include "core/linear/constants.h"
 #include "core/mechanics/joint_damping.h"
 
 namespace ragdoll {
 namespace {
-
-constexpr double kEnergyRounding = 1e-9;  ///< of the energy: less is no rise
-constexpr int kMaxShortenings = 30;       ///< of a rigid motion that touches
-constexpr double kTouchDepth = 1e-7;      ///< [m] a rigid motion may end in an obstacle by that
 
 /// [m/s] of what several pins carry along, which need not be rigid: into body.moved.
 void findCarried(Body& body) {
@@ -96,7 +93,7 @@ bool moveRigidly(Island& island, double h, StepReport& report) {
   report.unresolved += !body.v().allFinite();
   const bool touches = !pins.empty() || !body.touching.contacts.empty();
   if (!body.v().allFinite() ||
-      (touches && gainedEnergy(body, 0) > kEnergyRounding * kineticEnergy(body))) {
+      (touches && gainedEnergy(body, 0) > kRigidGain * kineticEnergy(body))) {
     body.v().setZero();
     return true;
   }

@@ -3,25 +3,140 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/direct/angular_momentum.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
-#include "core/direct/contact_rows.h"
 
 namespace ragdoll {
 namespace {
 
 using Kind = Schur::Row::Kind;
 
-void buildContactRows(Body& body, bool leapfrog) {
-  Schur& schur = body.memory->schur;
-  addContactRows(
-      body.constraints, body.cache, [&body](const Contact& c) { return gapAfter(body, c); },
-      [&](const Contact& c, int source, bool reached) {
-        const int row = schur.size();
-        schur.addContact(leapfrog ? c.atStart() : c, source);
-        if (reached) schur.smooth(row);
-        return row;
-      });
+/// How the motion moves the body's surface at a contact; of two of its sticks, beside its turn.
+Vec3 slipAfter(const Body& body, const Contact& c) {
+  Vec3 slip = Vec3::Zero(), apart = Vec3::Zero();
+  for (int k = 0; k < c.count; ++k)
+    slip += c.middleWeight(k) * body.motion.dx.col(c.particle[k] - body.first);
+  if (c.obstacle >= 0) return slip;
+  for (int k = 0; k < c.count; ++k) {
+    const int own = c.particle[k] - body.first;
+    apart += c.middleWeight(k) * (body.x().col(own) + 0.5 * body.motion.dx.col(own));
+  }
+  return slip - body.turn.cross(apart);
+}
+
+/// How the bodies' motions move the two sides of a contact along each other, beside their turn.
+Vec3 slipAfter(const Island& island, const Contact& c) {
+  Vec3 slip = Vec3::Zero();
+  const Vec3 turn = commonTurn(island, c);
+  for (int side = 0; side < 2; ++side) {
+    const int place = island.placeOf(side == 0 ? c.ragdoll : c.other);
+    if (place < 0) continue;
+    const Body& body = *island.bodies[place];
+    for (int k = 2 * side; k < 2 * side + 2; ++k) {
+      const int own = c.particle[k] - body.first;
+      const Vec3 dx = body.motion.dx.col(own);
+      slip += c.middleWeight(k) * (dx - turn.cross(Vec3(body.x().col(own) + 0.5 * dx)));
+    }
+  }
+  return slip;
+}
+
+// Contacts of a body with obstacles and itself, and between bodies, by one path. owner: whose
+// motion closes them, a body or an island; rows: where theirs are, a body's complement or the joint
+// ones.
+
+/// add(contact, its place, whether it is reached just now): its rows; returns the first.
+template <class Owner, class Add>
+void addContactRows(const Owner& owner, ContactSet& set, const ImpulseCache& cache,
+                    const Add& add) {
+  set.springs.assign(set.contacts.size(), {});
+  set.row.assign(set.contacts.size(), -1);
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const Contact& c = set.contacts[i];
+    if (set.role[i] == Role::kComing) continue;
+    if (isOnlyNear(set.role[i]) && gapAfter(owner, c) > kClose && !cache.find(c)) continue;
+    set.row[i] = add(c, static_cast<int>(i), isReached(set.role[i]));
+  }
+}
+
+template <class Owner, class Rows>
+void evaluateContactGaps(const Owner& owner, const ContactSet& set, const Rows& rows,
+                         const RowValues& total, double share, RowValues& b) {
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const int row = set.row[i];
+    if (row < 0) continue;
+    const Contact& c = set.contacts[i];
+    b[row] = gapAfter(owner, c);
+    if (c.isSoft()) b[row] += set.springs[i].offset + rows.row(row).compliance * total[row];
+    if (!(c.friction > 0)) continue;
+    const Vec3 slip = c.slipOf(slipAfter(owner, c) - share * c.surface_motion);
+    for (int k = 1; k < 3; ++k) b[row + k] = rows.row(row + k).direction.dot(slip);
+  }
+}
+
+template <class Rows>
+bool softenContacts(ContactSet& set, Rows& rows, double h, bool leapfrog) {
+  bool any = false;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const int row = set.row[i];
+    if (row < 0 || !set.contacts[i].isSoft()) continue;
+    const double answer = rows.entry(row, row) - rows.row(row).compliance;
+    set.springs[i] = springRow(set.contacts[i], h, answer, leapfrog);
+    rows.soften(row, set.springs[i].compliance);
+    any = true;
+  }
+  return any;
+}
+
+/// By how much a row is off: violated, and, closed, open while it presses. Left open it might not
+/// count as touching where velocities are solved for, which would lack its half step of force.
+double residual(double slack, double p, bool closed) {
+  return closed && p > 0 ? std::abs(slack) : -slack;
+}
+
+template <class Owner>
+double worstOfContacts(const Owner& owner, const ContactSet& set, const RowValues& total,
+                       bool closed) {
+  double worst = 0;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    if (set.row[i] < 0) continue;
+    const double p = total[set.row[i]], gap = gapAfter(owner, set.contacts[i]);
+    worst = std::max(worst, residual(set.springs[i].slack(gap, p), p, closed));
+  }
+  return worst;
+}
+
+/// last(contact): what pressed in the last motion, or null.
+template <class Rows, class Last>
+void warmStartContacts(const ContactSet& set, const Rows& rows, double h, const Last& last,
+                       Eigen::Ref<Eigen::VectorXd> p) {
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const int row = set.row[i];
+    const CachedImpulse* was = row < 0 ? nullptr : last(set.contacts[i]);
+    if (!was) continue;
+    const int count = rows.row(row).friction > 0 ? 3 : 1;
+    for (int k = row; k < row + count; ++k) p[k] = was->impulse.dot(rows.row(k).direction) * h * h;
+    p[row] = std::max(0.0, p[row]);
+  }
+}
+
+/// keep(contact, whether its friction holds it), of those that press.
+template <class Rows, class Keep>
+void rememberContacts(const ContactSet& set, const Rows& rows, const RowValues& total, double h,
+                      ImpulseCache& cache, const Keep& keep) {
+  cache.clear();
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const int row = set.row[i];
+    if (row < 0 || !(total[row] > 0)) continue;
+    const Contact& c = set.contacts[i];
+    const bool rubs = c.friction > 0;
+    cache.add(keyOf(c));
+    for (int k = row; k < row + (rubs ? 3 : 1); ++k)
+      cache.last().impulse += total[k] / (h * h) * rows.row(k).direction;
+    keep(c,
+         rubs && isInsideCone(c.friction, total[row], std::hypot(total[row + 1], total[row + 2])));
+  }
 }
 
 void buildLimitRows(Body& body, double h, bool leapfrog) {
@@ -39,7 +154,7 @@ void buildLimitRows(Body& body, double h, bool leapfrog) {
       continue;
     // One that touches at the start pushes along its direction there, as the sticks do.
     if (leapfrog && limit.compliance == 0 &&
-        std::abs(limit.before) < body.tolerances.touching_angle)
+        std::abs(limit.before) < body.context->tolerances.touching_angle)
       anglesBefore(body).evaluate(limit);
     else
       angles.evaluate(limit);
@@ -49,71 +164,104 @@ void buildLimitRows(Body& body, double h, bool leapfrog) {
   }
 }
 
-CachedImpulse keyOfRow(const Body& body, const Schur::Row& row) {
-  return row.kind == Kind::kLimit ? keyOf(body.constraints.limits[row.source])
-                                  : keyOf(body.constraints.contacts[row.source]);
-}
-
-/// Whether the contact whose rows begin at i, with an obstacle, sticks.
-bool grips(const Body& body, int i) {
-  const Contact& c = body.constraints.contacts[body.memory->schur.row(i).source];
-  return c.obstacle >= 0 && c.friction > 0 &&
-         isInsideCone(c.friction, body.total[i], std::hypot(body.total[i + 1], body.total[i + 2]));
-}
-
-/// How the motion moves the body's surface at a contact; of two of its sticks, beside its turn.
-Vec3 slipOf(const Body& body, const Contact& c) {
-  Vec3 slip = Vec3::Zero(), apart = Vec3::Zero();
-  for (int k = 0; k < c.count; ++k)
-    slip += c.middleWeight(k) * body.motion.dx.col(c.particle[k] - body.first);
-  if (c.obstacle >= 0) return slip;
-  for (int k = 0; k < c.count; ++k) {
-    const int own = c.particle[k] - body.first;
-    apart += c.middleWeight(k) * (body.x().col(own) + 0.5 * body.motion.dx.col(own));
-  }
-  return slip - body.turn.cross(apart);
-}
-
 }  // namespace
 
 void buildRows(Body& body, double h, bool leapfrog) {
-  body.memory->schur.start(body.first);
-  buildContactRows(body, leapfrog);
+  Schur& schur = body.memory->schur;
+  schur.start(body.first);
+  addContactRows(body, body.constraints, body.cache,
+                 [&](const Contact& c, int source, bool reached) {
+                   const int row = schur.size();
+                   schur.addContact(leapfrog ? c.atStart() : c, source);
+                   if (reached) schur.smooth(row);
+                   return row;
+                 });
   buildLimitRows(body, h, leapfrog);
-  body.constraints.own_rows = body.memory->schur.size();
+  body.constraints.own_rows = schur.size();
+}
+
+void buildRows(Island& island, double h, bool leapfrog) {
+  island.s.joint.clear(island.opensOverlaps());
+  for (Body* body : island.bodies) {
+    buildRows(*body, h, leapfrog);
+    island.s.joint.addBody(body->memory->schur);
+  }
+  addContactRows(island, island.pairs, island.pairs.cache,
+                 [&](const Contact& c, int source, bool reached) {
+                   return addPairRows(island, leapfrog ? c.atStart() : c, source, reached);
+                 });
+}
+
+int addPairRows(Island& island, const Contact& c, int source, bool smooth) {
+  JointSchur& joint = island.s.joint;
+  const int first = joint.size();
+  const std::array<int, 2> place{island.placeOf(c.ragdoll), island.placeOf(c.other)};
+  std::array<int, 2> row{-1, -1};
+  for (int side = 0; side < 2; ++side) {
+    if (place[side] < 0) continue;
+    Schur& schur = island.bodies[place[side]]->memory->schur;
+    row[side] = schur.size();
+    schur.addContact(c, source, 2 * side, 2 * side + 2);
+    if (smooth) schur.smooth(row[side]);
+  }
+  joint.addShared(c, place[0], row[0], place[1], row[1]);
+  return first;
 }
 
 void evaluateGaps(Body& body, double h) {
-  const double share = h / body.context->h;
   const ConstraintSet& set = body.constraints;
   const Schur& schur = body.memory->schur;
   body.b.resize(set.own_rows);
-  LimitAngles::Pose* angles = set.limits.empty() ? nullptr : &anglesAfter(body);
-  for (int i = 0; i < set.own_rows; ++i) {
-    const Schur::Row& row = schur.row(i);
-    if (row.kind == Kind::kLimit) {
-      const LimitRow& limit = set.limits[row.source];
-      body.b[i] = (*angles)[limit.limit] + limit.opening + set.softness[row.source].offset +
-                  row.compliance * body.total[i];
-    } else if (row.kind == Kind::kNormal) {
-      body.b[i] = gapAfter(body, set.contacts[row.source]);
-      if (set.contacts[row.source].isSoft())
-        body.b[i] += set.springs[row.source].offset + row.compliance * body.total[i];
-    } else {
-      const Contact& c = set.contacts[row.source];
-      body.b[i] = row.direction.dot(c.slipOf(slipOf(body, c) - share * c.surface_motion));
-    }
+  evaluateContactGaps(body, set, schur, body.total, h / body.context->h, body.b);
+  if (set.limits.empty()) return;
+  LimitAngles::Pose& angles = anglesAfter(body);
+  for (std::size_t i = 0; i < set.limits.size(); ++i) {
+    const int row = set.limit_row[i];
+    if (row < 0) continue;
+    const LimitRow& limit = set.limits[i];
+    body.b[row] = angles[limit.limit] + limit.opening + set.softness[i].offset +
+                  schur.row(row).compliance * body.total[row];
   }
 }
 
-bool soften(Body& body, double h, bool leapfrog) {
-  return softenContacts(body.constraints, body.memory->schur, h, leapfrog);
+void evaluateGaps(Island& island, double h) {
+  IslandScratch& s = island.s;
+  findTurns(island, TurnOf::kMotion);
+  s.b.resize(s.joint.size());
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Body& body = *island.bodies[k];
+    evaluateGaps(body, h);
+    s.b.segment(s.joint.firstOf(static_cast<int>(k)), body.constraints.own_rows) = body.b;
+  }
+  evaluateContactGaps(island, island.pairs, s.joint, s.total, h / island.context.h, s.b);
+}
+
+bool soften(Island& island, double h, bool leapfrog) {
+  bool any = false;
+  for (Body* body : island.bodies) {
+    Schur& schur = body->memory->schur;
+    if (!schur.empty()) any = softenContacts(body->constraints, schur, h, leapfrog) || any;
+  }
+  return softenContacts(island.pairs, island.s.joint, h, leapfrog) || any;
+}
+
+bool anyCloses(const Island& island) {
+  const auto presses = [](const Contact& c) { return c.isSoft() && c.before < 0; };
+  const auto any = [&](const std::vector<Contact>& all) {
+    return std::any_of(all.begin(), all.end(), presses);
+  };
+  if (any(island.pairs.contacts) ||
+      std::any_of(island.bodies.begin(), island.bodies.end(),
+                  [&](const Body* body) { return any(body->constraints.contacts); }))
+    return true;
+  for (int i = 0; i < island.s.joint.size(); ++i)
+    if (island.s.joint.row(i).kind != Kind::kTangent && island.s.b[i] < 0) return true;
+  return false;
 }
 
 double worstResidual(Body& body, bool closed) {
   const ConstraintSet& set = body.constraints;
-  const auto gap = [&body](const Contact& c) { return gapAfter(body, c); };
-  double worst = worstResidual(set, body.total, gap, closed);
+  double worst = worstOfContacts(body, set, body.total, closed);
   if (set.limits.empty()) return worst;
   LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
@@ -128,41 +276,62 @@ double worstResidual(Body& body, bool closed) {
   return worst;
 }
 
+double worstResidual(Island& island, bool closed) {
+  double worst = worstOfContacts(island, island.pairs, island.s.total, closed);
+  for (Body* body : island.bodies) worst = std::max(worst, worstResidual(*body, closed));
+  return worst;
+}
+
 void warmStart(const Body& body, double h, Eigen::Ref<Eigen::VectorXd> p) {
   p.setZero();
   if (body.cache.empty()) return;
-  const Schur& schur = body.memory->schur;
-  const CachedImpulse* last = nullptr;
-  for (int i = 0; i < body.constraints.own_rows; ++i) {
-    const Schur::Row& row = schur.row(i);
-    if (row.kind != Kind::kTangent) last = body.cache.find(keyOfRow(body, row));
-    if (!last || (row.kind == Kind::kTangent && row.friction == 0)) continue;
-    if (row.kind == Kind::kLimit)
-      p[i] = last->impulse.x() * h * h;
-    else
-      p[i] = last->impulse.dot(row.direction) * h * h;
-    if (row.kind == Kind::kNormal) p[i] = std::max(0.0, p[i]);
+  const ConstraintSet& set = body.constraints;
+  const auto last = [&body](const Contact& c) { return body.cache.find(c); };
+  warmStartContacts(set, body.memory->schur, h, last, p);
+  for (std::size_t i = 0; i < set.limits.size(); ++i) {
+    const int row = set.limit_row[i];
+    const CachedImpulse* was = row < 0 ? nullptr : body.cache.find(set.limits[i]);
+    if (was) p[row] = was->impulse.x() * h * h;
   }
 }
 
+void warmStart(Island& island, double h) {
+  IslandScratch& s = island.s;
+  s.p.setZero(s.joint.size());
+  for (std::size_t k = 0; k < island.bodies.size(); ++k)
+    warmStart(
+        *island.bodies[k], h,
+        s.p.segment(s.joint.firstOf(static_cast<int>(k)), island.bodies[k]->constraints.own_rows));
+  ImpulseCache& cache = island.pairs.cache;
+  cache.startHandingOut();  // two capsules that lie along each other have two contacts
+  const auto last = [&cache](const Contact& c) { return cache.handOut(c); };
+  warmStartContacts(island.pairs, s.joint, h, last, s.p);
+}
+
 void rememberImpulses(Body& body, double h) {
-  body.cache.clear();
-  bool pressed = false;  // the contact whose friction follows
-  for (int i = 0; i < body.constraints.own_rows; ++i) {
-    const Schur::Row& row = body.memory->schur.row(i);
-    const double force = body.total[i] / (h * h);
-    if (row.kind == Kind::kTangent) {
-      if (pressed && force != 0) body.cache.last().impulse += force * row.direction;
-      continue;
-    }
-    pressed = row.kind == Kind::kNormal && force != 0;
-    if (force == 0) continue;
-    if (row.kind == Kind::kNormal && !body.cache.gripped() && grips(body, i))
-      body.cache.setGripped();
-    body.cache.add(keyOfRow(body, row));
-    body.cache.last().impulse =
-        row.kind == Kind::kLimit ? Vec3(force, 0, 0) : Vec3(force * row.direction);
+  const ConstraintSet& set = body.constraints;
+  ImpulseCache& cache = body.cache;
+  rememberContacts(set, body.memory->schur, body.total, h, cache,
+                   [&](const Contact& c, bool holds) {
+                     if (holds && c.obstacle >= 0) cache.setGripped();
+                   });
+  for (std::size_t i = 0; i < set.limits.size(); ++i) {
+    const int row = set.limit_row[i];
+    if (row < 0 || body.total[row] == 0) continue;
+    cache.add(keyOf(set.limits[i]));
+    cache.last().impulse = Vec3(body.total[row] / (h * h), 0, 0);
   }
+}
+
+void rememberImpulses(Island& island, double h) {
+  for (Body* body : island.bodies) rememberImpulses(*body, h);
+  PairSet& pairs = island.pairs;
+  pairs.pressing.clear();
+  rememberContacts(pairs, island.s.joint, island.s.total, h, pairs.cache,
+                   [&pairs](const Contact& c, bool holds) {
+                     pairs.pressing.push_back({c.ragdoll, c.other, holds});
+                     pairs.pushed.push_back(pairs.pressing.back());
+                   });
 }
 
 }  // namespace ragdoll

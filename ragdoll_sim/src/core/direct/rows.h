@@ -1,28 +1,43 @@
-// The candidates that are solved for, as rows of the body's Schur complement, and their gaps.
+// The candidates that are solved for, as rows of Schur complements, and their gaps: each body's own
+// contacts and limits, and the contacts between bodies of an island beside them. What is said of an
+// island is so of all its rows together.
 #pragma once
 
-#include <cmath>
-
-#include "core/direct/body.h"
+#include "core/direct/island.h"
 
 namespace ragdoll {
 
 /// Rows of the contacts and limits that are violated or nearly so after the present motion over h,
-/// pressed in the last one, or are active in any case. leapfrog: soft limits act in its middle.
+/// pressed in the last one, or are active in any case. leapfrog: what gives way acts in its middle.
 void buildRows(Body& body, double h, bool leapfrog);
+void buildRows(Island& island, double h, bool leapfrog);
 
-/// body.b <- the gaps [m], angles [rad] and slips [m] of the body's own rows after the motion.
+/// Adds a contact's rows to both bodies' complements and to the joint rows; returns the first.
+/// smooth: without its friction.
+int addPairRows(Island& island, const Contact& contact, int source, bool smooth = false);
+
+/// body.b, island.s.b <- the gaps [m], angles [rad] and slips [m] of the rows after the motion.
 void evaluateGaps(Body& body, double h);
+void evaluateGaps(Island& island, double h);
 
-/// Rows of contacts that give way get their compliance, once the Schur complement is assembled.
+/// Rows of contacts that give way get their compliance, once the Schur complements are assembled.
 /// Whether there are any.
-bool soften(Body& body, double h, bool leapfrog);
+bool soften(Island& island, double h, bool leapfrog);
 
-/// [m] the worst of the rows after the motion; of limits seen on kLever.
+/// Whether a row is violated, or a spring presses at the motion's start: it does until it is let
+/// go.
+bool anyCloses(const Island& island);
+
+/// [m] the worst of the rows after the motion; of limits seen on kLever. closed: also what is open
+/// while it presses.
 double worstResidual(Body& body, bool closed);
+double worstResidual(Island& island, bool closed);
 
-/// p (the body's own rows) <- what pressed in the last motion; and body.cache <- what presses now.
+/// p (the body's own rows), island.s.p <- what pressed in the last motion; and the caches <- what
+/// presses now.
 void warmStart(const Body& body, double h, Eigen::Ref<Eigen::VectorXd> p);
+void warmStart(Island& island, double h);
 void rememberImpulses(Body& body, double h);
+void rememberImpulses(Island& island, double h);
 
 }  // namespace ragdoll

@@ -14,8 +14,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kRefinements = 3;  ///< of the time at which rk arrives
-
 Drive driveOf(Body& body) {
   if (!forcesFollow(body)) return {};
   return
@@ -42,7 +40,8 @@ bool integrate(Body& body, double h) {
 /// Whether nothing touches on the way.
 bool isFree(const Body& body) {
   for (const Contact& c : body.constraints.contacts)
-    if (gapAfter(body, c) <= body.tolerances.touching || c.gap_start <= body.tolerances.touching)
+    if (gapAfter(body, c) <= body.context->tolerances.touching ||
+        c.gap_start <= body.context->tolerances.touching)
       return false;
   for (const LimitRow& l : body.constraints.limits)
     if (l.value <= 0 || l.start != 0) return false;

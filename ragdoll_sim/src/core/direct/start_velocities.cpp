@@ -3,9 +3,10 @@
 #include <numeric>
 #include <vector>
 
+#include "core/direct/begin_step.h"
+#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/direct_step.h"
-#include "core/direct/island.h"
 #include "core/direct/velocity_solver.h"
 #include "core/direct/workspace.h"
 #include "ragdoll_sim/core/measures.h"
@@ -15,8 +16,7 @@ namespace {
 
 /// What touches, whatever the step is. What is farther is met in the first steps.
 constexpr Tolerances kAtStart{kContactTolerance, kContactTolerance, kContactTolerance / kLever};
-constexpr double kNoFriction = 1e-30;    ///< [-] of pairs, whose contacts are three rows always
-constexpr double kContradiction = 1e-9;  ///< [m/s] less is rounding
+constexpr double kNoFriction = 1e-30;  ///< [-] of pairs, whose contacts are three rows always
 
 void stopPins(Body& body) {
   const std::vector<int>& pins = body.pinned->pins;
@@ -28,12 +28,8 @@ void stopPins(Body& body) {
 
 void settle(Island& island) {
   for (Body* body : island.bodies) {
-    body->tolerances = kAtStart;
     body->located = kMaxLocated + 1;  // it does not bounce
-    if (!body->skeleton->groups.empty()) {
-      body->kept.noalias() = body->v() * body->system->affine.transpose();
-      body->v() = body->kept;
-    }
+    makeVelocitiesAffine(*body);
     stopPins(*body);
     body->motion.dx.setZero(3, body->n);
     BodyResponse& response = body->memory->response;
@@ -55,8 +51,8 @@ double makeConsistent(const Model& model, State& state) {
   DirectWorkspace ws;
   Supports supports;
   const Inputs none;
-  const StepContext context{model, none,    model.solver.step, nullptr, true,
-                            false, settled, ws,                supports};
+  StepContext context{model, none, model.solver.step, nullptr, true, false, settled, ws, supports};
+  context.tolerances = kAtStart;
   prepareDirect(context);
   Island island(context, scratchOf(context).island);
   std::vector<int> all(model.ragdolls.size());

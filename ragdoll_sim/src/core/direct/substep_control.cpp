@@ -41,17 +41,24 @@ SubstepControl::SubstepControl(Island& island, double h)
 
 bool SubstepControl::done() const { return !(left_ > kNothingLeft * h_); }
 
+bool SubstepControl::isSqueezed() const {
+  return island_.isLone() && ragdoll::isSqueezed(*island_.bodies[0]);
+}
+
 int SubstepControl::most() const {
-  if (island_.isLone() && isSqueezed(*island_.bodies[0])) return 1;
+  if (isSqueezed()) return 1;
   return isDriven(island_) ? kMaxDriven : kMaxSubsteps;
 }
 
-bool SubstepControl::canHalve() const {
-  const bool squeezed = island_.isLone() && isSqueezed(*island_.bodies[0]);
-  return substep_ > 1.01 * h_ / (squeezed ? 1 : kMaxSubsteps);
+bool SubstepControl::isTooShort(double substep, int pieces) const {
+  return substep < (1 - kAbout) * h_ / pieces;
 }
 
-bool SubstepControl::canHalveTwice() const { return 0.5 * substep_ > 0.99 * h_ / most(); }
+bool SubstepControl::canHalve() const {
+  return substep_ > (1 + kAbout) * h_ / (isSqueezed() ? 1 : kMaxSubsteps);
+}
+
+bool SubstepControl::canHalveTwice() const { return !isTooShort(0.5 * substep_, most()); }
 
 void SubstepControl::accept(double took, bool limited) {
   limited_ = limited_ || limited;
@@ -87,12 +94,12 @@ void SubstepControl::retry() {
   }
   if (way_ == Way::kExplicit) {
     substep_ *= 0.5;
-    if (substep_ < 0.99 * h_ / most()) goTo(Way::kImplicit);
+    if (isTooShort(substep_, most())) goTo(Way::kImplicit);
     return;
   }
   substep_ *= 0.25;
   const int pieces = most() == kMaxSubsteps ? kMaxImplicitSubsteps : most();
-  if (substep_ >= 0.99 * h_ / pieces) return;
+  if (!isTooShort(substep_, pieces)) return;
   if (ignoreMore())
     substep_ = left_;
   else

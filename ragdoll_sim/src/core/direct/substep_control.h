@@ -28,8 +28,8 @@ class SubstepControl {
   Way way() const { return way_; }
   double substep() const { return substep_; }  ///< [s] of the next trial
   double left() const { return left_; }        ///< [s]
-  bool guarded() const { return guarded_; }  ///< some trial was not explicit
-  bool limited() const { return limited_; }  ///< of some, energy was taken out
+  bool guarded() const { return guarded_; }    ///< some trial was not explicit
+  bool limited() const { return limited_; }    ///< of some, energy was taken out
 
   /// Whether the trial may be done again for more exactness: at half (kMaxSubsteps of them at most,
   /// 1 if squeezed; below h / most implicitly); and so that what its tension has become is halved
@@ -44,7 +44,9 @@ class SubstepControl {
   void tell(StepReport& report) const;
 
  private:
+  bool isSqueezed() const;
   int most() const;
+  bool isTooShort(double substep, int pieces) const;
   /// Ignores more of what overlaps; false: nothing is left to ignore.
   bool ignoreMore();
   /// The next way, over all that is left.

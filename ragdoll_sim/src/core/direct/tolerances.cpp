@@ -5,11 +5,6 @@
 #include "core/direct/constants.h"
 
 namespace ragdoll {
-namespace {
-
-constexpr double kFinestShare = 1e-3;  ///< as small as tolerances get: rounding is near
-
-}  // namespace
 
 Tolerances tolerancesFor(double h) {
   const double share = std::clamp(h * h / (kCoarseStep * kCoarseStep), kFinestShare, 1.0);

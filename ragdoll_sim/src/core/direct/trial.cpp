@@ -43,18 +43,15 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
   const double damping = trial.took - 0.5 * h;
   if (!(impact.time > 0)) {
     dampWithin(island, damping);
-    bounce(island);
-    restoreAfterBlow(island);
+    restoreAfterImpact(island, bounce(island));
     return trial;
   }
   trial.ok = freeMotions(island, impact.time);
   findContactsAnew(island, impact.time);
-  for (Body* body : island.bodies) limitDepenetration(*body, impact.time, h);
-  for (Contact& pair : island.pairs.contacts) limitDepenetration(island, pair, impact.time);
+  limitDepenetration(island, impact.time, h);
   trial.ok = trial.ok && solvePositions(island, impact.time, trial.contacts);
   if (!trial.ok) return trial;
-  finishMotion(island, impact.time, true, Stage::kImpact, damping);
-  restoreAfterBlow(island);
+  restoreAfterImpact(island, finishMotion(island, impact.time, true, Stage::kImpact, damping));
   return trial;
 }
 

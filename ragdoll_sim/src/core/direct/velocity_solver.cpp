@@ -10,7 +10,7 @@
 #include "core/direct/driving.h"
 #include "core/direct/impact.h"
 #include "core/direct/motion.h"
-#include "core/direct/pair_rows.h"
+#include "core/direct/rows.h"
 
 namespace ragdoll {
 namespace {
@@ -60,11 +60,11 @@ bool isHitNow(const Contact& c, bool hit, double touching) {
 
 /// Locks contacts that are just hit, at no impulse. lock(row), counted from the first of them on.
 template <class Lock>
-void lockHit(TouchingContacts& set, double touching, const Lock& lock) {
+void lockHit(const StepContext& step, TouchingContacts& set, const Lock& lock) {
   int row = 0;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const int count = rowsOf(set.contacts[i]);
-    if (isHitNow(set.contacts[i], set.hit[i], touching)) {
+    if (isHitNow(set.contacts[i], set.hit[i], step.tolerances.touching)) {
       lock(row);
       std::fill_n(set.warm.begin() + row, count, 0.0);
     }
@@ -77,7 +77,8 @@ void lockHitLimits(Body& body, int row) {
   TouchingSet& set = body.touching;
   for (std::size_t i = 0; i < set.limits.size(); ++i, ++row) {
     const LimitRow& limit = set.limits[i];
-    const bool touched = !set.limit_hit[i] && limit.before < body.tolerances.touching_angle;
+    const bool touched =
+        !set.limit_hit[i] && limit.before < body.context->tolerances.touching_angle;
     if (limit.compliance > 0 || touched) continue;
     body.memory->schur.lock(row);
     set.warm[row] = 0;
@@ -87,23 +88,23 @@ void lockHitLimits(Body& body, int row) {
 void lockHit(Island& island, int first_pair) {
   for (Body* body : island.bodies) {
     Schur& schur = body->memory->schur;
-    lockHit(body->touching, body->tolerances.touching, [&schur](int row) { schur.lock(row); });
+    lockHit(island.context, body->touching, [&schur](int row) { schur.lock(row); });
     const int limits = static_cast<int>(body->touching.limits.size());
     lockHitLimits(*body, body->constraints.own_rows - limits);
   }
-  lockHit(island.pairs.touching, island.bodies[0]->tolerances.touching,
+  lockHit(island.context, island.pairs.touching,
           [&](int row) { island.s.joint.lock(first_pair + row, true); });
 }
 
 /// Locks the contacts that the motion ends just before: they have not pressed and come from afar,
-/// and the next substep has their impact. rate(contact): [m/s] at which it opens.
-template <class Rate, class Lock>
-void lockComing(const StepContext& step, const TouchingContacts& set, double touching,
-                const Rate& rate, const Lock& lock) {
+/// and the next substep has their impact. lock(row), counted as by lockHit.
+template <class Lock>
+void lockComing(const StepContext& step, const TouchingContacts& set, const Lock& lock) {
   int row = 0;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
-    if (isHitNow(c, set.hit[i], touching) && set.warm[row] == 0 && -rate(c) > comingSpeed(step, c))
+    if (isHitNow(c, set.hit[i], step.tolerances.touching) && set.warm[row] == 0 &&
+        -openingRate(step, c) > comingSpeed(step, c))
       lock(row);
     row += rowsOf(c);
   }
@@ -112,14 +113,9 @@ void lockComing(const StepContext& step, const TouchingContacts& set, double tou
 void lockComing(Island& island, int first_pair) {
   const StepContext& step = island.context;
   for (Body* body : island.bodies)
-    lockComing(
-        step, body->touching, body->tolerances.touching,
-        [body](const Contact& c) { return openingRate(*body, c); },
-        [body](int row) { body->memory->schur.lock(row); });
-  lockComing(
-      step, island.pairs.touching, island.bodies[0]->tolerances.touching,
-      [&](const Contact& c) { return pairRate(step.state, c); },
-      [&](int row) { island.s.joint.lock(first_pair + row, true); });
+    lockComing(step, body->touching, [body](int row) { body->memory->schur.lock(row); });
+  lockComing(step, island.pairs.touching,
+             [&](int row) { island.s.joint.lock(first_pair + row, true); });
 }
 
 /// Newton's impact law: rates after the impact, and all rows free but those of springs.
@@ -154,9 +150,9 @@ Vec3 warmOf(const Contact& c, const RowValues& total, int row, double h, bool le
 }
 
 /// Those of the contacts that touch at the end of a motion over h, with what pressed: total.
-template <class Gap>
-void keepTouching(const ContactSet& set, const RowValues& total, const Gap& gap, double touching,
-                  double h, bool leapfrog, TouchingContacts& kept) {
+template <class Owner>
+void keepTouching(const Owner& owner, const StepContext& step, const ContactSet& set,
+                  const RowValues& total, double h, bool leapfrog, TouchingContacts& kept) {
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
     const int row = i < set.row.size() ? set.row[i] : -1;
@@ -164,9 +160,9 @@ void keepTouching(const ContactSet& set, const RowValues& total, const Gap& gap,
     double spring = 0;
     if (c.isSoft()) {
       if (!leapfrog || !(h > 0) || row < 0) continue;
-      spring = springImpulse(c, set.springs[i], gap(c), total, row, h);
+      spring = springImpulse(c, set.springs[i], gapAfter(owner, c), total, row, h);
       if (!(spring > 0)) continue;
-    } else if (gap(c) >= touching && !hit) {
+    } else if (gapAfter(owner, c) >= step.tolerances.touching && !hit) {
       continue;
     }
     kept.contacts.push_back(c);
@@ -184,7 +180,7 @@ void keepTouchingLimits(Body& body, double h) {
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];
     if (limit.compliance > 0) continue;
-    if (angles.isBeyond(limit.limit, body.tolerances.touching_angle - limit.opening) &&
+    if (angles.isBeyond(limit.limit, body.context->tolerances.touching_angle - limit.opening) &&
         set.limit_role[i] != Role::kHit)
       continue;
     body.touching.limits.push_back(limit);
@@ -198,9 +194,7 @@ void keepTouchingLimits(Body& body, double h) {
 void findTouchingPairs(Island& island, double h, bool leapfrog) {
   PairSet& pairs = island.pairs;
   pairs.touching.clear();
-  keepTouching(
-      pairs, island.s.total, [&island](const Contact& c) { return pairGapAfter(island, c); },
-      island.bodies[0]->tolerances.touching, h, leapfrog, pairs.touching);
+  keepTouching(island, island.context, pairs, island.s.total, h, leapfrog, pairs.touching);
 }
 
 void addTouchingPair(Island& island, int i) {
@@ -234,14 +228,13 @@ void keepRates(Island& island) {
   }
 }
 
-/// Those that the last solution pressed together; of an impact, as between them nothing bounces.
-void keepPressed(Island& island, int first_pair, std::vector<BodyPair>& pressed) {
-  PairSet& pairs = island.pairs;
-  for (std::size_t i = 0; i < pairs.touching.contacts.size(); ++i) {
-    const Contact& c = pairs.touching.contacts[i];
-    if (island.s.p[first_pair + 3 * static_cast<int>(i)] > 0)
-      pressed.push_back({c.ragdoll, c.other, false});
-  }
+/// Those that a solution pressed together; of an impact, as between them nothing bounces.
+void keepPressed(const Island& island, int first_pair, const RowValues& p,
+                 std::vector<BodyPair>& pressed) {
+  const std::vector<Contact>& touching = island.pairs.touching.contacts;
+  for (std::size_t i = 0; i < touching.size(); ++i)
+    if (p[first_pair + 3 * static_cast<int>(i)] > 0)
+      pressed.push_back({touching[i].ragdoll, touching[i].other, false});
 }
 
 /// island.s.b <- the rates of all rows.
@@ -298,7 +291,8 @@ void pressAndDamp(Island& island, int first_pair, double damping) {
 }
 
 /// One solution of the rates and what it does to velocities. damping: [s] of the motion within.
-void pushVelocities(Island& island, int first_pair, const LoggedStage& at, double damping = 0) {
+VelocityImpulses pushVelocities(Island& island, int first_pair, const LoggedStage& at,
+                                double damping = 0) {
   IslandScratch& s = island.s;
   const bool damps = damping != 0 && island.context.model.solver.joint_damping > 0;
   s.p.setZero(s.joint.size());
@@ -308,11 +302,12 @@ void pushVelocities(Island& island, int first_pair, const LoggedStage& at, doubl
   const bool pressed = damps || (!at.impact && turnTogether(island));
   if (pressed) pressAndDamp(island, first_pair, damps ? damping : 0);
   s.joint.solve(s.b, s.p, at.impact ? Sweeps::kToTheEnd : Sweeps::kAlongTheSlip);
-  keepPressed(island, first_pair, island.pairs.pushed);
+  keepPressed(island, first_pair, s.p, island.pairs.pushed);
   if (pressed) s.change = s.p - s.change;
   push(island, pressed ? s.change : s.p);
-  if (isLogged(island)) logVelocities(island, s.rates, first_pair, at);
+  if (isLogged(island)) logVelocities(island, s.p, s.rates, at);
   if (!damps) dampWithin(island, damping);
+  return &s.p;
 }
 
 bool touches(const Island& island) {
@@ -326,9 +321,7 @@ bool touches(const Island& island) {
 
 void findTouching(Body& body, double h, bool leapfrog) {
   body.touching.clear();
-  keepTouching(
-      body.constraints, body.total, [&body](const Contact& c) { return gapAfter(body, c); },
-      body.tolerances.touching, h, leapfrog, body.touching);
+  keepTouching(body, *body.context, body.constraints, body.total, h, leapfrog, body.touching);
   keepTouchingLimits(body, h);
 }
 
@@ -340,8 +333,8 @@ void releaseSprings(Body& body, double h) {
     const double torque = limit.springTorque();
     if (torque == 0) continue;
     for (int k = 0; k < limit.count; ++k)
-      body.v().noalias() += ((0.5 * h * torque) * limit.gradient[k]) *
-                            body.system->W.row(limit.particle[k] - body.first);
+      body.memory->response.push(limit.particle[k] - body.first,
+                                 (0.5 * h * torque) * limit.gradient[k], body.v());
     if (limit.damping == 0) continue;
     body.touching.limits.push_back(limit);
     body.touching.limit_hit.push_back(0);
@@ -349,30 +342,32 @@ void releaseSprings(Body& body, double h) {
   }
 }
 
-void finishMotion(Island& island, double h, bool leapfrog, Stage stage, double damping) {
+VelocityImpulses finishMotion(Island& island, double h, bool leapfrog, Stage stage,
+                              double damping) {
   findTouchingPairs(island, h, leapfrog);
   if (isLogged(island)) logPositions(island, h);
   for (Body* body : island.bodies) makeMotion(*body, h, leapfrog);
-  solveVelocities(island, stage, h, damping);
+  const VelocityImpulses impulses = solveVelocities(island, stage, h, damping);
   for (Body* body : island.bodies) body->memory->response.endIsStart();
+  return impulses;
 }
 
-void bounce(Island& island) {
+VelocityImpulses bounce(Island& island) {
   for (Body* body : island.bodies) {
     body->motion.dx.setZero(3, body->n);
     body->memory->response.setStart(body->xData());
     findTouching(*body, 0);
   }
   findTouchingPairs(island, 0, true);
-  solveVelocities(island, Stage::kBounce, 0, 0);
+  return solveVelocities(island, Stage::kBounce, 0, 0);
 }
 
-void solveVelocities(Island& island, Stage stage, double h, double damping) {
+VelocityImpulses solveVelocities(Island& island, Stage stage, double h, double damping) {
   JointSchur& joint = island.s.joint;
   joint.clear(island.opensOverlaps());
   if (!touches(island)) {
     dampWithin(island, damping);
-    return;
+    return nullptr;
   }
   for (Body* body : island.bodies) {
     buildTouchingRows(*body, h);
@@ -391,12 +386,13 @@ void solveVelocities(Island& island, Stage stage, double h, double damping) {
       lockHit(island, first_pair);
     else if (h > 0)
       lockComing(island, first_pair);
-    pushVelocities(island, first_pair, {false, h}, damping);
-    if (stage == Stage::kImpact) keepPressed(island, first_pair, island.pairs.met);
+    const VelocityImpulses impulses = pushVelocities(island, first_pair, {false, h}, damping);
+    if (stage == Stage::kMotion) return impulses;
+    keepPressed(island, first_pair, *impulses, island.pairs.met);
   }
-  if (stage == Stage::kMotion) return;
-  pushVelocities(island, first_pair, {true, h});
-  keepPressed(island, first_pair, island.pairs.met);
+  const VelocityImpulses impulses = pushVelocities(island, first_pair, {true, h});
+  keepPressed(island, first_pair, *impulses, island.pairs.met);
+  return impulses;
 }
 
 }  // namespace ragdoll

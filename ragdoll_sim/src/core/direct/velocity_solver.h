@@ -21,14 +21,34 @@ void findTouching(Body& body, double h, bool leapfrog = true);
 /// Springs of soft limits act on velocities; those with a damper join what touches.
 void releaseSprings(Body& body, double h);
 
+/// What the last solution of velocities pressed with [N s], by the rows of island.s.joint; null:
+/// nothing touches. Until the next solution.
+using VelocityImpulses = const RowValues*;
+
 /// Makes the motions over h and solves their velocities. damping: [s] of it at the motion's end,
 /// before its impact.
-void finishMotion(Island& island, double h, bool leapfrog, Stage stage, double damping);
+VelocityImpulses finishMotion(Island& island, double h, bool leapfrog, Stage stage, double damping);
 
 /// Newton's impact law at the present pose for what touches.
-void bounce(Island& island);
+VelocityImpulses bounce(Island& island);
 
 /// Velocities of what touches at the end pose, which the response holds.
-void solveVelocities(Island& island, Stage stage, double h, double damping);
+VelocityImpulses solveVelocities(Island& island, Stage stage, double h, double damping);
+
+/// of(contact, its first row of the joint ones, its body, its place) of all that was solved for.
+/// The place: of a body's own, its first row there; of pairs, which have no body, their number.
+template <class Of>
+void forEachTouching(const Island& island, const Of& of) {
+  int row = 0;
+  for (const Body* body : island.bodies)
+    for (int own = 0; own < body->constraints.own_rows; ++own, ++row) {
+      const Schur::Row& first = body->memory->schur.row(own);
+      if (first.kind == Schur::Row::Kind::kNormal)
+        of(body->touching.contacts[first.source], row, body, own);
+    }
+  const std::vector<Contact>& pairs = island.pairs.touching.contacts;
+  for (std::size_t i = 0; i < pairs.size(); ++i, row += 3)
+    of(pairs[i], row, static_cast<const Body*>(nullptr), static_cast<int>(i));
+}
 
 }  // namespace ragdoll

@@ -14,8 +14,8 @@ constexpr double kDiverged = 1e6;  ///< relative error of a squared length: no w
 }  // namespace
 
 void BodyResponse::bind(const DirectSystem& system) {
+  system_ = &system;
   rows_ = system.rows.get();
-  condition_ = system.condition;
   start_.resize(*rows_);
   end_.resize(*rows_);
 }
@@ -73,6 +73,17 @@ const Eigen::VectorXd& BodyResponse::accelerate(bool at_end, const double* v, do
   std::copy(free_.data(), free_.data() + free_.size(), out);
   sticks.move(rows, lambda_.data(), 1, out);
   return lambda_;
+}
+
+void BodyResponse::relaxInTurn(const StickLengths& lengths, int sweeps, Points& x) const {
+  const DirectSystem& system = *system_;
+  for (int sweep = 0; sweep < sweeps; ++sweep)
+    for (int s = 0; s < rows_->s; ++s) {
+      const Vec3 d = x * system.B.row(s).transpose();
+      const double now = std::max(d.norm(), kMinLength);
+      if (!(system.G(s, s) > 0)) continue;
+      x += (std::sqrt(lengths.length2[s]) / now - 1) / system.G(s, s) * d * system.BW.row(s);
+    }
 }
 
 double BodyResponse::endResiduals(const StickLengths& lengths) {

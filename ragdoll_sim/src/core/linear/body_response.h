@@ -6,7 +6,8 @@
 //   back onto the lengths              alongEnd: the nearest pose, along the new directions
 //   the answer to a row                assemble: the rows of a Schur complement
 //   the answer to a force              accelerate: [m/s^2] with the lengths kept, for stages
-//   how well that is conditioned       condition
+//   the same without the sticks        push
+//   onto lengths that are far off      relaxInTurn
 // Whoever solves the sticks in another way (a tree in its tangent coordinates) stands beside this.
 #pragma once
 
@@ -74,11 +75,16 @@ class BodyResponse {
   /// velocities v at the end, or the start. Returns lambda [kg/s^2], padded.
   const Eigen::VectorXd& accelerate(bool at_end, const double* v, double* out);
 
+  /// v (3 x n) += what an impulse on one particle does without the sticks.
+  void push(int particle, const Vec3& impulse, Eigen::Ref<Points> v) const {
+    v.noalias() += impulse * system_->W.row(particle);
+  }
+
+  /// Moves x (3 x n) stick by stick, where Newton's method fails.
+  void relaxInTurn(const StickLengths& lengths, int sweeps, Points& x) const;
+
   /// The rows' answers at the end, or the start.
   void assemble(Schur& schur, bool at_end) { schur.assemble(*rows_, at_end ? end_ : start_); }
-
-  /// Of the sticks' matrix at rest, scaled to a unit diagonal.
-  double condition() const { return condition_; }
 
  private:
   static constexpr int kMaxRelaxations = 60;  ///< Newton iterations along new directions
@@ -86,8 +92,8 @@ class BodyResponse {
   /// residual_ <- what is missing to each stick's length at the end; the largest relative error.
   double endResiduals(const StickLengths& lengths);
 
+  const DirectSystem* system_ = nullptr;
   const StickRows* rows_ = nullptr;
-  double condition_ = 1;
   StickSolver start_, end_;
   PaddedRows D1_;
   Eigen::VectorXd residual_, correction_;

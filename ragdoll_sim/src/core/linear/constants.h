@@ -8,6 +8,8 @@ namespace ragdoll {
 
 /// Relative error of a squared length. Half, double: stretch in proportion.
 constexpr double kLengthTolerance = 1e-10;
+/// Of a stick's length, how far an iteration moves its ends; [rad] of a rigid motion: more is lost.
+constexpr double kLargestTurn = 0.5;
 
 // --- Projected Gauss-Seidel (schur_sweeps.h).
 constexpr double kSweepTolerance = 1e-7;  ///< largest change of an impulse, of the largest impulse
@@ -37,6 +39,10 @@ constexpr int kShareRounds = 4;           ///< solutions in which friction and s
 constexpr double kShrinks = 0.5;  ///< of the last change: more, and rows contradict each other
 constexpr int kMostLetGo = 2;     ///< contacts, in one sharing
 constexpr std::size_t kMostShared = 256;  ///< rows: the cost of more grows with their cube
+
+// --- Not tuned: implicit steps (implicit_sticks.h); rounding, and a cap.
+constexpr double kBalance = 1e-9;       ///< of the longest stick: positions against multipliers
+constexpr int kMaxImplicitNewton = 40;  ///< iterations
 
 // --- Not tuned: the unit in which bodies are large or small.
 constexpr double kHumanStick = 0.25;  ///< [m] a usual length

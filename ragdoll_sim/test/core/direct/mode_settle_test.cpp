@@ -70,7 +70,7 @@ TEST(ModeSettle, WhatPressedBeforeMayBeALittleOff) {
   const RowPlace place = placeOf(pressed.island, pressed.row(0), pressed.now().x.data(),
                                  pressed.now().v.data(), false);
   pressed.body().cache.add(keyOf(place.contact));
-  ASSERT_LT(off, pressed.body().tolerances.touching);
+  ASSERT_LT(off, pressed.body().context->tolerances.touching);
   ASSERT_TRUE(settleMode(pressed.island, true));
   EXPECT_TRUE(pressed.row(0).presses);
   EXPECT_NEAR(pressed.now().x[2], Ball::kRadius, 1e-13);

@@ -1,0 +1,56 @@
+// Bodies of an island that press on each other, seen as one: how they drift and turn together.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "core/direct/island.h"
+#include "core/mechanics/joint_damping.h"
+
+namespace ragdoll {
+
+/// Makes one of two groups of bodies; group_of: a number for each body, the place of its first.
+inline void joinGroups(int a, int b, std::vector<int>& group_of) {
+  const int kept = std::min(group_of[a], group_of[b]), gone = std::max(group_of[a], group_of[b]);
+  std::replace(group_of.begin(), group_of.end(), gone, kept);
+}
+
+/// The bodies of one group, until the next call.
+inline const std::vector<Body*>& membersOf(const Island& island, const std::vector<int>& group_of,
+                                           int group) {
+  std::vector<Body*>& members = island.s.grouped;
+  members.clear();
+  for (std::size_t k = 0; k < group_of.size(); ++k)
+    if (group_of[k] == group) members.push_back(island.bodies[k]);
+  return members;
+}
+
+/// The motion of the bodies' common centre of mass, at x, v of each: of(body).
+template <class OfX, class OfV>
+RigidMotion driftOf(const std::vector<Body*>& bodies, const OfX& x, const OfV& v) {
+  RigidMotion drift;
+  double mass = 0;
+  for (const Body* body : bodies) {
+    const Eigen::VectorXd& own = body->rows->mass;
+    drift.centre += x(*body).lazyProduct(own);
+    drift.drift += v(*body).lazyProduct(own);
+    mass += own.sum();
+  }
+  drift.centre /= mass;
+  drift.drift /= mass;
+  return drift;
+}
+
+template <class OfX, class OfV>
+Rotation rotationOf(const std::vector<Body*>& bodies, const RigidMotion& drift, const OfX& x,
+                    const OfV& v) {
+  Rotation all;
+  for (Body* body : bodies) {
+    const Rotation own = rotationOf(massOf(*body), x(*body), v(*body), drift);
+    all.angular += own.angular;
+    all.inertia += own.inertia;
+  }
+  return all;
+}
+
+}  // namespace ragdoll
