@@ -159,6 +159,16 @@ TEST(Follow, aSilenceOfWhatHoldsAParticleFlingsNothing) {
       }
 }
 
+TEST(Follow, aJumpWakesWhoSleepsThere) {
+  Followed f(kBall);
+  f.publish(at(-2));
+  f.advanceTo(2);
+  ASSERT_TRUE(f.world().state().asleep[0]);
+  f.publish(at(-0.05));
+  f.advanceTo(3);
+  EXPECT_GT(f.world().state().x(0, 0), 0.149);
+}
+
 TEST(Follow, aFrameThatTurnsByAJumpFlingsNothing) {
   Followed f(kBall);
   Pose pose = at(-0.7);
