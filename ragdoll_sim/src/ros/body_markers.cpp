@@ -16,7 +16,8 @@ constexpr double kStretch = 0.005;      ///< of a stick; more is seen at the joi
 constexpr double kLifetime = 0.5;       ///< [s] of what is told anew each time
 constexpr double kTurn = 0.35;          ///< [rad] from which on the light looks wrong
 constexpr double kRelightRate = 9000;   ///< [bytes/s]
-constexpr std::chrono::seconds kCalm{1};  ///< after it was bent
+constexpr std::chrono::seconds kCalm{1};    ///< after it was bent
+constexpr std::chrono::seconds kAgain{60};  ///< what a viewer has lost it has again so soon
 
 double sizeOf(const Marker& marker) {
   return static_cast<double>(ros::serialization::serializationLength(marker));
@@ -96,6 +97,7 @@ void BodyMarkers::append(const Model& model, const FrameTracker& tracker, const 
     coat_.update(posture);
     for (Piece& piece : pieces_) {
       light(piece, posture);
+      piece.told = now;
       out.push_back(piece.marker);
     }
     relit_ = now;
@@ -129,7 +131,8 @@ void BodyMarkers::light(Piece& piece, const Posture& posture) {
     }
 }
 
-/// The piece whose light is most wrong, as soon as the budget allows it.
+/// The piece whose light is most wrong, or one that was told long ago, as soon as the budget allows
+/// it.
 void BodyMarkers::relight(const Posture& posture, Clock::time_point now, std::vector<Marker>& out) {
   const double most = 150.0 * kTriangles;  // one piece
   budget_ += kRelightRate * std::chrono::duration<double>(now - relit_).count();
@@ -141,9 +144,12 @@ void BodyMarkers::relight(const Posture& posture, Clock::time_point now, std::ve
     const double turned = piece.lit.angularDistance(posture.parts[piece.part]);
     if (turned > turn) worst = &piece, turn = turned;
   }
+  for (Piece& piece : pieces_)
+    if (!worst && now - piece.told > kAgain) worst = &piece;
   if (!worst || budget_ < sizeOf(worst->marker)) return;
   coat_.update(posture);
   light(*worst, posture);
+  worst->told = now;
   budget_ -= sizeOf(worst->marker);
   out.push_back(worst->marker);
 }

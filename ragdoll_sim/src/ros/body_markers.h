@@ -1,7 +1,7 @@
 // One body's coat as markers. Rigid pieces are told once, each in the TF frame that its part turns
 // with, and TF moves them; a piece is told again when its light, which is in its colours, has
-// turned away, within a budget. What bends or stretches, and what has no frames on TF, is told
-// anew each time.
+// turned away, or after a minute, within a budget. What bends or stretches, and what has no frames
+// on TF, is told anew each time.
 #pragma once
 
 #include <visualization_msgs/MarkerArray.h>
@@ -36,6 +36,7 @@ class BodyMarkers {
     int part = 0, frame = 0;     ///< of all ragdolls
     std::vector<int> triangles;  ///< of the coat's mesh
     Quat lit;                    ///< orientation of the part for which it was lit
+    Clock::time_point told{};
     visualization_msgs::Marker marker;
   };
 

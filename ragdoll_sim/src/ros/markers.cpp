@@ -15,10 +15,12 @@ namespace {
 using std::chrono::milliseconds;
 using visualization_msgs::Marker;
 
-constexpr milliseconds kMarkerPeriod{33};  ///< at most 30 Hz
-constexpr milliseconds kStickPeriod{200};  ///< 5 Hz: the sticks of one body are 7 kB/s
-constexpr double kBodyLifetime = 0.5;      ///< [s]
-constexpr double kForever = 0;             ///< [s]
+constexpr milliseconds kMarkerPeriod{33};   ///< at most 30 Hz
+constexpr milliseconds kStickPeriod{200};   ///< 5 Hz: the sticks of one body are 7 kB/s
+constexpr std::chrono::seconds kAgain{60};  ///< a floor is 216 kB: 4 kB/s
+constexpr std::chrono::seconds kReset{1};   ///< a slow rviz has seen a clock that went back
+constexpr double kBodyLifetime = 0.5;       ///< [s]
+constexpr double kForever = 0;              ///< [s]
 constexpr int kMarkerQueue =
     32;  ///< messages kept for a slow listener: what is told once is not dropped
 constexpr double kPokeLifetime = 0.15;  ///< [s] a poke of one step is seen this long
@@ -53,23 +55,31 @@ void MarkerPublisher::setCoat(const std::string& coat) {
   coat_ = coat;
 }
 
-void MarkerPublisher::publish(const Snapshot& world, const Posture& posture) {
+void MarkerPublisher::publish(const Snapshot& world, const Posture& posture,
+                              Simulation::Clock::time_point now) {
   if (!wanted()) return;
   for (const Poke& poke : world.acted)
     if (!contains(pokes_, poke)) pokes_.push_back(poke);
   if (!contacts_ || world.mark.run != contacts_run_) contact_markers_.clear();
   contacts_run_ = world.mark.run;
   if (contacts_ && world.contacts) contact_markers_.hear(*world.contacts);
-  const auto now = Simulation::Clock::now();
   if (now < next_) return;
   next_ = std::max(next_ + kMarkerPeriod, now + kMarkerPeriod / 2);
 
   if (other_coat_.exchange(false) || world.scene != scene_) startScene(world);
   ++drawn_;
+  // A clock that goes back, as that of a bag that is played again, makes rviz forget everything.
+  const ros::Time time = ros::Time::now();
+  if (time < time_) newcomer_ = true, reset_by_ = now + kReset;
+  time_ = time;
+  if (reset_by_ && now >= *reset_by_) newcomer_ = true, reset_by_.reset();
   const bool all = newcomer_.exchange(false), slow = all || now >= next_sticks_;
   if (slow) next_sticks_ = now + kStickPeriod;
+  const bool again = all || now >= next_obstacles_;
+  if (again) next_obstacles_ = now + kAgain;
   message_.markers.clear();
-  addScenery(world, posture, all, slow);
+  addObstacles(world, again);
+  addScenery(world, posture, slow);
   if (!message_.markers.empty()) scenery_.publisher().publish(message_);
   if (!markers_.isHeard()) return;
   if (slow) addSticks(world, posture);
@@ -87,9 +97,7 @@ void MarkerPublisher::addBodies(const Snapshot& world, const Posture& posture,
     body.append(*world.model, *world.tracker, posture, now, all, frames_, message_.markers);
 }
 
-void MarkerPublisher::addScenery(const Snapshot& world, const Posture& posture, bool all,
-                                 bool slow) {
-  addObstacles(world, all);
+void MarkerPublisher::addScenery(const Snapshot& world, const Posture& posture, bool slow) {
   addPokes(world, posture);
   addPulls(world, posture);
   if (slow) addPins(world, posture);

@@ -2,7 +2,8 @@
 // limits and the contacts while they are asked for; ~scenery is ~markers without the bodies (coat
 // and sticks), for who draws those itself. Fixed namespaces and ids, so that each message
 // overwrites the last. What stays as it is, rigid parts and obstacles, is told once to a new
-// listener and when it changes, and has no lifetime; what is told again and again has a short one.
+// listener and when it changes, and has no lifetime; once a minute it is told anew, as a full queue
+// or a reset of rviz may have lost it. What is told again and again has a short lifetime.
 #pragma once
 
 #include <ros/publisher.h>
@@ -12,6 +13,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,7 +43,11 @@ class MarkerPublisher {
   void setCoat(const std::string& coat);
 
   /// Does nothing while nobody listens, and more often than kRate.
-  void publish(const Snapshot& world, const Posture& posture);
+  void publish(const Snapshot& world, const Posture& posture,
+               Simulation::Clock::time_point now = Simulation::Clock::now());
+
+  /// With the next message, what is told once, too. Of any thread.
+  void tellAll() { newcomer_ = true; }
 
   /// Whether all frames of all bodies are on TF: then it moves their rigid parts.
   void useFrames(bool frames) { frames_ = frames; }
@@ -56,7 +62,7 @@ class MarkerPublisher {
   void startScene(const Snapshot& world);
   void addBodies(const Snapshot& world, const Posture& posture, Simulation::Clock::time_point now,
                  bool all);
-  void addScenery(const Snapshot& world, const Posture& posture, bool all, bool slow);
+  void addScenery(const Snapshot& world, const Posture& posture, bool slow);
   visualization_msgs::Marker marker(const std::string& ns, int id, double lifetime) const;
   void addSticks(const Snapshot& world, const Posture& posture);
   void addObstacles(const Snapshot& world, bool all);
@@ -81,8 +87,10 @@ class MarkerPublisher {
   ContactMarkers contact_markers_;
   std::uint32_t contacts_run_ = 0;  ///< that those are of
   std::vector<Pose> shown_obstacles_;
-  Simulation::Clock::time_point next_, next_sticks_;
-  visualization_msgs::MarkerArray message_;  ///< ~scenery, then ~markers
+  Simulation::Clock::time_point next_, next_sticks_, next_obstacles_;
+  ros::Time time_;                                         ///< of the last message
+  std::optional<Simulation::Clock::time_point> reset_by_;  ///< rviz
+  visualization_msgs::MarkerArray message_;                ///< ~scenery, then ~markers
   std::size_t drawn_ = 0;
 };
 

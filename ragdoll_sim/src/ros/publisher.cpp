@@ -39,8 +39,11 @@ Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock
   markers_.showContacts(parameters.show_contacts);
   model_ = nh.advertise<ragdoll_msgs::Model>("model", 1, true);
   state_ = Topic::advertise<ragdoll_msgs::State>(
-      nh, "state", parameters.publish_every > 0 ? kEventQueue : kStateQueue,
-      [this] { newcomer_ = true; });
+      nh, "state", parameters.publish_every > 0 ? kEventQueue : kStateQueue, [this] {
+        newcomer_ = true;
+        // It may be the display Ragdolls after a reset of rviz, which forgets markers, too.
+        markers_.tellAll();
+      });
   pokes_ = nh.advertise<ragdoll_msgs::PokeEvent>("pokes", kEventQueue);
   followed_ = nh.advertise<ragdoll_msgs::FollowedFrame>("followed", kEventQueue);
   tf_ = Topic::advertise<tf2_msgs::TFMessage>(nh, "/tf", kStateQueue);

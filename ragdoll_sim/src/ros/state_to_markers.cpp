@@ -23,8 +23,9 @@ constexpr std::size_t kMaxEarly = 1000;  ///< pokes kept until their model comes
 
 }  // namespace
 
-StateToMarkers::StateToMarkers(ros::NodeHandle& nh, const std::string& coat)
-    : nh_(nh), coat_(coat) {
+StateToMarkers::StateToMarkers(ros::NodeHandle& nh, const std::string& coat,
+                               const std::string& frame_prefix)
+    : nh_(nh), coat_(coat), frame_prefix_(frame_prefix) {
   subscribers_.push_back(nh_.subscribe("model", 10, &StateToMarkers::hearModel, this));
   subscribers_.push_back(nh_.subscribe("state", 100, &StateToMarkers::state, this));
   subscribers_.push_back(nh_.subscribe("pokes", 1000, &StateToMarkers::poke, this));
@@ -53,7 +54,7 @@ void StateToMarkers::model(const ragdoll_msgs::Model& message) {
     return;
   }
   world_.state = startState(*world_.model);
-  world_.tracker.emplace(*world_.model);
+  world_.tracker.emplace(*world_.model, frame_prefix_);
   world_.tracker->reset(world_.state);
   follow_ = Follow();
   follow_.restart(*world_.model, world_.state);

@@ -29,8 +29,9 @@ namespace ragdoll {
 
 class StateToMarkers {
  public:
-  /// coat: overrides the scene's unless empty. Needs a spinner of one thread.
-  StateToMarkers(ros::NodeHandle& nh, const std::string& coat);
+  /// coat: overrides the scene's unless empty. frame_prefix: of the node that was recorded. Needs a
+  /// spinner of one thread.
+  StateToMarkers(ros::NodeHandle& nh, const std::string& coat, const std::string& frame_prefix);
 
  private:
   struct Told {
@@ -53,7 +54,7 @@ class StateToMarkers {
   void publishTf();
 
   ros::NodeHandle nh_;
-  std::string coat_, world_frame_;
+  std::string coat_, frame_prefix_, world_frame_;
   std::vector<ros::Subscriber> subscribers_;
   ros::WallTimer timer_;
   tf2_ros::TransformBroadcaster tf_;

@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   try {
     const auto coat = nh.param<std::string>("coat", "");
     if (!coat.empty()) ragdoll::coatKind(coat);
-    ragdoll::StateToMarkers relay(nh, coat);
+    ragdoll::StateToMarkers relay(nh, coat, nh.param<std::string>("frame_prefix", ""));
     ros::spin();
   } catch (const ragdoll::Error& e) {
     ROS_FATAL("parameter %s: %s", nh.resolveName("coat").c_str(), e.what());

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "ragdoll_sim/core/sleep.h"
+
 namespace ragdoll {
 namespace {
 
@@ -31,6 +33,16 @@ double reachOf(const Obstacle& obstacle) {
     default:
       return arm + obstacle.half.norm();
   }
+}
+
+/// Wakes all: the step, in which it does not move, would let sleepers stand in it, or on what is
+/// gone.
+void jumpTo(const Pose& pose, std::size_t obstacle, State& state) {
+  Pose& old = state.obstacles[obstacle];
+  if (pose.position == old.position && pose.orientation.coeffs() == old.orientation.coeffs())
+    return;
+  old = pose;
+  wakeAll(state);
 }
 
 }  // namespace
@@ -196,7 +208,7 @@ void Follow::apply(const Model& model, double h, State& state, Inputs& inputs) {
   for (std::size_t i = 0; i < obstacle_frame_.size(); ++i) {
     if (obstacle_frame_[i] < 0) continue;
     inputs.obstacles[i] = poseOf(model.obstacles[i], obstacle_frame_[i]);
-    if (frames_[obstacle_frame_[i]].fresh) state.obstacles[i] = inputs.obstacles[i];
+    if (frames_[obstacle_frame_[i]].fresh) jumpTo(inputs.obstacles[i], i, state);
   }
   inputs.pins.resize(model.pins.size());
   for (std::size_t i = 0; i < held_.size(); ++i) {

@@ -10,6 +10,7 @@ import unittest
 import rospy
 import rostest
 from client import LIMIT, PROGRAM, Inbox, start_node, wait_for
+from ragdoll_msgs.msg import State
 from raw import Subscriber
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
@@ -142,6 +143,21 @@ class LightTest(unittest.TestCase):
         markers.first(lambda a: any(m.ns == 'coat' and m.action == Marker.ADD and
                                     m.header.frame_id == 'world' for m in a.markers),
                       'a coat in the world frame')
+
+    def test_a_new_listener_to_states_may_be_an_rviz_that_was_reset(self):
+        client = start_node(self, 'forgotten', scene='fall', start_paused='true')
+        markers = Inbox('/forgotten/markers', MarkerArray)
+
+        def told(new):
+            return {m.ns for a in new() for m in a.markers} >= {'obstacles', 'coat'}
+        wait_for(lambda new=markers.reader(): told(new), 'all')
+        client.restart()
+        new = markers.reader()
+        new()
+        uri = ServerProxy(os.environ['ROS_MASTER_URI']).lookupNode('/test', '/forgotten')[2]
+        reader = Subscriber(uri, '/forgotten/state', State)
+        wait_for(lambda: told(new), 'all again')
+        reader.close()
 
     def test_who_reads_slowly_keeps_floor_and_body(self):
         client = start_node(self, 'slow', scene='fall')

@@ -1,12 +1,17 @@
-// A coat is computed for those who listen, and for nobody else; arrows of contacts are their forces.
+// A coat is computed for those who listen, and for nobody else; arrows of contacts are their
+// forces.
 #include "../../src/ros/markers.h"
 
 #include <gtest/gtest.h>
 #include <ros/callback_queue.h>
 #include <ros/ros.h>
 
+#include <algorithm>
+#include <chrono>
 #include <functional>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "ragdoll_sim/core/build_model.h"
@@ -30,9 +35,10 @@ bool waitFor(const std::function<bool()>& condition) {
   return true;
 }
 
-Snapshot standing() {
+Snapshot standing(const char* coat = "skin") {
   Snapshot world;
-  world.scene = std::make_shared<Scene>(parseScene("ragdolls: [{model: human}]\ncoat: skin\n"));
+  world.scene = std::make_shared<Scene>(parseScene(
+      std::string("ragdolls: [{model: human}]\nobstacles: [{type: plane}]\ncoat: ") + coat + "\n"));
   world.model = std::make_shared<Model>(buildModel(*world.scene));
   world.state = startState(*world.model);
   world.tracker.emplace(*world.model);
@@ -66,6 +72,98 @@ TEST(Markers, AreComputedOnlyWhileSomeoneListens) {
   ros::WallDuration(0.1).sleep();  // longer than the shortest time between two messages
   for (int i = 0; i < 100; ++i) publish();
   EXPECT_EQ(markers.drawn(), before);
+}
+
+/// A publisher whose clock the test moves, and how often each marker of a standing body has come.
+class Told {
+ public:
+  Told() : markers_(nh_, "world", ""), world_(standing("capsules")) {
+    const auto hear = [this](const MarkerArray::ConstPtr& message) {
+      for (const Marker& m : message->markers) {
+        if (m.action == Marker::ADD) ++count_[m.ns + std::to_string(m.id)];
+        if (m.action == Marker::DELETEALL) ++ends_;
+      }
+      bytes_ += ros::serialization::serializationLength(*message);
+    };
+    listener_ = nh_.subscribe<MarkerArray>("markers", 0, hear);
+  }
+  /// Once all has come, and what a new listener is told beside it.
+  bool starts() {
+    const bool come = waitFor([&] {
+      advance(1);
+      return count_.count("obstacles0") > 0;
+    });
+    for (int i = 0; i < 2; ++i) advance(50), settle();
+    count_.clear();
+    bytes_ = 0;
+    return come;
+  }
+  void advance(int pictures) {
+    for (int i = 0; i < pictures; ++i) {
+      now_ += std::chrono::milliseconds(34);
+      markers_.publish(world_, world_.tracker->now(), now_);
+      ros::getGlobalCallbackQueue()->callAvailable();
+    }
+  }
+  /// Until what is under way has arrived.
+  void settle() {
+    const int seen = ends_;
+    markers_.clear();
+    EXPECT_TRUE(waitFor([&] { return ends_ > seen; }));
+  }
+  /// Of floor and coat the least and the most.
+  std::pair<int, int> counts() {
+    settle();
+    int least = 1000000, most = 0;
+    for (const auto& [name, n] : count_) {
+      if (name == "sticks0") continue;
+      least = std::min(least, n), most = std::max(most, n);
+    }
+    return {least, most};
+  }
+  double bytes() const { return bytes_; }
+  std::size_t kinds() const { return count_.size(); }
+
+ private:
+  ros::NodeHandle nh_{"~"};
+  MarkerPublisher markers_;
+  Snapshot world_;
+  Simulation::Clock::time_point now_ = Simulation::Clock::now();
+  ros::Subscriber listener_;
+  std::map<std::string, int> count_;
+  double bytes_ = 0;
+  int ends_ = 0;
+};
+
+TEST(Markers, WhatIsToldOnceIsToldAgainAfterAMinute) {
+  Told told;
+  ASSERT_TRUE(told.starts());
+  told.advance(1600);  // 54 s
+  told.settle();
+  EXPECT_EQ(told.kinds(), 1u);  // the sticks
+  told.advance(2000);           // 68 s
+  const auto [least, most] = told.counts();
+  EXPECT_GT(told.kinds(), 40u);
+  EXPECT_EQ(least, 1);
+  EXPECT_LE(most, 2);
+  EXPECT_LT(told.bytes(), 20e3 * 122);
+}
+
+TEST(Markers, AreAllToldWhenTheClockGoesBack) {
+  Told told;
+  ros::Time::setNow(ros::Time(20));
+  ASSERT_TRUE(told.starts());
+  ros::Time::setNow(ros::Time(30));
+  told.advance(3);
+  told.settle();
+  EXPECT_LE(told.kinds(), 1u);
+  ros::Time::setNow(ros::Time(10));
+  told.advance(1);
+  EXPECT_EQ(told.counts(), std::make_pair(1, 1));
+  EXPECT_GT(told.kinds(), 40u);
+  told.advance(60);  // once more, for who has noticed late
+  EXPECT_EQ(told.counts(), std::make_pair(2, 2));
+  ros::Time::init();
 }
 
 /// A particle that an obstacle gives so many newtons over 0.01 s.

@@ -218,6 +218,33 @@ class PlaybackTest(unittest.TestCase):
         for value, a, b in zip((root.x, root.y, root.z), *hips):
             self.assertAlmostEqual(value, (a + b) / 2)
 
+    def test_frames_have_the_prefix_of_the_node(self):
+        """Its own frames and those that its markers are in."""
+        model = Inbox('/ragdoll/model', Model).first(lambda m: True, 'a model')
+        state = self.client.restart()
+        new_frames = Inbox('/tf', TFMessage).reader()
+        tell_model = rospy.Publisher('/prefixed/model', Model, latch=True, queue_size=1)
+        tell_state = rospy.Publisher('/prefixed/state', State, latch=True, queue_size=1)
+        tell_model.publish(model)
+        tell_state.publish(state)
+        drawn = Inbox('/prefixed/markers', MarkerArray)
+        locked = drawn.first(lambda a: any(m.frame_locked for m in a.markers), 'a coat in TF frames')
+        self.assertLessEqual({m.header.frame_id for m in locked.markers if m.frame_locked},
+                             {'robot1/ragdoll/' + f.split('/')[1] for f in self.frames_of(new_frames)})
+
+    def frames_of(self, new_frames):
+        """What the relay and the node publish, without the prefix; the relay, with it."""
+        names = {}
+
+        def both():
+            for message in new_frames():
+                names.setdefault(message._connection_header['callerid'], set()).update(
+                    t.child_frame_id for t in message.transforms)
+            return {'/ragdoll', '/prefixed'} <= set(names)
+        wait_for(both, 'frames of both')
+        self.assertEqual(names['/prefixed'], {'robot1/' + f for f in names['/ragdoll']})
+        return names['/ragdoll']
+
 
 if __name__ == '__main__':
     rospy.init_node('playback_test')
