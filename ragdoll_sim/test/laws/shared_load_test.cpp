@@ -88,8 +88,8 @@ TEST(SharedLoad, OfTablesThatSlideAgainstEachOther) {
   Scene apart = scene;
   apart.ragdoll_collision = false;
   ASSERT_GT(largest(endOfBlows(apart, Method::kRk, 1e-3, 0.2) - exact), 1e-3);
-  // [m] What legs that land leave of their gaps, 1e-10 m, is velocity over the rest of a step: 4e-7 m
-  // in the end, from 1/4000 to 1/16000 s.
+  // [m] What legs that land leave of their gaps, 1e-10 m, is velocity over the rest of a step: 4e-7
+  // m in the end, from 1/4000 to 1/16000 s.
   constexpr double kLands = 2e-7;
   for (const double rate : {250.0, 1000.0, 4000.0})
     EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.2) - exact),
