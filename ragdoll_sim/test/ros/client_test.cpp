@@ -292,6 +292,41 @@ TEST_F(Client, measuresAreThoseOfFreeFall) {
   EXPECT_EQ(metrics.last()->ragdolls, 1u);
 }
 
+/// Weightless bodies, each pushed at a hand for 0.2 s.
+TEST_F(Client, massesTellTheMassItsCentreAndMomentum) {
+  ASSERT_TRUE(load("gravity: [0, 0, 0]\nragdolls:\n"
+                   "  - {name: anna, model: human_lumped, position: [0, 0, 2]}\n"
+                   "  - {name: ben, model: human, position: [3, 0, 2]}\n")
+                  .success);
+  ASSERT_TRUE(waitFor([this] { return model_->last()->ragdolls.size() == 2; }));
+  const State before = get().state;
+  for (const char* hand : {"anna/right_hand", "ben/right_hand"}) {
+    ragdoll_msgs::Poke call;
+    call.request.body_name = hand;
+    call.request.force.x = 30;
+    call.request.duration = ros::Duration(0.2);
+    ASSERT_TRUE(ragdoll_test::call("/ragdoll/poke", call));
+    ASSERT_TRUE(call.response.success) << call.response.status_message;
+  }
+  const State after = step(120);
+  // Of `human` within what the pelvis's centre of mass is off its plane: 1 mm of the whole.
+  const double within[] = {1e-9, 2e-3};  // [m], [m/s]
+  for (std::size_t k = 0; k < 2; ++k) {
+    const ragdoll_msgs::RagdollModel& model = model_->last()->ragdolls[k];
+    double mass = 0, momentum = 0, moved = 0;
+    for (std::size_t i = 0; i < model.masses.size(); ++i) {
+      mass += model.masses[i];
+      momentum += model.masses[i] * after.ragdolls[k].velocities[i].x;
+      moved +=
+          model.masses[i] * (after.ragdolls[k].positions[i].x - before.ragdolls[k].positions[i].x);
+    }
+    const double speed = 30 * 0.2 / mass;
+    EXPECT_NEAR(mass, model.mass, 1e-9 * mass) << model.name;
+    EXPECT_NEAR(momentum / mass, speed, within[k]) << model.name;
+    EXPECT_NEAR(moved / mass, speed * (after.time - before.time - 0.1), within[k]) << model.name;
+  }
+}
+
 TEST_F(Client, hearsWhatIsForWatching) {
   Inbox<visualization_msgs::MarkerArray> markers("/ragdoll/markers");
   Inbox<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
