@@ -30,7 +30,7 @@ constexpr double kInside = 1e-6;    ///< [m] a stick's axis nearer to a core run
 constexpr double kTouching = 1e-4;  ///< [m] what is as near does not come to touch
 constexpr double kLocated = 2e-4;   ///< [m] a first touch is where the gap is less
 constexpr int kLocations = 5;       ///< tries at most
-constexpr double kTurned = 0.05;    ///< of the travel: a turning stick's gap is less convex by it
+constexpr double kGrazed = 5e-3;    ///< [m] what may enter by less on its way touches half way
 constexpr double kFlat = 2e-3;      ///< [m] flat: a stick's gap over a face varies by less
 constexpr double kStickTip = 0.02;  ///< of a stick: nearer to an end the particle touches
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "core/contact/distance.h"
 #include "core/contact/pair_detect.h"
@@ -394,6 +395,29 @@ class PackRun {
   int room_ = 0, contact_room_ = 0;
 };
 
+/// The links of a body that pressed in the last step, a bit each.
+std::uint32_t pressedLinks(const Model& model, const State& state, const FastScratch& s, int index,
+                           const Tree& tree) {
+  const int first = model.ragdolls[index].first;
+  std::uint32_t links = 0;
+  for (int k = s.first_impulse[index]; k < s.first_impulse[index + 1]; ++k) {
+    const CachedImpulse& last = state.impulses[s.cached[k]];
+    if (last.obstacle >= 0) links |= 1u << (tree.owner[last.a - first] + 1) % 32;
+  }
+  return links;
+}
+
+/// Bodies that lie on the same limbs share packs, which work out the rows that one of them needs.
+void sortByLinks(const Model& model, const State& state, int begin, const Tree& tree,
+                 FastScratch& s) {
+  s.pressed.clear();
+  for (std::size_t k = begin; k < s.order.size(); ++k)
+    s.pressed.emplace_back(pressedLinks(model, state, s, s.order[k], tree), s.order[k]);
+  if (std::is_sorted(s.pressed.begin(), s.pressed.end())) return;
+  std::sort(s.pressed.begin(), s.pressed.end());
+  for (std::size_t k = begin; k < s.order.size(); ++k) s.order[k] = s.pressed[k - begin].second;
+}
+
 /// Awake bodies, system by system, in batches that a pack takes.
 void sortBodies(const Model& model, const State& state, FastScratch& s, std::vector<int>& left) {
   s.order.clear();
@@ -406,6 +430,7 @@ void sortBodies(const Model& model, const State& state, FastScratch& s, std::vec
       (s.bodies[system].why_not.empty() ? s.order : left).push_back(static_cast<int>(i));
     }
     const int end = static_cast<int>(s.order.size());
+    if (end > begin) sortByLinks(model, state, begin, s.bodies[system].tree, s);
     for (int at = begin; at < end;) {
       const int lanes = packFor(single, end - at, s.most_lanes).lanes;
       if (used == s.batches.size()) s.batches.emplace_back();

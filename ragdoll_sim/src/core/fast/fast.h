@@ -8,7 +8,9 @@
 // pack, on the pack's width, or on the number of threads. docs/fast.md.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "core/contact/detect.h"
@@ -48,8 +50,9 @@ struct Batch {
 
 /// Kept from step to step: bodies of each system, room.
 struct FastScratch {
-  std::vector<fast::FastBody> bodies;  ///< per system
-  std::vector<int> order;              ///< awake ragdolls, system by system
+  std::vector<fast::FastBody> bodies;                  ///< per system
+  std::vector<int> order;                              ///< awake ragdolls, system by system
+  std::vector<std::pair<std::uint32_t, int>> pressed;  ///< of a system: links that did, ragdoll
   std::vector<fast::Batch> batches;
   std::vector<SweptObstacle> obstacles;  ///< but planes
   std::vector<fast::Solid> solids;       ///< the same

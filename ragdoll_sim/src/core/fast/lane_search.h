@@ -37,6 +37,11 @@ struct ParticlePath {
   R travel() const { return squareRoot(dot(to - from, to - from)); }
   N thin() const { return radius; }
   RAGDOLL_INLINE auto unclear(const Touch<R>& t) const { return less(t.time, R{} - N(1)); }
+  /// [m] Least gap on the way to the plane between it and the solid as found: the solid is no
+  /// nearer.
+  RAGDOLL_INLINE R apart(const Solid&, const Touch<R>& t) const {
+    return t.gap + smaller(dot(t.normal, from - t.at), dot(t.normal, to - t.at));
+  }
   RAGDOLL_INLINE Touch<R> at(const Solid& o, const R& time) const {
     const V3<R> p = from + time * (to - from);
     const Way<R> way = wayTo(p, o);
@@ -55,6 +60,13 @@ struct StickPath {
   /// Its axis is inside: the way out is another one.
   RAGDOLL_INLINE auto unclear(const Touch<R>& t) const {
     return less(t.distance, R{} + N(kInside));
+  }
+  /// As of a particle: of its ends, which move straight.
+  RAGDOLL_INLINE R apart(const Solid& o, const Touch<R>& t) const {
+    const auto least = [&t](const V3<R>& from, const V3<R>& to, N radius) {
+      return smaller(dot(t.normal, from - t.at), dot(t.normal, to - t.at)) - radius;
+    };
+    return t.distance - N(o.radius) + smaller(least(a0, a1, ra), least(b0, b1, rb));
   }
   RAGDOLL_INLINE StickAxis<R> axis(const R& time) const {
     return stickAxis(a0 + time * (a1 - a0), b0 + time * (b1 - b0), ra, rb);
@@ -219,8 +231,10 @@ RAGDOLL_INLINE void look(const Solid& o, int solid, int feature, const Path& pat
   Touch<R> touch = path.at(o, one);
   const R end = touch.gap;
   const auto fast = less(none + N(0.5) * path.thin(), travel);
-  const auto sinks = less(end, none), passes = both(fast, less(end, travel));
-  const auto way = both(near, either(sinks, passes));
+  const auto sinks = both(near, less(end, none));
+  auto passes = both(near, both(fast, less(end, travel)));
+  if (any(passes)) passes = both(passes, less(path.apart(o, touch), none + N(kTouching)));
+  const auto way = either(sinks, passes);
   auto here = both(near, less(end, margin)), hard = less(one, none);
   if (any(way)) {
     const Touch<R> begin = path.at(o, none);
@@ -231,16 +245,26 @@ RAGDOLL_INLINE void look(const Solid& o, int solid, int feature, const Path& pat
     const auto held = both(both(way, fast), touches);
     take(held, begin, touch);
     here = either(here, held);
-    hard = both(both(way, passes), both(opens, both(less(none, end), less(start + end, travel))));
-    if (any(hard)) {  // the gap is convex in time, but for what a stick turns by
-      const Touch<R> middle = path.at(o, none + N(0.5));
-      const R open = larger(start, end) + N(kTurned) * travel;
-      hard = both(hard, less(N(2) * middle.gap, open));
-    }
     auto closes = both(both(way, opens), less(end, none - N(kLocated)));
+    R lo = none, hi = one, open = start, shut = end;
+    hard = both(both(passes, both(opens, less(none, end))),
+                both(less(start + end, travel), less(path.apart(o, begin), none + N(kTouching))));
+    if (any(hard)) {  // what comes and goes within the step
+      const Touch<R> middle = path.at(o, none + N(0.5));
+      const R clear = path.apart(o, middle);
+      const auto dips = both(hard, less(middle.gap, none - N(kLocated)));
+      closes = either(closes, dips);
+      hi = select(dips, middle.time, hi);
+      shut = select(dips, middle.gap, shut);
+      hard =
+          both(both(hard, less(none - N(kLocated), middle.gap)), less(clear, none + N(kTouching)));
+      const auto grazes = both(hard, less(none - N(kGrazed), clear));
+      take(grazes, middle, touch);
+      here = either(here, grazes);
+      hard = both(hard, less(clear, none - N(kGrazed)));
+    }
     if (any(closes)) {
       const auto was_closing = closes;
-      R lo = none, hi = one, open = start, shut = end;
       for (int round = 0; round < kLocations && any(closes); ++round) {
         const R chord = lo + (hi - lo) * open / atLeast(open - shut, N(kOnCore));
         const R safe = lo + open / atLeast(travel, N(kOnCore));
