@@ -249,7 +249,8 @@ class FollowTest(unittest.TestCase):
         self.assertLess(struck('slow', 2), ALLOWANCE)
 
     def test_gaps_and_jumps_fling_nothing(self):
-        """With another ~max_frame_speed, too: a box at 0.5 m/s, silent for 0.5 s and for 1.4 s, that jumps."""
+        """With another ~max_frame_speed, too: a box, silent for 0.5 s and for 1.4 s, that jumps; at a
+        speed at which no blow, however it falls, whips a limb: at 0.5 m/s 4 of 100 do."""
         client = start_node(self, 'calm', max_frame_speed=1)
         self.robot.frames['jumper'] = (-0.7, 0, 1)
         client.load(yaml=LYING)
@@ -262,14 +263,14 @@ class FollowTest(unittest.TestCase):
             if 1 < t < 1.5 or 2.5 < t < 3.9:
                 return None
             jumps = 0.3 * (t > 2) - 2 * (t > 4.3) + 0.5 * (t > 4.8) - 0.8 * (t > 5.2)
-            return (-0.7 + 0.5 * t + jumps, 0, 1)
+            return (-0.7 + 0.25 * t + jumps, 0, 1)
         self.robot.moves['jumper'] = place
         wait_for(lambda: rospy.Time.now().to_sec() > begin + 6, 'the end of the way')
         del self.robot.moves['jumper']
         run = client.model.run  # before it a scene was there in which a body falls
         states = [m for m in client.states.all() if m.run >= run]
-        self.assertLess(fastest(states), 0.5 + ALLOWANCE)
-        self.assertGreater(fastest(states), 0.4)  # it was pushed
+        self.assertLess(fastest(states), 0.25 + ALLOWANCE)
+        self.assertGreater(fastest(states), 0.2)  # it was pushed
 
     def test_who_is_held_by_a_frame_that_comes_back_elsewhere_is_not_flung(self):
         self.scene(FLOATING)
