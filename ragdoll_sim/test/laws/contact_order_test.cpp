@@ -54,6 +54,37 @@ TEST(ContactOrder, OfANormalThatTurns) {
   expectSecondOrder(scene, time, l * Vec3(std::sin(state[0]), 0, std::cos(state[0])), 5e-6);
 }
 
+/// Without friction over an edge with a rounding of the ball's radius alone, or off the end of a
+/// capsule; so fast that it leaves there.
+class OverAnEdge : public testing::TestWithParam<ObstacleSpec::Type> {};
+
+TEST_P(OverAnEdge, WhatIsFastEnoughLeaves) {
+  const double ball = 0.05, speed = 1.5, way = 0.2013, time = 0.2;
+  Scene scene = sceneOf(oneParticle(2, ball), Vec3(-way, 0, ball));
+  scene.gravity = Vec3(0, 0, -kG);
+  scene.ragdolls[0].velocity = Vec3(speed, 0, 0);
+  ObstacleSpec obstacle;
+  obstacle.type = GetParam();
+  obstacle.friction = 0;
+  if (obstacle.type == ObstacleSpec::Type::kBox) {
+    obstacle.size = Vec3(1, 1, 0.5);
+    obstacle.pose.position = Vec3(-0.5, 0, -0.25);
+  } else {
+    obstacle.radius = 0.1;
+    obstacle.from = Vec3(-1, 0, -obstacle.radius);
+    obstacle.to = Vec3(0, 0, -obstacle.radius);
+  }
+  scene.obstacles = {obstacle};
+  const double falls = time - way / speed;
+  const Vec3 exact(-way + speed * time, 0, ball - kG * falls * falls / 2);
+  for (const Method method : {Method::kShake, Method::kRk})
+    for (const double rate : {250, 500, 1000, 4000})  // 1e-3 m off where none is looked for
+      EXPECT_LT((endAwake(scene, method, rate, time) - exact).norm(), 1e-11) << rate;
+}
+
+INSTANTIATE_TEST_SUITE_P(ContactOrder, OverAnEdge,
+                         testing::Values(ObstacleSpec::Type::kBox, ObstacleSpec::Type::kCapsule));
+
 /// A rod that turns on a capsule: the place that touches moves along it, and slips as it does half
 /// way.
 TEST(ContactOrder, OfAPlaceThatMovesAlongAStick) {
@@ -73,8 +104,8 @@ TEST(ContactOrder, OfAPlaceThatMovesAlongAStick) {
 }
 
 /// A rod that rolls over a sphere, its ends at 8 m/s: against rk from event to event. What it turns
-/// in a step leaves the contact open after one solution. It is to be closed all the same, or it does
-/// not count as touching, and velocities lack half a step of its force.
+/// in a step leaves the contact open after one solution. It is to be closed all the same, or it
+/// does not count as touching, and velocities lack half a step of its force.
 struct RollingRod {
   static constexpr double kTime = 0.04;
 
@@ -192,7 +223,8 @@ TEST(ContactOrder, OfJointDampingOfWhatSlides) {
   const Eigen::Vector2d end = integrate(Arch::rate, Eigen::Vector2d(angle, rate), time);
   for (const Method method : {Method::kShake, Method::kRk}) {
     const auto off = [&](double steps) {
-      return std::abs(Arch::top(angle, rate, method, steps, time) - Arch::kLength * std::sin(end[0]));
+      return std::abs(Arch::top(angle, rate, method, steps, time) -
+                      Arch::kLength * std::sin(end[0]));
     };
     EXPECT_LT(off(480), 1e-6);
     EXPECT_LT(off(1920), off(480) / 15.5);

@@ -115,6 +115,7 @@ constexpr double kLeastGain = 1e-9;     ///< as kRedoGain: less stays in the mot
 constexpr double kShortEnough = 1.01;   ///< of the shortest part
 constexpr double kUnknownRate = 1e300;  ///< [m/s] where no motion was found
 constexpr double kTurned = 1e-9;        ///< [rad] of a plane: more than rounding
+constexpr double kAtEdge = 1e-7;        ///< [m] nearer to it is on it
 constexpr double kParting = 1e-5;       ///< [m/s] what leaves slower after an impact stays
 constexpr double kSnap = 1e-6;          ///< of the substep: nearer to its ends is there
 constexpr double kNothingLeft = 1e-9;   ///< of the step: rounding of what was taken

@@ -172,8 +172,7 @@ Impact firstImpact(Island& island, double h) {
   return first;
 }
 
-void takeImpact(Island& island, const Impact& impact) {
-  *impact.role = Role::kHit;
+void takeEdge(Island& island) {
   const auto wait = [](std::vector<Role>& roles, Role as) {
     std::replace(roles.begin(), roles.end(), Role::kComing, as);
   };
@@ -183,6 +182,11 @@ void takeImpact(Island& island, const Impact& impact) {
     wait(body->constraints.limit_role, Role::kIfNear);
     ++body->located;
   }
+}
+
+void takeImpact(Island& island, const Impact& impact) {
+  *impact.role = Role::kHit;
+  takeEdge(island);
 }
 
 bool touchesOther(const Body& body) {

@@ -31,8 +31,10 @@ bool reachesComing(const Island& island);
 /// Of what comes: by motions in which all else presses already.
 Impact firstImpact(Island& island, double h);
 
-/// Marks that one as hit, and whatever else was coming as usual.
+/// Marks that one as hit, and whatever else was coming as usual; and the latter alone, where a
+/// motion ends at an edge (edges.h).
 void takeImpact(Island& island, const Impact& impact);
+void takeEdge(Island& island);
 
 /// What rk has to ask of a lone body: whether something else than what is coming touches; and the
 /// time again at which what is hit is reached, by a motion over h that should have ended there.

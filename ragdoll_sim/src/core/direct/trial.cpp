@@ -6,6 +6,7 @@
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/driving.h"
+#include "core/direct/edges.h"
 #include "core/direct/energy.h"
 #include "core/direct/impact.h"
 #include "core/direct/implicit.h"
@@ -55,7 +56,19 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
   return trial;
 }
 
-/// SHAKE and RATTLE over h, or to the first impact.
+/// Moves to where what presses goes over an edge, of a motion over h.
+Trial moveToEdge(Island& island, double edge, double h) {
+  takeEdge(island);
+  Trial trial{edge};
+  trial.ok = freeMotions(island, edge);
+  findContactsAnew(island, edge);
+  limitDepenetration(island, edge, h);
+  trial.ok = trial.ok && solvePositions(island, edge, trial.contacts);
+  if (trial.ok) finishMotion(island, edge, true, Stage::kMotion, edge - 0.5 * h);
+  return trial;
+}
+
+/// SHAKE and RATTLE over h, or to the first impact or edge.
 Trial leapfrog(Island& island, double h) {
   Trial trial{h};
   dampWithin(island, 0.5 * h);
@@ -66,6 +79,8 @@ Trial leapfrog(Island& island, double h) {
   findComing(island, h);
   if (!solvePositions(island, h, trial.contacts)) return {h, false};
   const Impact impact = firstImpact(island, h);
+  const double edge = timeOfEdge(island, h);
+  if (edge < std::min(impact.time, h)) return moveToEdge(island, edge, h);
   if (impact.time <= h) return moveToImpact(island, impact, h);
   finishMotion(island, h, true, Stage::kMotion, 0.5 * h);
   return trial;
