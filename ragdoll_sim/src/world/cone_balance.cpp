@@ -3,6 +3,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace ragdoll {
 namespace {
@@ -203,9 +204,8 @@ Eigen::VectorXd unbound(Dual& dual, Eigen::VectorXd mu) {
   return mu;
 }
 
-}  // namespace
-
-bool spreadWithinCones(const std::vector<Vec3>& rest, std::vector<SharedImpulse>& impulses) {
+/// Of bodies that no contacts join to others.
+bool spreadTogether(const std::vector<Vec3>& rest, std::vector<SharedImpulse>& impulses) {
   if (rest.empty() || impulses.empty()) return true;
   const std::vector<SharedImpulse> told = impulses;
   Dual dual(rest, told);
@@ -228,6 +228,63 @@ bool spreadWithinCones(const std::vector<Vec3>& rest, std::vector<SharedImpulse>
   const Eigen::VectorXd more = unbound(again, Eigen::VectorXd::Zero(mu.size()));
   if (!more.allFinite()) return gives;
   for (std::size_t c = 0; c < told.size(); ++c) impulses[c].impulse = again.free(c, more);
+  return gives;
+}
+
+/// Bodies that contacts join, and these contacts.
+struct Group {
+  std::vector<Vec3> rest;
+  std::vector<SharedImpulse> impulses;
+  std::vector<std::size_t> from;  ///< of each impulse
+};
+
+int rootOf(std::vector<int>& parent, int i) {
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+/// In the order of their first bodies.
+std::vector<Group> groupsOf(const std::vector<Vec3>& rest,
+                            const std::vector<SharedImpulse>& impulses) {
+  std::vector<int> parent(rest.size()), group(rest.size(), -1), place(rest.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  for (const SharedImpulse& c : impulses)
+    if (c.first >= 0 && c.second >= 0) parent[rootOf(parent, c.first)] = rootOf(parent, c.second);
+  std::vector<Group> groups;
+  const auto groupOf = [&](int i) -> Group& {
+    int& index = group[rootOf(parent, i)];
+    if (index < 0) {
+      index = static_cast<int>(groups.size());
+      groups.emplace_back();
+    }
+    return groups[index];
+  };
+  for (int i = 0; i < static_cast<int>(rest.size()); ++i) {
+    Group& own = groupOf(i);
+    place[i] = static_cast<int>(own.rest.size());
+    own.rest.push_back(rest[i]);
+  }
+  for (std::size_t c = 0; c < impulses.size(); ++c) {
+    const int body = std::max(impulses[c].first, impulses[c].second);
+    if (body < 0) continue;
+    Group& own = groupOf(body);
+    own.impulses.push_back(impulses[c]);
+    for (int* end : {&own.impulses.back().first, &own.impulses.back().second})
+      if (*end >= 0) *end = place[*end];
+    own.from.push_back(c);
+  }
+  return groups;
+}
+
+}  // namespace
+
+bool spreadWithinCones(const std::vector<Vec3>& rest, std::vector<SharedImpulse>& impulses) {
+  bool gives = true;
+  for (Group& group : groupsOf(rest, impulses)) {
+    gives = spreadTogether(group.rest, group.impulses) && gives;
+    for (std::size_t k = 0; k < group.from.size(); ++k)
+      impulses[group.from[k]].impulse = group.impulses[k].impulse;
+  }
   return gives;
 }
 

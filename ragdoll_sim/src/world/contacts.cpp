@@ -266,11 +266,13 @@ void Contacts::follow(const Model& model, const State& state) {
   std::uint32_t begun = 0;
   for (Open& open : open_) open.touched = false;
   for (const ContactImpulse& c : step_) {
-    const auto same = [&](const Open& open) { return keyOf(open.report.contact) == keyOf(c); };
-    auto open = std::find_if(open_.begin(), open_.end(), same);
-    if (open == open_.end()) {
-      open_.emplace_back();
-      open = open_.end() - 1;
+    // In the order of their keys, as those of the step.
+    const auto before = [](const Open& open, const ContactImpulse& of) {
+      return isBefore(open.report.contact, of);
+    };
+    auto open = std::lower_bound(open_.begin(), open_.end(), c, before);
+    if (open == open_.end() || isBefore(c, open->report.contact)) {
+      open = open_.emplace(open);
       open->first = state.step;
       open->report.contact = c;
       open->report.contact.impulse.setZero();

@@ -309,10 +309,18 @@ void logVelocities(Island& island, const RowValues& p, const RowValues& rates,
 
 namespace {
 
-bool hasPressed(const PressedBefore& before, const CachedImpulse& key) {
-  return std::any_of(before.impulses.begin(), before.impulses.end(), [&](const CachedImpulse& c) {
-    return c.ragdoll == key.ragdoll && c.obstacle == key.obstacle && c.a == key.a && c.b == key.b &&
-           c.other == key.other;
+/// Those of each body.
+std::vector<std::vector<CachedImpulse>> byBody(const std::vector<CachedImpulse>& impulses,
+                                               std::size_t bodies) {
+  std::vector<std::vector<CachedImpulse>> parts(bodies);
+  for (const CachedImpulse& impulse : impulses) parts[impulse.ragdoll].push_back(impulse);
+  return parts;
+}
+
+/// Whether a contact of one body is among those that pressed on it.
+bool hasPressed(const std::vector<CachedImpulse>& before, const CachedImpulse& key) {
+  return std::any_of(before.begin(), before.end(), [&](const CachedImpulse& c) {
+    return c.obstacle == key.obstacle && c.a == key.a && c.b == key.b && c.other == key.other;
   });
 }
 
@@ -332,9 +340,15 @@ void appendPressing(const Model& model, const State& state, const std::vector<st
   std::vector<SweptObstacle> obstacles;
   sweepObstacles(model, state, {}, obstacles);
   PairDetector detector;
-  std::vector<Contact> contacts, between = nearEachOther(model, state, detector);
+  std::vector<Contact> contacts;
+  const std::size_t count = model.ragdolls.size();
+  std::vector<std::vector<Contact>> between(count);  // of each one's own
+  for (const Contact& c : nearEachOther(model, state, detector)) between[c.ragdoll].push_back(c);
+  const auto kept = byBody(state.impulses, count);
+  const auto pressed_before =
+      byBody(before ? before->impulses : std::vector<CachedImpulse>(), count);
   ImpulseCache cache;
-  for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     if (!wanted[i]) continue;
     const int r = static_cast<int>(i);
     const Ragdoll& body = model.ragdolls[i];
@@ -344,11 +358,9 @@ void appendPressing(const Model& model, const State& state, const std::vector<st
     appendContacts(model, obstacles, state.x, state.x, r, kRestsWithin + way, contacts);
     if (model.self_collision)
       detector.appendSelf(model, state.x, state.x, r, PairSearch::touches(kRestsWithin), contacts);
-    for (const Contact& c : between)
-      if (c.ragdoll == r) contacts.push_back(c);
+    contacts.insert(contacts.end(), between[i].begin(), between[i].end());
     cache.clear();
-    for (const CachedImpulse& impulse : state.impulses)
-      if (impulse.ragdoll == r) cache.add(impulse);
+    for (const CachedImpulse& impulse : kept[i]) cache.add(impulse);
     cache.startHandingOut();
     for (Contact& c : contacts) {
       const CachedImpulse* pressed = cache.handOut(c);
@@ -359,7 +371,7 @@ void appendPressing(const Model& model, const State& state, const std::vector<st
       if (!pressed) continue;
       out.back().impulse = timeOfKept(model) * pressed->impulse;
       out.back().normal = turnedIntoCone(out.back());
-      if (before && !hasPressed(*before, keyOf(c)))
+      if (before && !hasPressed(pressed_before[i], keyOf(c)))
         out.back().approach = std::max(0.0, -c.normal.dot(c.of(before->v)));
     }
     for (std::size_t k = 0; k < cache.impulses().size(); ++k)
