@@ -333,6 +333,19 @@ std::vector<Contact> nearEachOther(const Model& model, State state, PairDetector
   return near;
 }
 
+/// What lies by one body, as a state alone tells it, but for other bodies.
+void appendNear(const Model& model, const State& state, int ragdoll,
+                const std::vector<SweptObstacle>& obstacles, PairDetector& detector,
+                std::vector<Contact>& contacts) {
+  const Ragdoll& body = model.ragdolls[ragdoll];
+  const auto v = state.v.middleCols(body.first, model.skeletonOf(body).size());
+  const double way = model.solver.step * std::sqrt(v.colwise().squaredNorm().maxCoeff());
+  appendContacts(model, obstacles, state.x, state.x, ragdoll, kRestsWithin + way, contacts);
+  if (model.self_collision)
+    detector.appendSelf(model, state.x, state.x, ragdoll, PairSearch::touches(kRestsWithin),
+                        contacts);
+}
+
 }  // namespace
 
 void appendPressing(const Model& model, const State& state, const std::vector<std::uint8_t>& wanted,
@@ -350,14 +363,8 @@ void appendPressing(const Model& model, const State& state, const std::vector<st
   ImpulseCache cache;
   for (std::size_t i = 0; i < count; ++i) {
     if (!wanted[i]) continue;
-    const int r = static_cast<int>(i);
-    const Ragdoll& body = model.ragdolls[i];
-    const auto v = state.v.middleCols(body.first, model.skeletonOf(body).size());
-    const double way = model.solver.step * std::sqrt(v.colwise().squaredNorm().maxCoeff());
     contacts.clear();
-    appendContacts(model, obstacles, state.x, state.x, r, kRestsWithin + way, contacts);
-    if (model.self_collision)
-      detector.appendSelf(model, state.x, state.x, r, PairSearch::touches(kRestsWithin), contacts);
+    appendNear(model, state, static_cast<int>(i), obstacles, detector, contacts);
     contacts.insert(contacts.end(), between[i].begin(), between[i].end());
     cache.clear();
     for (const CachedImpulse& impulse : kept[i]) cache.add(impulse);

@@ -31,8 +31,8 @@ double timeOfBorder(const Vec3& half, const Path& path, double h) {
 }
 
 Path pathOf(const Body& body, const SweptObstacle& m, int particle, double h) {
-  const int i = particle - body.first;
-  const Vec3 x0 = body.saved.x.col(i), x1 = x0 + body.motion.dx.col(i);
+  const Vec3 x0 = body.context->state.x.col(particle);
+  const Vec3 x1 = x0 + body.motion.dx.col(particle - body.first);
   Path path{m.toStart(x0), m.toEnd(x1), {}};
   path.rate = m.moves ? Vec3((path.end - path.start) / h)
                       : Vec3(m.R0.transpose() * body.context->state.v.col(particle));
