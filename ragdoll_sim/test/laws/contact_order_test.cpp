@@ -1,9 +1,11 @@
-// Second order through contact: where the slip turns, where the normal turns, where bodies meet
-// between two steps, and where joints are damped beside an impact or while something slides.
+// Second order through contact: where the slip turns, where the normal turns, over edges, where
+// bodies meet between two steps, and where joints are damped beside an impact or while something
+// slides.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "ragdoll_sim/io/scene_yaml.h"
 #include "support/across_slope.h"
 #include "support/ends.h"
 #include "support/gravity.h"
@@ -84,6 +86,24 @@ TEST_P(OverAnEdge, WhatIsFastEnoughLeaves) {
 
 INSTANTIATE_TEST_SUITE_P(ContactOrder, OverAnEdge,
                          testing::Values(ObstacleSpec::Type::kBox, ObstacleSpec::Type::kCapsule));
+
+/// With friction, three feet that carry each other and turn: 5.6e-6 m off at 16000 Hz where none is
+/// looked for, of first order.
+TEST(ContactOrder, OfAPlateThatSlidesOverAnEdge) {
+  const Scene scene = parseScene(
+      "ragdolls: [{name: b, position: [-0.06, 0.05, 0.05], velocity: [1.1, 0.9, 0], "
+      "angular_velocity: [0, 0, 3], model: {particles: {p: {position: [0, 0, 0], radius: 0.05}, "
+      "q: {position: [0.3, 0.05, 0], radius: 0.05}, r: {position: [0.1, 0.25, 0], radius: 0.05}}, "
+      "segments: {s: {mass: 4, com: [0.13, 0.1, 0.02], inertia: [0.05, 0.06, 0.09, 0, 0, 0], "
+      "particles: [p, q, r]}}}}]\n"
+      "obstacles: [{type: box, position: [-0.1, 0, -0.25], size: [1, 0.9, 0.5], friction: 0.2}]\n");
+  Scene exact = scene;
+  exact.solver.events = true;
+  const Points end = endAwake(exact, Method::kRk, 1000, 0.24);
+  for (const double rate : {250, 1000, 4000, 16000})
+    EXPECT_LT((endAwake(scene, Method::kShake, rate, 0.24) - end).norm(), 1 / (rate * rate))
+        << rate;
+}
 
 /// A rod that turns on a capsule: the place that touches moves along it, and slips as it does half
 /// way.

@@ -37,6 +37,14 @@ bool freeMotions(Island& island, double h) {
   return whole;
 }
 
+/// The positions at `time` of motions over h that end there. Whether they were found.
+bool cutShort(Island& island, double time, double h, Trial& trial) {
+  const bool whole = freeMotions(island, time);
+  findContactsAnew(island, time);
+  limitDepenetration(island, time, h);
+  return whole && solvePositions(island, time, trial.contacts);
+}
+
 /// Moves to what is reached first and takes its impact.
 Trial moveToImpact(Island& island, const Impact& impact, double h) {
   takeImpact(island, impact);
@@ -47,23 +55,17 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
     restoreAfterImpact(island, bounce(island));
     return trial;
   }
-  trial.ok = freeMotions(island, impact.time);
-  findContactsAnew(island, impact.time);
-  limitDepenetration(island, impact.time, h);
-  trial.ok = trial.ok && solvePositions(island, impact.time, trial.contacts);
+  trial.ok = cutShort(island, impact.time, h, trial);
   if (!trial.ok) return trial;
   restoreAfterImpact(island, finishMotion(island, impact.time, true, Stage::kImpact, damping));
   return trial;
 }
 
-/// Moves to where what presses goes over an edge, of a motion over h.
+/// Moves to where what touches goes over an edge.
 Trial moveToEdge(Island& island, double edge, double h) {
   takeEdge(island);
   Trial trial{edge};
-  trial.ok = freeMotions(island, edge);
-  findContactsAnew(island, edge);
-  limitDepenetration(island, edge, h);
-  trial.ok = trial.ok && solvePositions(island, edge, trial.contacts);
+  trial.ok = cutShort(island, edge, h, trial);
   if (trial.ok) finishMotion(island, edge, true, Stage::kMotion, edge - 0.5 * h);
   return trial;
 }
