@@ -6,19 +6,13 @@
 #include <random>
 
 #include "core/contact/detect.h"
+#include "support/obstacles.h"
 
 namespace ragdoll {
 namespace {
 
+using namespace test;
 using Type = ObstacleSpec::Type;
-
-Obstacle obstacle(Type type, const Vec3& half, double radius) {
-  Obstacle o;
-  o.type = type;
-  o.half = half;
-  o.radius = radius;
-  return o;
-}
 
 TEST(Distance, KnownAnswers) {
   const Obstacle box = obstacle(Type::kBox, Vec3(1, 2, 3), 0);
