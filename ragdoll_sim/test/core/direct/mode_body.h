@@ -6,10 +6,9 @@
 #include "core/direct/mode_motion.h"
 #include "core/direct/mode_rows.h"
 #include "support/direct_island.h"
+#include "support/gravity.h"
 
 namespace ragdoll::test {
-
-constexpr double kG = 9.81;
 
 inline Scene modeScene(SkeletonSpec skeleton, const Vec3& position, const ObstacleSpec& obstacle) {
   Scene scene = sceneOf(std::move(skeleton), position);

@@ -5,18 +5,12 @@
 #include <cmath>
 #include <random>
 
+#include "core/direct/mode_systems.h"
+
 namespace ragdoll {
 namespace {
 
-constexpr double kG = 9.81;
-
-/// A contact whose rows begin at `row`.
-ModeBlock contact(int row, double friction) {
-  ModeBlock block;
-  block.row = row;
-  block.friction = friction;
-  return block;
-}
+using namespace test;
 
 /// Forces at rest of one contact, from nothing.
 struct Found {
@@ -37,7 +31,7 @@ TEST(ModeSolve, ABlockOnASlopeStaysOrSlidesByItsFriction) {
   const double angle = 0.4, mass = 3, steep = std::sin(angle), flat = std::cos(angle);
   const ModeMatrix A = ModeMatrix::Identity(3, 3) / mass;
   const ModeVector b = Vec3(-kG * flat, 0, -kG * steep);  // second tangent: up the slope
-  const Found stays(A, b, contact(0, 0.5)), slides(A, b, contact(0, 0.3));
+  const Found stays(A, b, contactRows(0, 0.5)), slides(A, b, contactRows(0, 0.3));
   ASSERT_TRUE(stays.any && slides.any);
   EXPECT_TRUE(stays.block.sticks);
   EXPECT_LT((stays.p - mass * kG * Vec3(flat, 0, steep)).norm(), 1e-13);
@@ -45,29 +39,14 @@ TEST(ModeSolve, ABlockOnASlopeStaysOrSlidesByItsFriction) {
   EXPECT_LT((slides.w - Vec3(0, 0, -kG * (steep - 0.3 * flat))).norm(), 1e-13);
 }
 
-/// A uniform rod of mass 1 and length 1 that leans, its upper end towards x: answers of its lower
-/// end along z and x, by the moment of inertia 1/12.
-struct Rod {
-  double cosine, sine;
-  ModeMatrix A;
-  ModeVector b = Vec3(-kG, 0, 0);
-
-  explicit Rod(double angle) : cosine(std::cos(angle)), sine(std::sin(angle)) {
-    A = ModeMatrix::Identity(3, 3);
-    A(0, 0) += 3 * cosine * cosine;
-    A(2, 2) += 3 * sine * sine;
-    A(0, 2) = A(2, 0) = -3 * sine * cosine;
-  }
-};
-
 TEST(ModeSolve, ARodTurnsAboutItsEndOrSlips) {
-  const Rod rod(0.7);
-  const Found turns(rod.A, rod.b, contact(0, 1));
+  const LeaningRod rod(0.7);
+  const Found turns(rod.A, rod.b, contactRows(0, 1));
   ASSERT_TRUE(turns.any);
   EXPECT_NEAR(turns.p[0], kG * (1 - 0.75 * rod.cosine * rod.cosine), 1e-12);
   EXPECT_NEAR(turns.p[2], kG * 0.75 * rod.sine * rod.cosine, 1e-12);
   const double mu = 0.2;
-  const Found slips(rod.A, rod.b, contact(0, mu));
+  const Found slips(rod.A, rod.b, contactRows(0, mu));
   ASSERT_TRUE(slips.any);
   const double press = kG / (1 + 3 * rod.cosine * (rod.cosine - mu * rod.sine));
   EXPECT_NEAR(slips.p[0], press, 1e-12);
@@ -76,9 +55,9 @@ TEST(ModeSolve, ARodTurnsAboutItsEndOrSlips) {
 
 /// Painleve's: friction that presses the end of a moving rod harder into the floor than it is held.
 TEST(ModeSolve, ARodThatIsPushedIntoItsFrictionHasNoAnswer) {
-  const Rod rod(1.1);
+  const LeaningRod rod(1.1);
   for (const double mu : {1.0, 3.0}) {
-    ModeBlock moving = contact(0, mu);
+    ModeBlock moving = contactRows(0, mu);
     moving.slips = true;
     moving.slip = Eigen::Vector2d(0, -1);
     EXPECT_EQ(Found(rod.A, rod.b, moving).any,
@@ -93,7 +72,7 @@ TEST(ModeSolve, APlankTipsOverAnEdgeThatItsMiddleIsBeyond) {
   for (const double near : {0.2, -0.1}) {
     const Eigen::Vector2d place(-0.3, near);
     const ModeMatrix A = ModeMatrix::Ones(2, 2) + 12 * place * place.transpose();
-    std::vector<ModeBlock> blocks{contact(0, 0), contact(1, 0)};
+    std::vector<ModeBlock> blocks{contactRows(0, 0), contactRows(1, 0)};
     ModeVector p = ModeVector::Zero(2);
     ASSERT_TRUE(solveComplementarity(A, ModeVector::Constant(2, -kG), kG, blocks, p));
     const bool tips = near < 0;
@@ -120,8 +99,8 @@ TEST(ModeSolve, RowsThatAreTheSameShareOrContradictEachOther) {
 /// A spring's force is known, and what slides on it has friction of it, or sticks with what holds
 /// it.
 TEST(ModeSolve, AGivenForceIsNoEquality) {
-  const Rod rod(0.7);
-  ModeBlock spring = contact(0, 0.5);
+  const LeaningRod rod(0.7);
+  ModeBlock spring = contactRows(0, 0.5);
   spring.presses = spring.given = true;
   spring.force = 6;
   spring.slip = Eigen::Vector2d(0.6, -0.8);
@@ -145,7 +124,7 @@ TEST(ModeSolve, WhatIsFoundObeysCoulombsLaw) {
         Eigen::MatrixXd::NullaryExpr(6, 12, [&] { return normal(random); });
     const ModeMatrix A = root * root.transpose() / 12;
     const ModeVector b = ModeVector::NullaryExpr(6, [&] { return normal(random); });
-    std::vector<ModeBlock> blocks{contact(0, mu), contact(3, mu)};
+    std::vector<ModeBlock> blocks{contactRows(0, mu), contactRows(3, mu)};
     ModeVector p = ModeVector::Zero(6);
     if (!solveComplementarity(A, b, 1, blocks, p)) continue;
     ++found;
@@ -162,39 +141,8 @@ TEST(ModeSolve, WhatIsFoundObeysCoulombsLaw) {
   EXPECT_GT(found, 190);
 }
 
-/// A block on feet that cannot move against each other: rows of each, of the same block.
-struct Block {
-  const double mass = 2;
-  ModeMatrix A;
-  ModeVector b;
-  std::vector<ModeBlock> blocks;
-
-  /// Feet at places along the first tangent, each with its friction; an acceleration along it.
-  Block(const std::vector<double>& places, const std::vector<double>& friction, double pull) {
-    const int feet = static_cast<int>(places.size());
-    A.resize(3 * feet, 3 * feet);
-    b.resize(3 * feet);
-    double inertia = 0;
-    for (const double x : places) inertia += mass / feet * x * x;
-    for (int i = 0; i < feet; ++i) {
-      for (int j = 0; j < feet; ++j) {
-        A.block<3, 3>(3 * i, 3 * j) = Eigen::Matrix3d::Identity() / mass;
-        A(3 * i, 3 * j) += places[i] * places[j] / inertia;
-        A(3 * i + 2, 3 * j + 2) += places[i] * places[j] / inertia;
-      }
-      b.segment<3>(3 * i) = Vec3(-kG, pull, 0);
-      blocks.push_back(contact(3 * i, friction[i]));
-    }
-  }
-  double normals(const ModeVector& p) const {
-    double sum = 0;
-    for (const ModeBlock& foot : blocks) sum += p[foot.row];
-    return sum;
-  }
-};
-
 TEST(ModeSolve, FeetThatShareALoadPressAsSpringsDo) {
-  Block block({-0.3, -0.1, 0.1, 0.3}, {0.5, 0.5, 0.5, 0.5}, 0);
+  BlockOnFeet block({-0.3, -0.1, 0.1, 0.3}, {0.5, 0.5, 0.5, 0.5}, 0);
   ModeVector p = ModeVector::Zero(12);
   ASSERT_TRUE(solveComplementarity(block.A, block.b, block.mass * kG, block.blocks, p));
   EXPECT_NEAR(block.normals(p), block.mass * kG, 1e-12);
@@ -205,7 +153,7 @@ TEST(ModeSolve, FeetThatShareALoadPressAsSpringsDo) {
 
 TEST(ModeSolve, AFootWithoutFrictionEnoughIsHeldByAnother) {
   const double pull = 0.3 * kG;
-  Block block({-0.1, 0.1}, {0.1, 1}, pull);
+  BlockOnFeet block({-0.1, 0.1}, {0.1, 1}, pull);
   ModeVector p = ModeVector::Zero(6);
   ASSERT_TRUE(solveComplementarity(block.A, block.b, block.mass * kG, block.blocks, p));
   EXPECT_LT((block.b + block.A * p).norm(), 1e-9);
