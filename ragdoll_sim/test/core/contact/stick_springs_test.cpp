@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "support/direct_island.h"
+#include "core/contact/soft_chain.h"
 #include "support/obstacles.h"
 
 namespace ragdoll {
@@ -131,13 +131,7 @@ TEST(StickSprings, DampAsTheirEndsDo) {
 
 /// Where two sticks meet, each has half of the particle's spring and damper.
 TEST(StickSprings, OfAParticleAreSharedByItsSticks) {
-  Scene scene = sceneOf(chainOfThree());
-  ObstacleSpec box;
-  box.type = ObstacleSpec::Type::kBox;
-  box.contact.stiffness = 2000;
-  box.contact.damping = 12;
-  scene.obstacles = {box};
-  const World world(scene);
+  const World world(chainOnASoftBox());
   const Obstacle& o = world.model.obstacles[0];
   const Ragdoll& r = world.model.ragdolls[0];
   EXPECT_EQ(sticksAt(world.model, o, r, 0), 1);
