@@ -129,9 +129,8 @@ TEST(Follow, aJumpOfWhatHoldsAParticleFlingsNothing) {
     f.advanceTo(1);
     pose.position.x() += jump;
     double end = 1;
-    for (; end < 6; end += 0.02) f.publish(pose), f.advanceTo(end);
+    for (; end < 20; end += 0.02) f.publish(pose), f.advanceTo(end);
     EXPECT_LT(f.fastest(), kAllowance) << jump << " m";
-    for (; end < 11; end += 0.02) f.publish(pose), f.advanceTo(end);
     EXPECT_LT((f.world().state().x.col(hand) - pose.position).norm(), 1e-3) << jump << " m";
   }
 }
@@ -154,7 +153,7 @@ TEST(Follow, aSilenceOfWhatHoldsAParticleFlingsNothing) {
         t += silence;
         f.advanceTo(t);
         pose.position.x() += jump;
-        for (const double end = t + 5; t < end; t += 0.02) f.publish(pose), f.advanceTo(t);
+        for (const double end = t + 18; t < end; t += 0.02) f.publish(pose), f.advanceTo(t);
         EXPECT_LT(f.fastest(), kAllowance) << model << ", " << silence << " s, " << jump << " m";
       }
 }
@@ -187,31 +186,63 @@ TEST(Follow, whereItMovedWhilePausedItJumps) {
   EXPECT_LT(f.fastest(), kAllowance);
 }
 
-/// Gaps, jitter and jumps of all sizes, published 10 to 100 times a second: nothing is faster than
-/// the frame's own speed, as its news tell it, and the allowance. The body only at speeds at which
-/// no blow, however it falls, whips a limb of it up to more.
+/// A frame at up to `fastest` [m/s] that goes to and fro for 6 s, published 10 to 100 times a
+/// second, with gaps, jitter and jumps of all sizes, every two seconds one. place: of the frame, by
+/// how far it is on its way [m]. Returns what the fastest particle has beyond the frame's own
+/// speed, as its news tell it [m/s].
+template <class Place>
+double excessOnARandomWay(Followed& f, unsigned seed, double fastest, const Place& place) {
+  std::mt19937 random(seed);
+  const auto uniform = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  const double period = 1 / uniform(10, 100), speed = uniform(0, fastest);
+  double x = uniform(-1.5, -0.5), direction = 1, sent = f.time();
+  for (double t = f.time(), end = t + 6; t < end;) {
+    t += period * uniform(0.3, 1.7);
+    if (uniform(0, 1) < 0.5 * period) t += uniform(0.05, 2.5);
+    x += direction * speed * (t - sent);
+    sent = t;
+    if (uniform(0, 1) < 0.5 * period) x += uniform(-2, 2);
+    if (std::abs(x) > 1.5) direction = x > 0 ? -1 : 1;
+    f.advanceTo(t);
+    f.publish(place(x));
+  }
+  return f.fastest() - f.own();
+}
+
+/// The body only at speeds at which no blow, however it falls, whips a limb of it up to more.
 TEST(Follow, nothingIsMuchFasterThanItsFrame) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     const char* scene = seed % 2 == 0 ? kBall : kLying;
-    std::mt19937 random(seed);
-    const auto uniform = [&](double a, double b) {
-      return std::uniform_real_distribution<double>(a, b)(random);
-    };
-    const double period = 1 / uniform(10, 100), speed = uniform(0, scene == kBall ? 2 : 0.3);
     Followed f(scene);
-    double x = uniform(-1.5, -0.5), direction = 1, sent = 0;
-    for (double t = 0; t < 6;) {
-      t += period * uniform(0.3, 1.7);
-      if (uniform(0, 1) < 0.5 * period) t += uniform(0.05, 2.5);  // a gap every two seconds
-      x += direction * speed * (t - sent);
-      sent = t;
-      if (uniform(0, 1) < 0.5 * period) x += uniform(-2, 2);
-      if (std::abs(x) > 1.5) direction = x > 0 ? -1 : 1;
-      f.advanceTo(t);
-      f.publish(at(x));
-    }
-    EXPECT_LT(f.fastest(), f.own() + kAllowance)
-        << "seed " << seed << ", " << speed << " m/s" << scene;
+    EXPECT_LT(excessOnARandomWay(f, seed, scene == kBall ? 2 : 0.3, at), kAllowance)
+        << "seed " << seed << scene;
+  }
+}
+
+/// Weightless and undamped: nothing takes from a limb what it has been given. Of many more such ways
+/// one of 200 whips a limb to more, of faster frames more of them (docs/research.md).
+TEST(Follow, whoIsHeldIsNotMuchFasterThanTheFrame) {
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    Followed f(kFree);
+    const int hand = ragdoll::findBody(*f.world().model(), "right_hand").particles[0];
+    const Vec3 start = f.world().state().x.col(hand);
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    const Vec3 way = Vec3(normal(random), normal(random), normal(random)).normalized();
+    Pose pose;
+    pose.position = start;
+    f.publish(pose);
+    f.world().attach("right_hand", "pusher");
+    f.advanceTo(1);
+    double from = NAN;  // it sets off where it is
+    const auto place = [&](double x) {
+      if (std::isnan(from)) from = x;
+      pose.position = start + (x - from) * way;
+      return pose;
+    };
+    EXPECT_LT(excessOnARandomWay(f, seed, 0.4, place), kAllowance) << "seed " << seed;
   }
 }
 
