@@ -65,13 +65,13 @@ TEST(Overlaps, areNamedWhileTheyLast) {
 ragdolls: [{name: anna, model: human, position: [0, 0, 0.16], rpy_deg: [0, 90, 0]}]
 obstacles:
   - {type: plane}
-  - {type: box, position: [0.7, 0, 0.1], size: [0.1, 2, 0.2]}
+  - {name: beam, type: box, position: [0.7, 0, 0.1], size: [0.1, 2, 0.2]}
 )",
                                   "scene"));
   const auto start = deepOverlaps(*world.model(), world.state());
   ASSERT_EQ(start.size(), 1u);
   EXPECT_EQ(start[0].find("anna is "), 0u) << start[0];
-  EXPECT_NE(start[0].find(" cm inside box_1"), std::string::npos) << start[0];
+  EXPECT_NE(start[0].find(" cm inside beam"), std::string::npos) << start[0];
   World apart(ragdoll::loadScene("fall"));
   rest(apart);
   EXPECT_TRUE(deepOverlaps(*apart.model(), apart.state()).empty());

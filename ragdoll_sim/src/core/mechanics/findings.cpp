@@ -14,19 +14,6 @@
 namespace ragdoll {
 namespace {
 
-const char* typeName(ObstacleSpec::Type type) {
-  switch (type) {
-    case ObstacleSpec::Type::kPlane:
-      return "plane";
-    case ObstacleSpec::Type::kSphere:
-      return "sphere";
-    case ObstacleSpec::Type::kCapsule:
-      return "capsule";
-    default:
-      return "box";
-  }
-}
-
 /// [m] of the deepest particle or stick of one body, < 0: outside.
 double depthOf(const Model& model, const State& state, const Ragdoll& r, std::size_t obstacle) {
   const Obstacle& o = model.obstacles[obstacle];
@@ -54,7 +41,7 @@ std::vector<std::string> deepOverlaps(const Model& model, const State& state) {
       const double depth = depthOf(model, state, r, k);
       if (!(depth > kDeepOverlap)) continue;
       found.push_back(r.name + " is " + numberText(std::round(100 * depth)) + " cm inside " +
-                      typeName(model.obstacles[k].type) + "_" + std::to_string(k));
+                      model.obstacles[k].name);
     }
   return found;
 }
