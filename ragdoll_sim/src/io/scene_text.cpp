@@ -4,6 +4,7 @@
 #include <map>
 #include <sstream>
 
+#include "ragdoll_sim/core/solver_presets.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "settings_reader.h"
 
@@ -185,8 +186,7 @@ void writeObstacle(std::ostream& out, const ObstacleSpec& obstacle) {
       break;
   }
   out << ", friction: " << number(obstacle.friction)
-      << ", restitution: " << number(obstacle.restitution)
-      << contactText(obstacle.contact, "", "");
+      << ", restitution: " << number(obstacle.restitution) << contactText(obstacle.contact, "", "");
   if (!obstacle.frame.empty()) out << ", frame: " << text(obstacle.frame);
   out << "}\n";
 }
@@ -226,11 +226,12 @@ void writeSettings(std::ostream& out, const Scene& scene) {
   out << "self_collision: " << (scene.self_collision ? "true" : "false") << "\n"
       << "ragdoll_collision: " << (scene.ragdoll_collision ? "true" : "false") << "\n"
       << "solver: {preset: " << name(solver.preset)
-      << ", method: " << io::methodNames().at(static_cast<std::size_t>(solver.method))
-      << ", integrator: " << io::integratorNames().at(static_cast<std::size_t>(solver.integrator))
+      << ", method: " << methodNames().at(static_cast<std::size_t>(solver.method))
+      << ", integrator: " << integratorNames().at(static_cast<std::size_t>(solver.integrator))
       << ", step: " << number(solver.step) << ", sweeps: " << solver.sweeps
       << ", tolerance: " << number(solver.tolerance)
-      << ", events: " << (solver.events ? "true" : "false") << ", damping: " << number(solver.damping)
+      << ", events: " << (solver.events ? "true" : "false")
+      << ", damping: " << number(solver.damping)
       << ", joint_damping: " << number(solver.joint_damping)
       << ", sleep: " << (solver.sleep ? "true" : "false")
       << ", numbers: " << io::numbersNames().at(static_cast<std::size_t>(solver.numbers))

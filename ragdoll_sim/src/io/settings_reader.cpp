@@ -23,17 +23,6 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
 
 }  // namespace
 
-const std::vector<std::string>& methodNames() {
-  static const std::vector<std::string> names = {"jakobsen", "shake", "rk", "fast"};
-  return names;
-}
-
-const std::vector<std::string>& integratorNames() {
-  static const std::vector<std::string> names = {"verlet", "euler", "symplectic_euler", "midpoint",
-                                                 "velocity_verlet"};
-  return names;
-}
-
 const std::vector<std::string>& numbersNames() {
   static const std::vector<std::string> names = {"double", "float"};
   return names;
@@ -46,8 +35,8 @@ const std::vector<std::string>& coatNames() {
 
 const std::vector<std::string>& solverKeys() {
   static const std::vector<std::string> keys = {
-      "preset",  "method",        "integrator", "step",    "sweeps", "tolerance",
-      "events",  "damping",       "joint_damping", "sleep", "numbers", "threads"};
+      "preset", "method",  "integrator",    "step",  "sweeps",  "tolerance",
+      "events", "damping", "joint_damping", "sleep", "numbers", "threads"};
   return keys;
 }
 

@@ -10,9 +10,7 @@
 
 namespace ragdoll::io {
 
-const std::vector<std::string>& methodNames();      ///< in the order of Method
-const std::vector<std::string>& integratorNames();  ///< in the order of Integrator
-const std::vector<std::string>& numbersNames();     ///< in the order of Numbers
+const std::vector<std::string>& numbersNames();  ///< in the order of Numbers
 const std::vector<std::string>& coatNames();
 const std::vector<std::string>& solverKeys();   ///< of the section `solver`
 const std::vector<std::string>& settingKeys();  ///< of the scene, without the section `solver`

@@ -20,22 +20,8 @@ constexpr double kMetricsPeriod = 1;  ///< [s]
 constexpr double kTooSlow = 0.95;     ///< of the wanted real-time factor
 constexpr double kClockSilence = 5;   ///< [s] without a tick of /clock
 
-const char* name(Method method) {
-  switch (method) {
-    case Method::kJakobsen:
-      return "jakobsen";
-    case Method::kShake:
-      return "shake";
-    case Method::kRk:
-      return "rk";
-    case Method::kFast:
-      return "fast";
-  }
-  return "";
-}
-
 std::string describe(const SolverSpec& solver) {
-  std::string text = name(solver.method);
+  std::string text = methodNames().at(static_cast<std::size_t>(solver.method));
   if (solver.method == Method::kJakobsen) text += ", " + std::to_string(solver.sweeps) + " sweeps";
   char step[32];
   std::snprintf(step, sizeof step, ", step %.6g s", solver.step);

@@ -46,6 +46,8 @@ ragdoll::World loadWorld(const std::string& parameter, const ragdoll::Parameters
     ragdoll::tellChecks(world);
     ROS_INFO("scene '%s': %s", is_text ? "of the parameter" : name.c_str(),
              ragdoll::contents(*world.model()).c_str());
+    if (const std::string settings = given.overriding(); !settings.empty())
+      ROS_INFO("parameters override the scene's: %s", settings.c_str());
     return world;
   } catch (const ragdoll::Error& e) {
     throw ragdoll::Error("parameter " + parameter, e.what());
@@ -102,28 +104,35 @@ class Signals {
 };
 
 /// /use_sim_time for as long as this node is the clock; left alone where someone has set it before.
+/// A record on the server tells whether that was a node like this one, which was killed.
 class SimTime {
  public:
   explicit SimTime(bool wanted) {
     bool before = false;
     given_ = ros::param::get(kName, before);
-    if (!wanted || before) return;
+    if (!wanted || (before && !ros::param::get(kRecord, given_))) return;
+    ros::param::set(kRecord, given_);
     ros::param::set(kName, true);
     set_ = true;
   }
   ~SimTime() {
-    if (!set_) return;
-    if (!given_)
-      ros::param::del(kName);
-    else if (ros::master::check())  // else ROS would wait for one
+    if (!set_ || !ros::master::check()) return;  // ROS would wait for one
+    ros::param::del(kRecord);
+    bool now = false;
+    if (!ros::param::get(kName, now) || !now) return;  // someone has set it since
+    if (given_)
       ros::param::set(kName, false);
+    else
+      ros::param::del(kName);
   }
   SimTime(const SimTime&) = delete;
   SimTime& operator=(const SimTime&) = delete;
 
  private:
   static constexpr const char* kName = "/use_sim_time";
-  bool given_ = false, set_ = false;
+  static constexpr const char* kRecord = "/ragdoll_sim/use_sim_time_was_given";
+  bool given_ = false;  ///< as false, before
+  bool set_ = false;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <type_traits>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/number_text.h"
@@ -49,8 +50,27 @@ bool append(const std::string& name, const std::string& type, XmlRpcValue value,
   return true;
 }
 
-/// "in [0, 2]"; empty where any number is right.
+/// Of a setting that is a number with a name; null: of another one.
+const std::vector<std::string>* numberNames(const std::string& setting) {
+  if (setting == "method") return &methodNames();
+  return setting == "integrator" ? &integratorNames() : nullptr;
+}
+
+/// The number of what is named; else as it is.
+XmlRpcValue numbered(const std::string& setting, XmlRpcValue value) {
+  const std::vector<std::string>* names = numberNames(setting);
+  if (!names || value.getType() != XmlRpcValue::TypeString) return value;
+  const int number = indexOf(*names, static_cast<std::string&>(value));
+  return number < 0 ? value : XmlRpcValue(number);
+}
+
+/// "in [0, 2]", or "one of 0 verlet, 1 euler".
 std::string rangeText(const std::string& name, const std::string& type) {
+  if (const std::vector<std::string>* names = numberNames(name)) {
+    std::vector<std::string> texts;
+    for (const std::string& n : *names) texts.push_back(std::to_string(texts.size()) + " " + n);
+    return "one of " + joined(texts);
+  }
   dynamic_reconfigure::Config least, most;
   SolverConfig::__getMin__().__toMessage__(least);
   SolverConfig::__getMax__().__toMessage__(most);
@@ -94,10 +114,34 @@ void usePreset(const std::string& name, SolverSpec& solver) {
   solver = std::move(next);
 }
 
-Numbers numbersOf(const std::string& name) {
+Numbers numbersOf(const std::string& where, const std::string& name) {
   if (name == "double") return Numbers::kDouble;
   if (name == "float") return Numbers::kFloat;
-  throw Error("numbers", "is '" + name + "'; it must be double or float");
+  throw Error(where, "is '" + name + "'; it must be double or float");
+}
+
+/// A setting as a parameter, into `config`. Throws Error that names it as `where`.
+void takeGiven(const SolverConfig::AbstractParamDescription& setting, const std::string& where,
+               const XmlRpcValue& given, SolverConfig& config) {
+  const std::string &name = setting.name, &type = setting.type;
+  const std::string is = "is " + textOf(given) + "; it must be ";
+  dynamic_reconfigure::Config message;
+  if (!append(name, type, numbered(name, given), message)) {
+    if (numberNames(name)) throw Error(where, is + rangeText(name, type));
+    throw Error(where, std::string("must be ") + kindOf(type) + ", by default the scene's, is " +
+                           textOf(given));
+  }
+  SolverConfig one = SolverConfig::__getDefault__();
+  setting.fromMessage(message, one);
+  if (!isWithin(one)) throw Error(where, is + rangeText(name, type) + ": " + setting.description);
+  if (name == "tolerance") checkTolerance(where, one.tolerance);
+  if (name == "numbers") numbersOf(where, one.numbers);
+  setting.fromMessage(message, config);
+}
+
+/// Which a scene has, too.
+bool isOfScene(const std::string& setting) {
+  return setting != "realtime_factor" && setting != "show_limits" && setting != "show_contacts";
 }
 
 }  // namespace
@@ -146,7 +190,7 @@ void applyChanges(const SolverConfig& config, const SolverConfig& shown, Scene& 
     set(config.step, shown.step, solver.step);
     set(config.sweeps, shown.sweeps, solver.sweeps);
     set(config.tolerance, shown.tolerance, solver.tolerance);
-    if (config.numbers != shown.numbers) solver.numbers = numbersOf(config.numbers);
+    if (config.numbers != shown.numbers) solver.numbers = numbersOf("numbers", config.numbers);
     set(config.damping, shown.damping, solver.damping);
     set(config.sleep, shown.sleep, solver.sleep);
   }
@@ -224,23 +268,23 @@ void GivenSettings::apply(Scene& scene) const {
   const SolverConfig shown = toConfig(next.solver, next.gravity, 1, SolverConfig::__getDefault__());
   SolverConfig config = shown;
   for (const auto& setting : SolverConfig::__getParamDescriptions__()) {
-    const std::string &name = setting->name, &type = setting->type;
-    if (!has(name) || name == "preset" || name == "coat") continue;
-    const std::string where = "parameter " + nh_.resolveName(name);
-    dynamic_reconfigure::Config message;
-    if (!append(name, type, given_.at(name), message))
-      throw Error(where, std::string("must be ") + kindOf(type) + ", by default the scene's, is " +
-                             textOf(given_.at(name)));
-    SolverConfig one = SolverConfig::__getDefault__();
-    setting->fromMessage(message, one);
-    if (!isWithin(one))
-      throw Error(where, "is " + textOf(given_.at(name)) + "; it must be " + rangeText(name, type) +
-                             ": " + setting->description);
-    setting->fromMessage(message, config);
+    const std::string& name = setting->name;
+    if (has(name) && name != "preset" && name != "coat")
+      takeGiven(*setting, "parameter " + nh_.resolveName(name), given_.at(name), config);
   }
   applyChanges(config, shown, next);
   next.text = toYaml(next);
   scene = std::move(next);
+}
+
+std::string GivenSettings::overriding() const {
+  std::vector<std::string> texts;
+  for (const std::string& name : settingNames()) {
+    if (!has(name) || !isOfScene(name)) continue;
+    const std::string value = textOf(given_.at(name));
+    if (!value.empty()) texts.push_back(name + " " + value);
+  }
+  return joined(texts);
 }
 
 void GivenSettings::record(const SolverConfig& config) const {
@@ -260,7 +304,10 @@ void GivenSettings::record(const SolverConfig& config) const {
 
 void GivenSettings::restore() const {
   if (!ros::master::check()) return;  // else ROS would wait for one
+  XmlRpcValue written = recorded("written"), now;
   for (const std::string& name : settingNames()) {
+    if (!written.valid() || !written.hasMember(name)) continue;
+    if (!nh_.getParam(name, now) || now != written[name]) continue;
     const auto given = given_.find(name);
     if (given != given_.end())
       nh_.setParam(name, given->second);

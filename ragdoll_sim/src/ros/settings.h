@@ -42,9 +42,12 @@ class GivenSettings {
   /// names the parameter, its value and what would be right.
   void apply(Scene& scene) const;
 
+  /// "step 0.01, gravity_z -1.62": those that are in place of a scene's; empty: none.
+  std::string overriding() const;
+
   /// To be called whenever the node has written other settings.
   void record(const SolverConfig& written) const;
-  /// Leaves the server as if the node had written nothing.
+  /// Leaves the server as if the node had written nothing; what someone has set since stays.
   void restore() const;
 
  private:

@@ -26,7 +26,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from ragdoll_msgs.msg import State
 from ragdoll_msgs.srv import GetState, LoadScene, Step
 from raw import Service, Subscriber
-from std_srvs.srv import SetBool
+from std_srvs.srv import SetBool, Trigger
 
 PROGRAM = roslib.packages.find_node('ragdoll_sim', 'ragdoll_node')[0]
 SCENES = os.path.join(roslib.packages.get_pkg_dir('ragdoll_sim'), 'scenes')
@@ -158,6 +158,28 @@ class FaultsTest(unittest.TestCase):
             self.assertTrue(there())
             self.assertEqual(node.end(how)[0], 0)
             self.assertIs(there(), before)
+
+    def test_a_clock_that_was_killed_leaves_use_sim_time_to_the_next_one(self):
+        core = Roscore(free_port())
+        self.addCleanup(core.kill)
+        master = ServerProxy(core.uri)
+        for before in (None, False):
+            if before is not None:
+                master.setParam('/test', '/use_sim_time', before)
+            for name, how in (('killed', signal.SIGKILL), ('next', signal.SIGINT)):
+                node = self.start('%s_%s' % (name, before), master=core.uri, publish_clock='true')
+                node.service('reset', Trigger)
+                self.assertTrue(master.getParam('/test', '/use_sim_time')[2])
+                node.end(how)
+            there, _, value = master.getParam('/test', '/use_sim_time')
+            self.assertIs(value if there == 1 else None, before)
+        # Nothing is kept for a third one, and what someone sets meanwhile stays.
+        self.assertEqual([n for n in master.getParamNames('/test')[2] if 'ragdoll' in n], [])
+        node = self.start('third', master=core.uri, publish_clock='true')
+        node.service('reset', Trigger)
+        master.deleteParam('/test', '/use_sim_time')
+        node.end()
+        self.assertFalse(master.hasParam('/test', '/use_sim_time')[2])
 
     def test_a_listener_that_never_reads_delays_nobody(self):
         node = self.start('unread', scene='weightless', publish_rate=500)

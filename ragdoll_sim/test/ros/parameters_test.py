@@ -33,8 +33,13 @@ CASES = [
     ('preset', 'quick', ['quick', 'thesis, fast, draft']),
     ('step', 'fast', ['a number', 'fast']),
     ('step', '2.0', ['is 2;', '[1e-05, 1]', '[s]']),
-    ('method', '7', ['[0, 3]']),
-    ('method', 'shake', ['a whole number', 'shake']),
+    ('method', '7', ['is 7;', '0 jakobsen, 1 shake, 2 rk, 3 fast']),
+    ('method', 'quick', ['is quick;', '0 jakobsen, 1 shake, 2 rk, 3 fast']),
+    ('method', '1.5', ['is 1.5;', '0 jakobsen, 1 shake, 2 rk, 3 fast']),
+    ('integrator', 'leapfrog', ['is leapfrog;', '0 verlet, 1 euler']),
+    ('numbers', 'half', ['half', 'double or float']),
+    ('numbers', '2', ['text', 'is 2']),
+    ('tolerance', '1e-20', ['is 1e-20', '1e-12']),
     ('gravity_z', '-200', ['[-100, 100]']),
     ('gravity_z', 'nan', ['gravity_z']),
     ('sleep', '1', ['true or false']),
@@ -126,6 +131,35 @@ class ParametersTest(unittest.TestCase):
             node = Node(self, 'earlier', scene='fall')
             node.says(**its_own)
             node.end(how)
+
+    def test_what_a_user_sets_while_it_runs_stays(self):
+        node = Node(self, 'stays', scene='fall', damping='1')
+        node.says(gravity_z=-9.81, damping=1.0)
+        rospy.set_param('/stays/gravity_z', -3.0)
+        rospy.set_param('/stays/damping', 2.0)
+        node.end(signal.SIGINT)
+        self.assertEqual(rospy.get_param('/stays/gravity_z'), -3.0)
+        self.assertEqual(rospy.get_param('/stays/damping'), 2.0)
+        self.assertFalse(rospy.has_param('/stays/sweeps'))  # what the node wrote is gone
+        Node(self, 'stays', scene='fall').says(gravity_z=-3.0, damping=2.0)
+
+    def test_methods_by_name(self):
+        node = Node(self, 'named', scene='fall', method='jakobsen', integrator='euler')
+        node.says(method=0, integrator=1)
+        self.assertIn('method: jakobsen', node.model.scene_yaml)
+        node.end(signal.SIGINT)
+        self.assertEqual(rospy.get_param('/named/method'), 'jakobsen')
+
+    def test_the_log_says_what_overrides_the_scene(self):
+        node = Node(self, 'overrides', scene='fall', gravity_z='-1.62', method='shake', coat='sticks',
+                    realtime_factor='2')
+        node.end(signal.SIGINT)  # then all of its log is written
+        self.assertRegex(node.said(), "parameters override the scene's: "
+                         r"method shake, gravity_z -1\.62, coat sticks\W*0?m?\n")
+        node = Node(self, 'plain', scene='fall', realtime_factor='2', coat='')
+        node.end(signal.SIGINT)
+        self.assertIn("scene 'fall'", node.said())
+        self.assertNotIn('override', node.said())
 
     def test_a_wrong_parameter_is_named(self):
         for i, (name, value, words) in enumerate(CASES):

@@ -27,6 +27,17 @@ constexpr Preset kPresets[] = {
 
 }  // namespace
 
+const std::vector<std::string>& methodNames() {
+  static const std::vector<std::string> names = {"jakobsen", "shake", "rk", "fast"};
+  return names;
+}
+
+const std::vector<std::string>& integratorNames() {
+  static const std::vector<std::string> names = {"verlet", "euler", "symplectic_euler", "midpoint",
+                                                 "velocity_verlet"};
+  return names;
+}
+
 const std::vector<std::string>& presetNames() {
   static const std::vector<std::string> names = [] {
     std::vector<std::string> list;
