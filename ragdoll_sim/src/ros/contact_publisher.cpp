@@ -16,8 +16,9 @@ namespace ragdoll {
 namespace {
 
 constexpr int kReportQueue = 100;
-constexpr int kImpactQueue = 10000;         ///< one step may have many
-constexpr std::size_t kMostWrenches = 200;  ///< topics
+constexpr int kImpactQueue = 10000;           ///< one step may have many
+constexpr std::size_t kMostWrenches = 200;    ///< topics
+constexpr std::size_t kContactsBytes = 4000;  ///< of a body that lies, in ~contacts
 
 Pose inverse(const Pose& pose) {
   const Quat back = pose.orientation.conjugate();
@@ -34,6 +35,7 @@ ContactPublisher::ContactPublisher(ros::NodeHandle& nh, std::string world_frame)
 
 void ContactPublisher::follow(const Snapshot& world, const std::vector<std::string>& pin_names) {
   if (world.model == model_ && pin_names == pin_names_) return;
+  contacts_.fit(world.model->ragdolls.size() * kContactsBytes);
   model_ = world.model;
   pin_names_ = pin_names;
   std::vector<std::string> names;

@@ -1,8 +1,7 @@
 #include "publisher.h"
 
 #include <ros/console.h>
-#include <sensor_msgs/JointState.h>
-#include <tf2_msgs/TFMessage.h>
+#include <ros/serialization.h>
 
 #include <algorithm>
 #include <chrono>
@@ -48,6 +47,11 @@ Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock
   followed_ = nh.advertise<ragdoll_msgs::FollowedFrame>("followed", kEventQueue);
   tf_ = Topic::advertise<tf2_msgs::TFMessage>(nh, "/tf", kStateQueue);
   joints_ = Topic::advertise<sensor_msgs::JointState>(nh, "joint_states", kStateQueue);
+  // Before someone listens: with ~publish_every none of the first messages may be missing.
+  state_.fit(simulation.call([](World& world) {
+    return ros::serialization::serializationLength(
+        toStateMsg(*world.model(), world.state(), world.mark(), std_msgs::Header()));
+  }));
   thread_ = std::thread([this] { run(); });
 }
 
@@ -138,6 +142,7 @@ void Publisher::publishDue(bool demanded, bool idle) {
 void Publisher::tick(Why why) {
   const ros::Time now = clock_.at(world_.progress);
   const Posture& shown = posture();
+  if (world_.scene != fitted_scene_) fitQueues(shown);
   if (world_.scene != told_scene_ || (world_.mark.run != told_run_ && world_.beginning))
     publishModel(now);
   publishEvents(now);
@@ -164,6 +169,16 @@ const Posture& Publisher::posture() {
   return tracker.now();
 }
 
+/// A scene's messages have one size.
+void Publisher::fitQueues(const Posture& posture) {
+  using ros::serialization::serializationLength;
+  fitted_scene_ = world_.scene;
+  const std_msgs::Header header = toHeader(parameters_.world_frame, ros::Time());
+  state_.fit(serializationLength(toStateMsg(*world_.model, world_.state, world_.mark, header)));
+  tf_.fit(serializationLength(tfMessage(posture, header)));
+  joints_.fit(serializationLength(jointMessage(posture, header)));
+}
+
 void Publisher::publishModel(const ros::Time& now) {
   told_scene_ = world_.scene;
   told_run_ = world_.mark.run;
@@ -179,14 +194,16 @@ void Publisher::publishTf(const Posture& posture, const ros::Time& now) {
   // tf2 complains of a stamp that it has seen, and a stamp of zero means that no clock ticks.
   if (now.isZero() || now == last_stamp_) return;
   last_stamp_ = now;
+  if (tfBodies() == "none") return;
+  out_.add(tf_, tfMessage(posture, toHeader(parameters_.world_frame, now)));
+}
+
+tf2_msgs::TFMessage Publisher::tfMessage(const Posture& posture, const std_msgs::Header& header) {
   const std::string& bodies = tfBodies();
-  if (bodies == "none") return;
-  const std_msgs::Header header = toHeader(parameters_.world_frame, now);
-  // Shared with this process's own listener, which else would get a copy of its own.
-  const auto message = boost::make_shared<tf2_msgs::TFMessage>();
-  message->transforms = toTransforms(*world_.tracker, posture, header, bodies == "roots");
-  imus_.appendTransforms(world_, posture, bodies == "all", header, message->transforms);
-  out_.add(tf_, message);
+  tf2_msgs::TFMessage message;
+  message.transforms = toTransforms(*world_.tracker, posture, header, bodies == "roots");
+  imus_.appendTransforms(world_, posture, bodies == "all", header, message.transforms);
+  return message;
 }
 
 const std::string& Publisher::tfBodies() {
@@ -231,13 +248,18 @@ void Publisher::publishContacts(const ros::Time& now) {
 }
 
 void Publisher::publishJoints(const Posture& posture, const ros::Time& now) {
-  if (!joints_.isHeard()) return;
+  if (joints_.isHeard())
+    out_.add(joints_, jointMessage(posture, toHeader(parameters_.world_frame, now)));
+}
+
+sensor_msgs::JointState Publisher::jointMessage(const Posture& posture,
+                                                const std_msgs::Header& header) {
   if (world_.scene != angles_scene_) {
     angles_.emplace(*world_.model, *world_.tracker);
     angles_scene_ = world_.scene;
   }
   sensor_msgs::JointState message;
-  message.header = toHeader(parameters_.world_frame, now);
+  message.header = header;
   message.name = angles_->names();
   message.position.resize(message.name.size());
   angles_->compute(posture, message.position);
@@ -252,7 +274,7 @@ void Publisher::publishJoints(const Posture& posture, const ros::Time& now) {
       message.velocity[i] =
           std::remainder(angles_after_[i] - angles_before_[i], kWholeTurn) / passed;
   }
-  out_.add(joints_, std::move(message));
+  return message;
 }
 
 }  // namespace ragdoll

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <ros/node_handle.h>
+#include <sensor_msgs/JointState.h>
+#include <tf2_msgs/TFMessage.h>
 
 #include <condition_variable>
 #include <cstdint>
@@ -55,12 +57,15 @@ class Publisher {
   void tick(Why why);
   void publishDue(bool demanded, bool idle);
   const Posture& posture();  ///< what is shown at this moment, from world_
+  void fitQueues(const Posture& posture);
   void publishModel(const ros::Time& now);
   void publishTf(const Posture& posture, const ros::Time& now);
   const std::string& tfBodies();  ///< ~tf_bodies, or what this scene's number of bodies asks for
   void publishState(const ros::Time& now, Why why);
   void publishEvents(const ros::Time& now);
   void publishContacts(const ros::Time& now);
+  tf2_msgs::TFMessage tfMessage(const Posture& posture, const std_msgs::Header& header);
+  sensor_msgs::JointState jointMessage(const Posture& posture, const std_msgs::Header& header);
   void publishJoints(const Posture& posture, const ros::Time& now);
 
   Simulation& simulation_;
@@ -78,7 +83,7 @@ class Publisher {
   Outbox out_;
   Snapshot world_;
   Posture between_;
-  std::shared_ptr<const Scene> told_scene_;
+  std::shared_ptr<const Scene> told_scene_, fitted_scene_;
   std::uint64_t told_revision_ = 0;
   std::uint32_t told_run_ = 0;
   std::shared_ptr<const Scene> tf_scene_;  ///< that tf_bodies_ is of

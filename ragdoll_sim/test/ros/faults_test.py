@@ -26,6 +26,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from ragdoll_msgs.msg import State
 from ragdoll_msgs.srv import GetState, LoadScene, Step
 from raw import Service, Subscriber
+from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 
 PROGRAM = roslib.packages.find_node('ragdoll_sim', 'ragdoll_node')[0]
@@ -180,6 +181,29 @@ class FaultsTest(unittest.TestCase):
         master.deleteParam('/test', '/use_sim_time')
         node.end()
         self.assertFalse(master.hasParam('/test', '/use_sim_time')[2])
+
+    def test_a_listener_that_stops_reading_many_bodies_takes_little_memory(self):
+        """With ~publish_every, too, whose queue is of 10000 messages of few bodies."""
+        scene = 'gravity: [0, 0, 0]\nsolver: {preset: fast}\nragdolls:\n' + ''.join(
+            '  - {name: r%d, model: human, position: [%d, 0, 1]}\n' % (i, 2 * i) for i in range(100))
+        node = self.start('many', scene=scene, publish_every=1 / 60, realtime_factor=-1,
+                          tf_bodies='none')
+        names = ('state', 'joint_states')
+        deaf = [node.subscriber(name, kind, buffer=4096)
+                for name, kind in zip(names, (State, JointState))]
+        get = node.service('get_state', GetState)
+        first, before = get.call().state.step, node.resident()
+        # 0.3 MB of both a message: 600 MB if all of them were kept.
+        wait_for(lambda: get.call().state.step > first + 2000, 'steps')
+        if 'RAGDOLL_SANITIZED' not in os.environ:
+            self.assertLess(node.resident() - before, 2 * 64e6 + 20e6)
+        # Another scene has its own queue, and who listened hears of it.
+        self.assertTrue(node.service('load_scene', LoadScene).call(path='fall').success)
+        client = Client(node.name)
+        client.states.first(lambda m: len(m.ragdolls) == 1, 'a state of one body')
+        self.assertEqual(node.end()[0], 0)
+        for subscriber in deaf:
+            subscriber.close()
 
     def test_a_listener_that_never_reads_delays_nobody(self):
         node = self.start('unread', scene='weightless', publish_rate=500)
