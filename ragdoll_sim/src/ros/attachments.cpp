@@ -13,6 +13,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kLookPeriod{10};  ///< between two looks
 constexpr milliseconds kSilence{1000};   ///< a frame without news for so long is reported
+constexpr milliseconds kFirst{3000};     ///< one that was never heard: whoever sends it may start
 
 /// What holding or letting go took, if it is worth telling; it goes to the log, too.
 std::string energyText(const World& world) {
@@ -124,7 +125,7 @@ void Attachments::look() {
         h.stamp = found->stamp;
         h.ever = true;
       }
-      judge(frame, h, found.has_value());
+      judge(frame, h);
     }
     heard_.swap(heard);
   }
@@ -134,16 +135,18 @@ void Attachments::look() {
   });
 }
 
-void Attachments::judge(const std::string& frame, Heard& heard, bool found) {
-  const bool missing = Clock::now() - heard.at > kSilence;
+void Attachments::judge(const std::string& frame, Heard& heard) {
+  const bool missing = Clock::now() - heard.at > (heard.ever ? kSilence : kFirst);
   if (missing && !heard.missing)
     ROS_WARN("frame '%s': %s", frame.c_str(),
-             found || heard.ever
+             heard.ever
                  ? "no news from TF; what follows it stays where it is"
                  : "not heard of in TF; until it is, obstacles that follow it are 10 km below, "
                    "and particles are held where they are");
-  if (!missing && heard.missing) ROS_INFO("frame '%s' is back", frame.c_str());
+  if (!missing && heard.missing)
+    ROS_INFO("frame '%s' is %s", frame.c_str(), heard.unknown ? "there" : "back");
   heard.missing = missing;
+  heard.unknown = missing && !heard.ever;
 }
 
 }  // namespace ragdoll

@@ -32,14 +32,16 @@ class Attachments {
   struct Heard {
     ros::Time stamp;
     Simulation::Clock::time_point at;  ///< when the stamp was new
-    bool ever = false, missing = false;
+    bool ever = false;
+    bool missing = false;  ///< too long without news
+    bool unknown = false;  ///< it was missing before it was ever heard
   };
 
   bool attach(ragdoll_msgs::Attach::Request& request, ragdoll_msgs::Attach::Response& response);
   bool detach(ragdoll_msgs::Detach::Request& request, ragdoll_msgs::Detach::Response& response);
   void run();
   void look();
-  void judge(const std::string& frame, Heard& heard, bool found);
+  void judge(const std::string& frame, Heard& heard);
 
   Simulation& simulation_;
   const FrameLookup& frames_;
@@ -49,7 +51,7 @@ class Attachments {
   std::map<std::string, Heard> heard_;
   bool stopping_ = false;
   bool follows_ = false;  ///< the world follows frames
-  std::thread thread_;  // last
+  std::thread thread_;    // last
 };
 
 }  // namespace ragdoll

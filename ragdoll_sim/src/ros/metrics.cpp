@@ -88,7 +88,8 @@ void Metrics::measure(const Snapshot& world, double seconds) {
   message_.step_lateness_p99 = world.lateness.percentile(0.99);
   message_.step_lateness_p999 = world.lateness.percentile(0.999);
   message_.step_lateness_max = world.lateness.max();
-  message_.realtime_factor = since_.simulated / seconds;
+  message_.realtime_factor =
+      pace_.after(since_.simulated, seconds, clock_silence_ && !world.paused);
   message_.step_time = since_.steps > 0 ? since_.stepping / static_cast<double>(since_.steps) : 0;
   message_.contacts = static_cast<std::uint32_t>(world.report.contacts +
                                                  contactsOfSleepers(*world.model, world.state));

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "ragdoll_sim/world/pace.h"
 #include "ragdoll_sim/world/simulation.h"
 
 namespace ragdoll {
@@ -37,7 +38,8 @@ class Metrics {
   ros::Publisher publisher_;
   diagnostic_updater::Updater updater_;
   Simulation::Clock::time_point last_;
-  Progress before_, since_;                ///< since_: over the last period
+  Progress before_, since_;  ///< since_: over the last period
+  Pace pace_;
   std::vector<std::string> out_of_reach_;  ///< ragdolls beyond kFarthest (bounds.h)
   std::vector<std::string> overlaps_;      ///< world/findings.h
   bool paused_ = false, was_paused_ = true;

@@ -2,15 +2,14 @@
 
 #include <ros/console.h>
 
-#include <sstream>
-
 #include "answer.h"
 #include "parameters.h"
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/findings.h"
 #include "ragdoll_sim/core/names.h"
+#include "ragdoll_sim/core/self_pairs.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/ros/convert.h"
-#include "ragdoll_sim/core/findings.h"
 #include "ragdoll_sim/world/text.h"
 
 namespace ragdoll {
@@ -27,25 +26,6 @@ World loadWorld(const ragdoll_msgs::LoadScene::Request& request, const std::stri
 
 }  // namespace
 
-namespace {
-
-/// What surprises of a note about pairs: how many there are, and those that overlap at rest.
-std::string shortened(const std::string& note) {
-  std::istringstream lines(note);
-  std::string line, out;
-  std::getline(lines, out);
-  bool all = true;
-  while (std::getline(lines, line)) {
-    if (line.find("overlap") != std::string::npos)
-      out += "\n" + line;
-    else
-      all = false;
-  }
-  return all ? out : out + "\n  ragdoll_lab run SCENE --pairs lists the others";
-}
-
-}  // namespace
-
 std::vector<std::string> startWarnings(const World& world) {
   std::vector<std::string> warnings = world.model()->warnings;
   for (const std::string& overlap : deepOverlaps(*world.model(), world.state()))
@@ -58,7 +38,9 @@ std::vector<std::string> startWarnings(const World& world) {
 void tellChecks(const World& world, const std::vector<std::string>& told) {
   for (const std::string& warning : startWarnings(world)) ROS_WARN("%s", warning.c_str());
   for (const std::string& note : world.model()->notes)
-    if (indexOf(told, note) < 0) ROS_INFO("%s", shortened(note).c_str());
+    if (indexOf(told, note) < 0)
+      ROS_INFO("%s%s", inShort(note).c_str(),
+               inShort(note) == note ? "" : " (ragdoll_lab run SCENE --pairs lists them)");
 }
 
 Scenes::Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,

@@ -286,6 +286,20 @@ class FollowTest(unittest.TestCase):
         self.assert_follows('right_hand', 'leaving')
         self.assertLess(fastest(self.client.states.all()[seen:]), ALLOWANCE)
 
+    def test_a_frame_may_come_late(self):
+        """Within 3 s without a warning; one that was never heard does not come back."""
+        log = Inbox('/rosout', Log)
+        begin = rospy.Time.now().to_sec()
+        self.scene(BALL.replace('pusher', 'late'))
+        warning = log.first(lambda m: "frame 'late': not heard" in m.msg, 'a warning')
+        self.assertGreater(warning.header.stamp.to_sec() - begin, 3)
+        self.robot.frames['late'] = (-3, 0, 1)
+        log.first(lambda m: m.msg == "frame 'late' is there", 'the frame')
+        del self.robot.frames['late']
+        log.first(lambda m: "frame 'late': no news" in m.msg, 'silence')
+        self.robot.frames['late'] = (-3, 0, 1)
+        log.first(lambda m: m.msg == "frame 'late' is back", 'the frame again')
+
     def test_an_obstacle_that_turns_gives_the_velocity_of_the_point_that_touches(self):
         def struck():
             """[m/s] of a ball 0.7 m from the axis of a bar that turns at 1 rad/s."""
