@@ -221,8 +221,8 @@ TEST(Follow, nothingIsMuchFasterThanItsFrame) {
   }
 }
 
-/// Weightless and undamped: nothing takes from a limb what it has been given. Of many more such ways
-/// one of 200 whips a limb to more, of faster frames more of them (docs/research.md).
+/// Weightless and undamped: nothing takes from a limb what it has been given. Of many more such
+/// ways one of 200 whips a limb to more, of faster frames more of them (docs/research.md).
 TEST(Follow, whoIsHeldIsNotMuchFasterThanTheFrame) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     Followed f(kFree);

@@ -30,7 +30,8 @@ TEST(Pace, isOneOfAClockThatTicksSeldom) {
 TEST(Pace, isZeroOnceTheClockStands) {
   Pace pace;
   EXPECT_DOUBLE_EQ(pace.after(1, 1, true), 1);
-  for (int second = 1; second < Pace::kLongest; ++second) EXPECT_DOUBLE_EQ(pace.after(0, 1, true), 1);
+  for (int second = 1; second < Pace::kLongest; ++second)
+    EXPECT_DOUBLE_EQ(pace.after(0, 1, true), 1);
   EXPECT_DOUBLE_EQ(pace.after(0, 1, true), 0);
   EXPECT_DOUBLE_EQ(pace.after(0, 1, true), 0);
   EXPECT_DOUBLE_EQ(pace.after(1, 1, true), 0.5);
