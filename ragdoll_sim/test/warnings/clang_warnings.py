@@ -160,6 +160,7 @@ def write_result(path, inner):
 
 
 def main(commands, result, *folders):
+    os.nice(19)
     if not shutil.which('clang++'):
         print('skipped: clang++ is not installed (Debian, Ubuntu: clang)')
         write_result(result, '<skipped/>')
