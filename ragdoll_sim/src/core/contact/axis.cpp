@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "core/contact/constants.h"
 #include "core/contact/golden_section.h"
@@ -92,6 +93,19 @@ double stretch(const Axis& axis, double t, double end, double band) {
   return in;
 }
 
+/// The last place on the way from t to `far` that looks at a face (most: 1) or edge (2) of the
+/// core, beside which it is along as many axes at most; NaN: none does.
+double lastBeside(const Axis& axis, double t, double far, int most) {
+  const Pieces pieces = piecesOf(axis);
+  for (int i = 0; i < pieces.count; ++i) {
+    const int k = far > t ? pieces.count - 1 - i : i;  // from that end on
+    const double lo = std::max(pieces.cut[k], std::min(t, far));
+    const double hi = std::min(pieces.cut[k + 1], std::max(t, far));
+    if (hi - lo > kAxisRounding && outsideOf(axis, lo, hi).sum() <= most) return far > t ? hi : lo;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
 }  // namespace
 
 double nearest(const Axis& axis) {
@@ -118,17 +132,12 @@ double nearest(const Axis& axis) {
 }
 
 double flatEnd(const Axis& axis, double t, double end) {
-  const double far = stretch(axis, t, end, kFlatStick);
-  const Pieces pieces = piecesOf(axis);
-  for (int i = 0; i < pieces.count; ++i) {
-    const int k = end > t ? pieces.count - 1 - i : i;  // from that end on
-    const double lo = std::max(pieces.cut[k], std::min(t, far));
-    const double hi = std::min(pieces.cut[k + 1], std::max(t, far));
-    if (hi - lo > kAxisRounding && outsideOf(axis, lo, hi).sum() <= 1) return end > t ? hi : lo;
-  }
+  constexpr int kFace = 1, kEdge = 2;
+  const double over = lastBeside(axis, t, stretch(axis, t, end, kFlatStick), kFace);
+  if (!std::isnan(over)) return over;
   const double least = t + std::copysign(kStickEnd, end - t);
   if (std::abs(end - t) > kStickEnd && axis.gap(least) > axis.gap(t) + kFlatEdge) return t;
-  const double along = stretch(axis, t, end, kFlatEdge);
+  const double along = lastBeside(axis, t, stretch(axis, t, end, kFlatEdge), kEdge);
   return std::abs(along - t) > kStickEnd ? along : t;
 }
 

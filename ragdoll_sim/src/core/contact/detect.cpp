@@ -209,13 +209,15 @@ double gapAtStart(const StickSearch& k, double share) {
 /// Contacts of a capsule between its ends, each with the plane that is tangent there. Where it
 /// rolls over an edge the place goes along, and with it its gap.
 void placeContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Contact>& contacts) {
-  const Places places = placesOf(m, k.axis, k.give), before = placesOf(m, k.at_start, k.give);
+  const Places places = placesOf(m, k.axis, k.give);
+  std::optional<Places> before;  // of most sticks an end is nearest, and nobody asks
   for (int i = 0; i < (places.flat ? 2 : 1); ++i) {
     const double share = places.at[i];
     if (share <= kEndOfStick || share >= 1 - kEndOfStick) continue;
     Contact c = k.contactWith(tangentAt(m, k.axis, share));
     c.weight = {1 - share, share, 0, 0};
-    const std::optional<double> from = placeBefore(before, places, i);
+    if (!before) before = placesOf(m, k.at_start, k.give);
+    const std::optional<double> from = placeBefore(*before, places, i);
     if (k.start > -kResting) c.gap_start = from ? k.at_start.gap(*from) : gapAtStart(k, share);
     if (from && touchesAtStart(k.give, c.gap_start)) setStart(m, k.at_start, *from, c);
     contacts.push_back(c);

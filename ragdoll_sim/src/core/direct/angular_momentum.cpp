@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_motion.h"
 #include "core/direct/energy.h"
 #include "core/direct/group_motion.h"
 

@@ -22,8 +22,11 @@ bool pressesItself(const Island& island);
 /// Body::turn and turns_with <- of the bodies' motions (dx), or of their velocities.
 enum class TurnOf { kMotion, kVelocity };
 void findTurns(Island& island, TurnOf of);
-/// That of both sides of a contact between bodies; none where they do not press on each other.
+/// That of both sides of a contact: between bodies none where they do not press on each other.
 Vec3 commonTurn(const Island& island, const Contact& pair);
+inline Vec3 commonTurn(const Body& body, const Contact& own) {
+  return own.obstacle < 0 ? body.turn : Vec3(Vec3::Zero());
+}
 /// Whether some have one.
 bool turnTogether(const Island& island);
 

@@ -4,6 +4,7 @@
 
 #include "core/contact/constants.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_motion.h"
 #include "core/direct/moving_obstacles.h"
 #include "core/direct/penetration.h"
 #include "core/direct/workspace.h"
@@ -12,38 +13,32 @@
 namespace ragdoll {
 namespace {
 
-void setOffset(Body& body, Contact& c, const MotionSpan& span) {
+OverlapPolicy overlapsOf(const Body& body) { return body.overlaps; }
+/// Between bodies no overlap is given up.
+OverlapPolicy overlapsOf(const Island&) { return OverlapPolicy::kResolve; }
+
+template <class Owner>
+void setOffset(const Owner& owner, Contact& c, const MotionSpan& span) {
   c.offset = allowedOffset(c, span);
-  if (c.isSoft() || !isIgnored(c, body.overlaps)) return;
+  if (c.isSoft() || !isIgnored(c, overlapsOf(owner))) return;
   c.surface_motion.setZero();
-  body.kept.setZero(3, body.n);
-  c.offset = std::min(c.offset, c.offset + gapAt(body, c, body.kept.data()));
+  c.offset = std::min(c.offset, c.offset + c.gapAt(contextOf(owner).state.x));
 }
 
-/// before: [m] its gap at the motion's start, where the plane is as at the end.
-void startContact(const StepContext& step, Contact& c, double before) {
+/// Of a motion over h. over: [s] in which what it overlaps opens, h but for what was missed.
+template <class Owner>
+void startContact(const Owner& owner, Contact& c, double h, double over) {
+  const StepContext& step = contextOf(owner);
+  scaleMotion(step, h, c);
   if (step.relaxed) c.give = {};  // relaxation's own contacts are rigid
   c.found = c.offset;
-  c.before = c.isSoft() ? c.gap_start : gapBefore(c, before);
-}
-
-/// over: [s] in which what it overlaps opens, h but for what was missed.
-void startContact(Body& body, Contact& c, double h, double over) {
-  const double* dx = body.motion.dx.data();
-  const double share = h / body.context->h;
-  scaleMotion(body, h, c);
-  const double moved = c.normal.dot(motionOf(body, c, dx) - share * c.surface_motion);
-  startContact(*body.context, c, gapAt(body, c, dx) - moved);
-  setOffset(body, c, {over, over, body.context->h});
-}
-
-void startContact(const Island& island, Contact& c, double h, double over) {
-  startContact(island.context, c, c.gapAt(island.context.state.x));
-  c.offset = allowedOffset(c, {over, h, island.context.h});
+  const double moved = h / step.h * c.normal.dot(c.surface_motion);
+  c.before = c.isSoft() ? c.gap_start : gapBefore(c, c.gapAt(step.state.x) + moved);
+  setOffset(owner, c, {over, over, step.h});
 }
 
 template <class Owner>
-void startContacts(Owner& owner, ContactSet& set, double h) {
+void startContacts(const Owner& owner, ContactSet& set, double h) {
   for (Contact& c : set.contacts) startContact(owner, c, h, h);
   set.role.assign(set.contacts.size(), Role::kIfNear);
 }
@@ -141,7 +136,8 @@ bool takeNearest(const std::vector<Contact>& found, Contact& c) {
 }
 
 template <class Owner>
-void findAnew(Owner& owner, const StepContext& step, ContactSet& set, double over) {
+void findAnew(Owner& owner, ContactSet& set, double over) {
+  const StepContext& step = contextOf(owner);
   const auto isOther = [&](const Contact& c) { return hasOtherPlane(step, c, over); };
   if (std::none_of(set.contacts.begin(), set.contacts.end(), isOther)) return;
   set.missed.clear();
@@ -157,17 +153,18 @@ bool isKnown(const std::vector<Contact>& contacts, std::size_t count, const Cont
 }
 
 /// What overlaps an obstacle opens over the step, in a part of it by a part of it.
-void startMissed(Body& body, Contact& c, double h) {
-  const bool opens = c.obstacle >= 0 && (body.context->relaxed || !c.isSoft());
-  startContact(body, c, h, opens ? body.context->h : h);
+template <class Owner>
+void startMissed(const Owner& owner, Contact& c, double h) {
+  const StepContext& step = contextOf(owner);
+  const bool opens = c.obstacle >= 0 && (step.relaxed || !c.isSoft());
+  startContact(owner, c, h, opens ? step.h : h);
   if (opens)
     c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - recoverySpeed(c) * h));
 }
-void startMissed(const Island& island, Contact& c, double h) { startContact(island, c, h, h); }
 
 /// Adds those of set.missed that the motions go into; whether there are any.
 template <class Owner>
-bool takeMissed(Owner& owner, ContactSet& set, double h) {
+bool takeMissed(const Owner& owner, ContactSet& set, double h) {
   const std::size_t known = set.contacts.size();
   for (Contact& c : set.missed) {
     startMissed(owner, c, h);
@@ -192,43 +189,6 @@ bool activateViolated(const Owner& owner, ContactSet& set, double left) {
 }
 
 }  // namespace
-
-double gapAt(const Body& body, const Contact& c, const double* dx) {
-  double gap = -c.offset;
-  for (int k = 0; k < c.count; ++k) {
-    const int i = c.particle[k];
-    gap += c.weight[k] * c.normal.dot(body.context->state.x.col(i) +
-                                      Eigen::Map<const Vec3>(dx + 3 * (i - body.first)));
-  }
-  return gap;
-}
-
-Vec3 motionOf(const Body& body, const Contact& c, const double* dx) {
-  Vec3 sum = Vec3::Zero();
-  for (int k = 0; k < c.count; ++k)
-    sum += c.weight[k] * Eigen::Map<const Vec3>(dx + 3 * (c.particle[k] - body.first));
-  return sum;
-}
-
-double gapAfter(const Island& island, const Contact& c) {
-  double gap = c.gapAt(island.context.state.x);
-  for (int side = 0; side < 2; ++side) {
-    const int place = island.placeOf(side == 0 ? c.ragdoll : c.other);
-    if (place < 0) continue;
-    const Body& body = *island.bodies[place];
-    for (int k = 2 * side; k < 2 * side + 2; ++k)
-      gap += c.weight[k] * c.normal.dot(body.motion.dx.col(c.particle[k] - body.first));
-  }
-  return gap;
-}
-
-Vec3 rateOf(const StepContext& step, const Contact& c) {
-  return c.of(step.state.v) - c.surface_motion / step.h;
-}
-
-double openingRate(const StepContext& step, const Contact& c) {
-  return c.normal.dot(rateOf(step, c));
-}
 
 void findCandidates(Body& body, double h) {
   ConstraintSet& set = body.constraints;
@@ -256,13 +216,11 @@ void findCandidates(Island& island, double h) {
   startContacts(island, island.pairs, h);
 }
 
-void findContactsAnew(Body& body, double over) {
-  findAnew(body, *body.context, body.constraints, over);
-}
+void findContactsAnew(Body& body, double over) { findAnew(body, body.constraints, over); }
 
 void findContactsAnew(Island& island, double over) {
   for (Body* body : island.bodies) findContactsAnew(*body, over);
-  findAnew(island, island.context, island.pairs, over);
+  findAnew(island, island.pairs, over);
 }
 
 void limitDepenetration(Body& body, double h, double substep) {
@@ -274,8 +232,7 @@ void limitDepenetration(Body& body, double h, double substep) {
 
 void limitDepenetration(Island& island, double h, double substep) {
   for (Body* body : island.bodies) limitDepenetration(*body, h, substep);
-  for (Contact& c : island.pairs.contacts)
-    c.offset = allowedOffset(c, {h, substep, island.context.h});
+  for (Contact& c : island.pairs.contacts) setOffset(island, c, {h, substep, island.context.h});
 }
 
 bool addLimits(Body& body, double margin, double h, Role role) {
@@ -350,10 +307,14 @@ bool activateViolated(Island& island) {
 }
 
 void activateAll(Island& island) {
-  for (Body* body : island.bodies)
-    for (std::vector<Role>* roles : {&body->constraints.role, &body->constraints.limit_role})
-      std::replace(roles->begin(), roles->end(), Role::kIfNear, Role::kActive);
-  island.pairs.role.assign(island.pairs.contacts.size(), Role::kActive);
+  const auto activate = [](std::vector<Role>& roles) {
+    std::replace(roles.begin(), roles.end(), Role::kIfNear, Role::kActive);
+  };
+  activate(island.pairs.role);
+  for (Body* body : island.bodies) {
+    activate(body->constraints.role);
+    activate(body->constraints.limit_role);
+  }
 }
 
 bool isSqueezed(const Body& body) {

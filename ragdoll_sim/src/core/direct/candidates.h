@@ -6,19 +6,6 @@
 
 namespace ragdoll {
 
-/// [m] of the contact's plane after the motion dx (the body's, 3 x n, columns).
-double gapAt(const Body& body, const Contact& contact, const double* dx);
-inline double gapAfter(const Body& body, const Contact& contact) {
-  return gapAt(body, contact, body.motion.dx.data());
-}
-/// Of one between bodies, after their motions.
-double gapAfter(const Island& island, const Contact& contact);
-/// [m] of the contact's point, by the body's motion.
-Vec3 motionOf(const Body& body, const Contact& contact, const double* dx);
-/// [m/s] of the contact's point against the other surface; and at which the gap opens now.
-Vec3 rateOf(const StepContext& step, const Contact& contact);
-double openingRate(const StepContext& step, const Contact& contact);
-
 /// All that the present motions over h come near to, in place of what was known.
 void findCandidates(Body& body, double h);
 void findCandidates(Island& island, double h);

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/contact/detect.h"
-#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_motion.h"
 #include "core/direct/mode_rows.h"
 #include "core/direct/spring.h"
 #include "core/direct/velocity_solver.h"
@@ -157,12 +157,8 @@ Vec3 lockedFriction(const StepContext& step, const Body& body, const Contact& c,
 /// [m/s] at which the contact opened at the motion's start.
 double rateBefore(const Island& island, const Contact& c) {
   Vec3 rate = Vec3::Zero();
-  for (int k = 0; k < c.count; ++k) {
-    const int place = island.placeOf(c.other >= 0 && k >= 2 ? c.other : c.ragdoll);
-    if (place < 0) continue;
-    const Body& body = *island.bodies[place];
-    rate += c.weight[k] * body.saved.v.col(c.particle[k] - body.first);
-  }
+  visitMoving(island, c,
+              [&](int k, const Body& body, int i) { rate += c.weight[k] * body.saved.v.col(i); });
   return c.normal.dot(rate - c.surface_motion / island.context.h);
 }
 

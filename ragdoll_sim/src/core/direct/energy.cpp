@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/contact/detect.h"
-#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/moving_obstacles.h"
 #include "core/direct/workspace.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_motion.h"
 
 namespace ragdoll {
 namespace {
@@ -139,7 +139,6 @@ double timeOfZero(double start, double rate, double end, double h) {
 
 void findComing(Body& body, double h) {
   ConstraintSet& set = body.constraints;
-  if (set.overlap > kClose) return;
   findComingContacts(body, *body.context, set, h);
   for (std::size_t i = 0; i < set.limits.size(); ++i)
     if (isComing(body, set.limits[i], h)) set.limit_role[i] = Role::kComing;

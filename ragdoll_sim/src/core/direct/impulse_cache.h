@@ -35,7 +35,7 @@ class ImpulseCache {
   const CachedImpulse* find(const Contact& contact) const { return find(keyOf(contact)); }
   const CachedImpulse* find(const LimitRow& limit) const { return find(keyOf(limit)); }
 
-  /// For contacts of which a pair of capsules has several: each answer is given out once.
+  /// For contacts of which the same parts have several: each answer is given out once.
   void startHandingOut() { handed_out_.assign(impulses_.size(), 0); }
   const CachedImpulse* handOut(const Contact& contact);
   bool isHandedOut(std::size_t k) const { return handed_out_[k] != 0; }

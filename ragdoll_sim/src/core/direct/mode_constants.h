@@ -6,8 +6,7 @@ namespace ragdoll {
 
 // --- Pieces and events.
 constexpr double kGrowth = 3;      ///< of a piece over the one before, until the next event
-constexpr int kTryEvery = 16;      ///< [steps] where the last one was shake's
-constexpr int kMostPieces = 4000;  ///< of one step, those that were too long among them
+constexpr int kMostPieces = 6000;  ///< of one step, those that were too long among them
 /// [m/s] By the embedded formula. A slip that begins or ends asks for pieces as short as the time
 /// in which it changes: friction follows its direction.
 constexpr double kPieceError = 1e-11;

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/contact_log.h"
+#include "core/direct/contact_motion.h"
 #include "core/direct/dormand_prince.h"
 #include "core/direct/driving.h"
 #include "core/direct/mode_constants.h"
@@ -224,20 +224,6 @@ bool takePieces(Island& island, double h) {
   return false;
 }
 
-/// Whether the last step was shake's, as its gaps tell, and it is not yet time to try again: where
-/// events crowd they do so for a while.
-bool waits(Island& island) {
-  const Mode& mode = island.s.mode;
-  if (island.context.state.step % kTryEvery == 0) return false;
-  for (const ModeRow& row : mode.rows) {
-    if (row.isSoft() || row.gap_start > kTouching / kLever || std::abs(row.gap_start) < kGapNoise)
-      continue;
-    const RowPlace place = placeOf(island, row, mode.start.x.data(), mode.start.v.data(), false);
-    if (hasPressed(island, row, place)) return true;
-  }
-  return false;
-}
-
 /// mode.start <- the bodies as they are.
 void startMotion(Island& island) {
   Mode& mode = island.s.mode;
@@ -277,7 +263,6 @@ bool goesThroughEvents(const StepContext& step) {
 bool moveThroughEvents(Island& island, double h, int& contacts) {
   if (!isFit(island) || !listModeRows(island, h)) return false;
   startMotion(island);
-  if (waits(island)) return false;
   const double given = island.bodies[0]->given;
   const std::size_t logged = logSize(island), met = island.pairs.met.size();
   const int located = island.bodies[0]->located;

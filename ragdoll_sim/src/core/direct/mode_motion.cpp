@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/contact_log.h"
 #include "core/direct/driving.h"

@@ -8,8 +8,8 @@
 #include "core/contact/constants.h"
 #include "core/contact/detect.h"
 #include "core/contact/stick_springs.h"
-#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_motion.h"
 #include "core/direct/mode_constants.h"
 #include "core/direct/mode_pairs.h"
 #include "core/direct/workspace.h"
@@ -63,19 +63,14 @@ StickEnds endsOf(const Body& body, const ModeRow& stick) {
                 body.first + stick.a, body.first + stick.b, stick.give);
 }
 
-/// A stick that gives way.
-StickPress pressOf(const Body& body, const ModeRow& row, const double* x) {
-  const SweptObstacle& m = obstacleOf(body, row);
-  return pressOf({*m.obstacle, m.toStart(at(x, row.a)), m.toStart(at(x, row.b)), row.ra, row.rb},
-                 endsOf(body, row));
+/// A stick in the obstacle's frame.
+Axis axisOf(const SweptObstacle& m, const ModeRow& row, const double* x) {
+  return {*m.obstacle, m.toStart(at(x, row.a)), m.toStart(at(x, row.b)), row.ra, row.rb};
 }
 
-double nearestOf(const Body& body, const ModeRow& row, const double* x) {
-  if (row.kind == ModeKind::kParticle) return 0;
-  if (restsOnEnds(body, row)) return pressOf(body, row, x).at;
-  const SweptObstacle& m = obstacleOf(body, row);
-  return nearestOnStick(*m.obstacle, m.toStart(at(x, row.a)), m.toStart(at(x, row.b)), row.ra,
-                        row.rb);
+/// A stick that gives way.
+StickPress pressOf(const Body& body, const ModeRow& row, const double* x) {
+  return pressOf(axisOf(obstacleOf(body, row), row, x), endsOf(body, row));
 }
 
 Vec3 pointOf(const ModeRow& row, const double* x, double t) {
@@ -83,12 +78,50 @@ Vec3 pointOf(const ModeRow& row, const double* x, double t) {
   return (1 - t) * at(x, row.a) + t * at(x, row.b);
 }
 
+/// Where the row is nearest to its obstacle: on a stick the share t, and what is there.
+struct Nearest {
+  double t = 0;
+  Near near;
+};
+
+/// A stick that lies flat on a box's face, beyond an edge of it, is as near all over the face. It
+/// touches at that edge, on which it would tip; its particles are rows of their own. place: over
+/// the face.
+void takeEdgeOfFace(const Axis& axis, Nearest& place) {
+  const Vec3 v = axis.b - axis.a, half = axis.obstacle.half;
+  if (axis.obstacle.type != ObstacleSpec::Type::kBox || place.near.beside.sum() != 1) return;
+  const double limit = axis.gap(place.t) + kClosedGap;
+  for (int k = 0; k < 3; ++k) {
+    if (place.near.beside[k] != 0) continue;
+    for (const int side : {-1, 1}) {
+      const double t = (side * half[k] - axis.a[k]) / v[k];
+      if (!(t > kEndOfStick && t < 1 - kEndOfStick) || axis.gap(t) > limit) continue;
+      place.t = t;
+      place.near = nearOf(axis.obstacle, axis.at(t));
+      place.near.beside[k] = 1;
+      place.near.feature[k] = side;
+      return;
+    }
+  }
+}
+
+Nearest nearestOf(const Body& body, const ModeRow& row, const double* x) {
+  const SweptObstacle& m = obstacleOf(body, row);
+  Nearest place;
+  const bool on_ends = restsOnEnds(body, row);
+  if (on_ends)
+    place.t = pressOf(body, row, x).at;
+  else if (row.kind == ModeKind::kStick)
+    place.t = nearest(axisOf(m, row, x));
+  place.near = nearOf(*m.obstacle, m.toStart(pointOf(row, x, place.t)));
+  if (row.kind == ModeKind::kStick && !on_ends) takeEdgeOfFace(axisOf(m, row, x), place);
+  return place;
+}
+
 double gapOfOwn(const Body& body, const ModeRow& row, const double* x) {
   if (row.kind == ModeKind::kLimit) return limitValue(body.skeleton->limits[row.limit], x);
-  const SweptObstacle& m = obstacleOf(body, row);
-  const double t = nearestOf(body, row, x);
-  return nearOf(*m.obstacle, m.toStart(pointOf(row, x, t))).distance - m.obstacle->radius -
-         ((1 - t) * row.ra + t * row.rb);
+  const auto [t, near] = nearestOf(body, row, x);
+  return near.distance - obstacleOf(body, row).obstacle->radius - ((1 - t) * row.ra + t * row.rb);
 }
 
 /// From the stick's ends, where the particles press.
@@ -119,7 +152,7 @@ double roundCover(const Body& body, const ModeRow& row, const double* x) {
     stick.b = k.b;
     stick.rb = body.context->model.radius[body.first + k.b];
     const double deeper = gapOfOwn(body, end(k.a == row.a ? k.b : k.a), x) - gapOfOwn(body, row, x);
-    cover = std::max(cover, std::min(roomOnStick(nearestOf(body, stick, x)), deeper));
+    cover = std::max(cover, std::min(roomOnStick(nearestOf(body, stick, x).t), deeper));
   }
   return cover;
 }
@@ -291,9 +324,8 @@ RowPlace placeOnObstacle(const Body& body, const ModeRow& row, const double* x, 
   RowPlace place;
   const SweptObstacle& m = obstacleOf(body, row);
   const bool stick = row.kind == ModeKind::kStick;
-  const double t = nearestOf(body, row, x);
+  const auto [t, near] = nearestOf(body, row, x);
   const Vec3 point = pointOf(row, x, t);
-  const Near near = nearOf(*m.obstacle, m.toStart(point));
   const double radius = (1 - t) * row.ra + t * row.rb;
   place.gap = near.distance - m.obstacle->radius - radius;
   place.feature = near.feature;
@@ -328,7 +360,7 @@ double roomOfOwn(const Body& body, const ModeRow& row, const double* x,
   double room = std::numeric_limits<double>::infinity();
   if (row.kind == ModeKind::kLimit) return room;
   const SweptObstacle& m = obstacleOf(body, row);
-  const double t = nearestOf(body, row, x);
+  const double t = nearestOf(body, row, x).t;
   if (row.kind == ModeKind::kStick) room = roomOnStick(body, row, x, t);
   if (row.kind == ModeKind::kParticle && row.isSoft()) room = -roomUnder(body, row, x);
   if (m.obstacle->type == ObstacleSpec::Type::kPlane) return room;
@@ -372,11 +404,9 @@ double rateOf(const Island& island, const ModeRow& row, const RowPlace& place, c
 
 Vec3 motionOf(const Island& island, const Contact& c, const double* x) {
   Vec3 sum = Vec3::Zero();
-  for (int k = 0; k < c.count; ++k) {
-    const int place = island.placeOf(k >= 2 && c.other >= 0 ? c.other : c.ragdoll);
-    const Body& body = *island.bodies[place];
-    sum += c.weight[k] * at(x + island.s.mode.offset[place], c.particle[k] - body.first);
-  }
+  visitMoving(island, c, [&](int k, const Body& body, int i) {
+    sum += c.weight[k] * at(x + island.s.mode.offset[island.placeOf(body.index)], i);
+  });
   return sum;
 }
 

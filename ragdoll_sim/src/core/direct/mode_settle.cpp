@@ -1,7 +1,7 @@
 #include "core/direct/mode_settle.h"
 
-#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_motion.h"
 #include "core/direct/mode_constants.h"
 #include "core/direct/mode_motion.h"
 #include "core/direct/mode_rows.h"

@@ -49,8 +49,8 @@ const std::vector<SweptObstacle>& obstaclesOver(const Body& body, double h) {
   return swept;
 }
 
-void scaleMotion(const Body& body, double h, Contact& contact) {
-  if (h < body.context->h && contact.obstacle >= 0) contact.surface_motion *= body.context->h / h;
+void scaleMotion(const StepContext& step, double h, Contact& contact) {
+  if (h < step.h && contact.obstacle >= 0) contact.surface_motion *= step.h / h;
 }
 
 }  // namespace ragdoll

@@ -17,6 +17,6 @@ Pose between(const Pose& a, const Pose& b, double share);
 const std::vector<SweptObstacle>& obstaclesOver(const Body& body, double h);
 
 /// Of a contact found with these: its surface_motion in the part becomes that of a whole step.
-void scaleMotion(const Body& body, double h, Contact& contact);
+void scaleMotion(const StepContext& step, double h, Contact& contact);
 
 }  // namespace ragdoll

@@ -153,7 +153,6 @@ bool solvePositions(Island& island, double h, int& contacts) {
     return true;
   }
   for (Body* body : island.bodies) body->free = body->motion;
-  std::replace(island.pairs.role.begin(), island.pairs.role.end(), Role::kActive, Role::kIfNear);
   for (int search = 0;; ++search) {
     if (!solveRows(island, h)) return false;
     const bool violated = activateViolated(island);

@@ -4,6 +4,7 @@
 
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_motion.h"
 #include "core/direct/energy.h"
 #include "core/direct/velocity_solver.h"
 #include "core/linear/constants.h"

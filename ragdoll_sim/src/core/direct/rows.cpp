@@ -4,47 +4,16 @@
 #include <cmath>
 
 #include "core/direct/angular_momentum.h"
-#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_motion.h"
 
 namespace ragdoll {
 namespace {
 
 using Kind = Schur::Row::Kind;
 
-/// How the motion moves the body's surface at a contact; of two of its sticks, beside its turn.
-Vec3 slipAfter(const Body& body, const Contact& c) {
-  Vec3 slip = Vec3::Zero(), apart = Vec3::Zero();
-  for (int k = 0; k < c.count; ++k)
-    slip += c.middleWeight(k) * body.motion.dx.col(c.particle[k] - body.first);
-  if (c.obstacle >= 0) return slip;
-  for (int k = 0; k < c.count; ++k) {
-    const int own = c.particle[k] - body.first;
-    apart += c.middleWeight(k) * (body.x().col(own) + 0.5 * body.motion.dx.col(own));
-  }
-  return slip - body.turn.cross(apart);
-}
-
-/// How the bodies' motions move the two sides of a contact along each other, beside their turn.
-Vec3 slipAfter(const Island& island, const Contact& c) {
-  Vec3 slip = Vec3::Zero();
-  const Vec3 turn = commonTurn(island, c);
-  for (int side = 0; side < 2; ++side) {
-    const int place = island.placeOf(side == 0 ? c.ragdoll : c.other);
-    if (place < 0) continue;
-    const Body& body = *island.bodies[place];
-    for (int k = 2 * side; k < 2 * side + 2; ++k) {
-      const int own = c.particle[k] - body.first;
-      const Vec3 dx = body.motion.dx.col(own);
-      slip += c.middleWeight(k) * (dx - turn.cross(Vec3(body.x().col(own) + 0.5 * dx)));
-    }
-  }
-  return slip;
-}
-
-// Contacts of a body with obstacles and itself, and between bodies, by one path. owner: whose
-// motion closes them, a body or an island; rows: where theirs are, a body's complement or the joint
-// ones.
+// Contacts of a body with obstacles and itself, and between bodies, by one path. owner: as in
+// contact_motion.h; rows: where theirs are, a body's complement or the joint ones.
 
 /// add(contact, its place, whether it is reached just now): its rows; returns the first.
 template <class Owner, class Add>
@@ -107,13 +76,14 @@ double worstOfContacts(const Owner& owner, const ContactSet& set, const RowValue
   return worst;
 }
 
-/// last(contact): what pressed in the last motion, or null.
-template <class Rows, class Last>
-void warmStartContacts(const ContactSet& set, const Rows& rows, double h, const Last& last,
+/// What lies along something has two contacts with it, of the same parts.
+template <class Rows>
+void warmStartContacts(const ContactSet& set, const Rows& rows, double h, ImpulseCache& cache,
                        Eigen::Ref<Eigen::VectorXd> p) {
+  cache.startHandingOut();
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const int row = set.row[i];
-    const CachedImpulse* was = row < 0 ? nullptr : last(set.contacts[i]);
+    const CachedImpulse* was = row < 0 ? nullptr : cache.handOut(set.contacts[i]);
     if (!was) continue;
     const int count = rows.row(row).friction > 0 ? 3 : 1;
     for (int k = row; k < row + count; ++k) p[k] = was->impulse.dot(rows.row(k).direction) * h * h;
@@ -282,12 +252,11 @@ double worstResidual(Island& island, bool closed) {
   return worst;
 }
 
-void warmStart(const Body& body, double h, Eigen::Ref<Eigen::VectorXd> p) {
+void warmStart(Body& body, double h, Eigen::Ref<Eigen::VectorXd> p) {
   p.setZero();
   if (body.cache.empty()) return;
   const ConstraintSet& set = body.constraints;
-  const auto last = [&body](const Contact& c) { return body.cache.find(c); };
-  warmStartContacts(set, body.memory->schur, h, last, p);
+  warmStartContacts(set, body.memory->schur, h, body.cache, p);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const int row = set.limit_row[i];
     const CachedImpulse* was = row < 0 ? nullptr : body.cache.find(set.limits[i]);
@@ -302,10 +271,7 @@ void warmStart(Island& island, double h) {
     warmStart(
         *island.bodies[k], h,
         s.p.segment(s.joint.firstOf(static_cast<int>(k)), island.bodies[k]->constraints.own_rows));
-  ImpulseCache& cache = island.pairs.cache;
-  cache.startHandingOut();  // two capsules that lie along each other have two contacts
-  const auto last = [&cache](const Contact& c) { return cache.handOut(c); };
-  warmStartContacts(island.pairs, s.joint, h, last, s.p);
+  warmStartContacts(island.pairs, s.joint, h, island.pairs.cache, s.p);
 }
 
 void rememberImpulses(Body& body, double h) {

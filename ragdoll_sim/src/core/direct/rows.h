@@ -35,7 +35,7 @@ double worstResidual(Island& island, bool closed);
 
 /// p (the body's own rows), island.s.p <- what pressed in the last motion; and the caches <- what
 /// presses now.
-void warmStart(const Body& body, double h, Eigen::Ref<Eigen::VectorXd> p);
+void warmStart(Body& body, double h, Eigen::Ref<Eigen::VectorXd> p);
 void warmStart(Island& island, double h);
 void rememberImpulses(Body& body, double h);
 void rememberImpulses(Island& island, double h);

@@ -5,6 +5,7 @@
 
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_motion.h"
 #include "core/direct/driving.h"
 #include "core/direct/impact.h"
 #include "core/direct/mode_events.h"

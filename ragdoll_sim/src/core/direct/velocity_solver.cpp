@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "core/direct/angular_momentum.h"
-#include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/contact_log.h"
+#include "core/direct/contact_motion.h"
 #include "core/direct/driving.h"
 #include "core/direct/impact.h"
 #include "core/direct/motion.h"
@@ -36,45 +36,64 @@ void buildTouchingRows(Body& body, double h) {
   body.constraints.own_rows = schur.size();
 }
 
-/// body.b <- the rates [m/s], [rad/s] at which the own rows open.
-void evaluateRates(Body& body) {
-  const Schur& schur = body.memory->schur;
-  body.b.resize(body.constraints.own_rows);
-  for (int i = 0; i < body.constraints.own_rows; ++i) {
-    const Schur::Row& row = schur.row(i);
-    body.b[i] = schur.along(i, body.vData());
-    if (row.kind == Kind::kLimit) continue;
-    const Contact& c = body.touching.contacts[row.source];
-    body.b[i] -= row.direction.dot(c.surface_motion) / body.context->h;
-    if (row.kind == Kind::kTangent && c.obstacle < 0)
-      body.b[i] -= row.direction.dot(body.turn.cross(c.of(body.context->state.x)));
+int rowsOf(const Contact& c) { return c.friction > 0 ? 3 : 1; }
+
+// Contacts of a body with obstacles and itself, and between bodies, by one path. owner: as in
+// contact_motion.h; rows: a body's complement or the joint ones, where theirs begin at row `first`.
+
+/// b <- the rates [m/s] at which they open and slip.
+template <class Owner, class Rows>
+void evaluateContactRates(const Owner& owner, const TouchingContacts& set, const Rows& rows,
+                          int first, RowValues& b) {
+  const StepContext& step = contextOf(owner);
+  int row = first;
+  for (const Contact& c : set.contacts) {
+    const Vec3 rate = rateOf(step, c) - commonTurn(owner, c).cross(c.of(step.state.x));
+    for (const int end = row + rowsOf(c); row < end; ++row)
+      b[row] = rows.row(row).direction.dot(rate);
   }
 }
 
-int rowsOf(const Contact& c) { return c.friction > 0 ? 3 : 1; }
+/// Newton's impact law: b <- rates after the impact, where `bounces`; and the rows are free.
+template <class Rows>
+void evaluateContactImpacts(const StepContext& step, const TouchingContacts& set, Rows& rows,
+                            int first, bool bounces, RowValues& b) {
+  int row = first;
+  for (const Contact& c : set.contacts) {
+    rows.lock(row, false);
+    if (bounces && -b[row] > bounceSpeed(step, c)) b[row] *= 1 + c.restitution;
+    row += rowsOf(c);
+  }
+}
 
 /// Whether a contact touches from this motion on.
 bool isHitNow(const Contact& c, bool hit, double touching) {
   return !c.isSoft() && (hit || c.before >= touching);
 }
 
-/// Locks contacts that are just hit, at no impulse. lock(row), counted from the first of them on.
-template <class Lock>
-void lockHit(const StepContext& step, TouchingContacts& set, const Lock& lock) {
+/// Locks contacts that are just hit, at no impulse.
+template <class Rows>
+void lockHit(const StepContext& step, TouchingContacts& set, Rows& rows, int first) {
   int row = 0;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const int count = rowsOf(set.contacts[i]);
     if (isHitNow(set.contacts[i], set.hit[i], step.tolerances.touching)) {
-      lock(row);
+      rows.lock(first + row, true);
       std::fill_n(set.warm.begin() + row, count, 0.0);
     }
     row += count;
   }
 }
 
-/// Limits that are just hit, of whose rows the first is `row`.
-void lockHitLimits(Body& body, int row) {
+/// Limits come after the contacts.
+int firstLimitRow(const Body& body) {
+  return body.constraints.own_rows - static_cast<int>(body.touching.limits.size());
+}
+
+/// The same of limits.
+void lockHitLimits(Body& body) {
   TouchingSet& set = body.touching;
+  int row = firstLimitRow(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i, ++row) {
     const LimitRow& limit = set.limits[i];
     const bool touched =
@@ -87,48 +106,49 @@ void lockHitLimits(Body& body, int row) {
 
 void lockHit(Island& island, int first_pair) {
   for (Body* body : island.bodies) {
-    Schur& schur = body->memory->schur;
-    lockHit(island.context, body->touching, [&schur](int row) { schur.lock(row); });
-    const int limits = static_cast<int>(body->touching.limits.size());
-    lockHitLimits(*body, body->constraints.own_rows - limits);
+    lockHit(island.context, body->touching, body->memory->schur, 0);
+    lockHitLimits(*body);
   }
-  lockHit(island.context, island.pairs.touching,
-          [&](int row) { island.s.joint.lock(first_pair + row, true); });
+  lockHit(island.context, island.pairs.touching, island.s.joint, first_pair);
 }
 
 /// Locks the contacts that the motion ends just before: they have not pressed and come from afar,
-/// and the next substep has their impact. lock(row), counted as by lockHit.
-template <class Lock>
-void lockComing(const StepContext& step, const TouchingContacts& set, const Lock& lock) {
+/// and the next substep has their impact.
+template <class Rows>
+void lockComing(const StepContext& step, const TouchingContacts& set, Rows& rows, int first) {
   int row = 0;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
     if (isHitNow(c, set.hit[i], step.tolerances.touching) && set.warm[row] == 0 &&
         -openingRate(step, c) > comingSpeed(step, c))
-      lock(row);
+      rows.lock(first + row, true);
     row += rowsOf(c);
   }
 }
 
 void lockComing(Island& island, int first_pair) {
   const StepContext& step = island.context;
-  for (Body* body : island.bodies)
-    lockComing(step, body->touching, [body](int row) { body->memory->schur.lock(row); });
-  lockComing(step, island.pairs.touching,
-             [&](int row) { island.s.joint.lock(first_pair + row, true); });
+  for (Body* body : island.bodies) lockComing(step, body->touching, body->memory->schur, 0);
+  lockComing(step, island.pairs.touching, island.s.joint, first_pair);
 }
 
-/// Newton's impact law: rates after the impact, and all rows free but those of springs.
+/// body.b <- the rates [m/s], [rad/s] at which the own rows open.
+void evaluateRates(Body& body) {
+  const Schur& schur = body.memory->schur;
+  body.b.resize(body.constraints.own_rows);
+  evaluateContactRates(body, body.touching, schur, 0, body.b);
+  for (int i = firstLimitRow(body); i < body.constraints.own_rows; ++i)
+    body.b[i] = schur.along(i, body.vData());
+}
+
+/// Those of an impact; springs of limits do not take part.
 void evaluateImpact(Body& body) {
   Schur& schur = body.memory->schur;
   evaluateRates(body);
-  for (int i = 0; i < body.constraints.own_rows; ++i) {
-    const Schur::Row& row = schur.row(i);
-    schur.lock(i, row.compliance > 0);
-    if (row.kind != Kind::kNormal || body.located > kMaxLocated) continue;
-    const Contact& c = body.touching.contacts[row.source];
-    if (-body.b[i] > bounceSpeed(*body.context, c)) body.b[i] *= 1 + c.restitution;
-  }
+  evaluateContactImpacts(*body.context, body.touching, schur, 0, body.located <= kMaxLocated,
+                         body.b);
+  for (int i = firstLimitRow(body); i < body.constraints.own_rows; ++i)
+    schur.lock(i, schur.row(i).compliance > 0);
 }
 
 /// [N s] of a spring whose row is `row`: what it gave to positions it gives to velocities, or what
@@ -202,21 +222,6 @@ void addTouchingPair(Island& island, int i) {
   if (island.pairs.touching.contacts[i].isSoft()) island.s.joint.give(row);
 }
 
-/// island.s.b for the pairs' rows, which begin at `first`.
-void evaluatePairRates(Island& island, int first, bool impact) {
-  IslandScratch& s = island.s;
-  const Points& v = island.context.state.v;
-  for (std::size_t i = 0; i < island.pairs.touching.contacts.size(); ++i) {
-    const Contact& c = island.pairs.touching.contacts[i];
-    const Vec3 rate = c.of(v) - commonTurn(island, c).cross(c.of(island.context.state.x));
-    if (impact) s.joint.lock(first + 3 * static_cast<int>(i), false);
-    for (int d = 0; d < 3; ++d) {
-      const int row = first + 3 * static_cast<int>(i) + d;
-      s.b[row] = s.joint.row(row).direction.dot(rate);
-    }
-  }
-}
-
 /// s.rates <- as they are before the solution; s.b may ask for more.
 void keepRates(Island& island) {
   IslandScratch& s = island.s;
@@ -250,7 +255,9 @@ void evaluateAllRates(Island& island, int first_pair, bool impact) {
       evaluateRates(body);
     s.b.segment(s.joint.firstOf(static_cast<int>(k)), body.constraints.own_rows) = body.b;
   }
-  evaluatePairRates(island, first_pair, impact);
+  const TouchingContacts& between = island.pairs.touching;
+  evaluateContactRates(island, between, s.joint, first_pair, s.b);
+  if (impact) evaluateContactImpacts(island.context, between, s.joint, first_pair, true, s.b);
 }
 
 /// island.s.p <- what the rows pressed with.

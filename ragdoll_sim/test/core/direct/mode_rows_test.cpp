@@ -108,6 +108,27 @@ TEST(ModeRows, OfAStickFollowTheNearestPlace) {
   }
 }
 
+/// A rod that lies on a face, beyond an edge of it, touches at that edge. Where it turns by phi
+/// about its place there, its axis goes by the edge at r cos(phi).
+TEST(ModeRows, OfAStickThatLiesFlatBeyondAnEdgeAreThere) {
+  Above one(oneStick(), cube());
+  const double w = 3;
+  for (const double side : {-1.0, 1.0}) {
+    Place6 x, v;
+    x << 0.5 * side, 0.2, 1 + kModeRadius, 1.5 * side, 0.2, 1 + kModeRadius;
+    v << 0, 0, 0.5 * w, 0, 0, -0.5 * w;
+    const RowPlace place = placeOf(one.island, one.rod, x.data(), v.data(), true);
+    EXPECT_NEAR(place.at, 0.5, 1e-15);
+    EXPECT_EQ(place.feature, (Features{static_cast<int>(side), 0, 1}));
+    EXPECT_TRUE(place.inside && place.regular);
+    EXPECT_NEAR(place.gap, 0, 1e-15);
+    EXPECT_NEAR(place.curvature, -kModeRadius * w * w, 1e-12);
+    EXPECT_LT((place.contact.normal - Vec3::UnitZ()).norm(), 1e-15);
+    x[5] += 1e-3;  // its end beyond is raised: the other one is nearer
+    EXPECT_LT(placeOf(one.island, one.rod, x.data(), v.data(), true).at, 1e-9);
+  }
+}
+
 /// A head that leaves its place straight ahead, in polar coordinates about the neck's axis: with r'
 /// away from the neck and w around it the angle to the axis has the second derivative -2 r' w / r.
 TEST(ModeRows, OfALimitCurveAsPolarCoordinatesDo) {

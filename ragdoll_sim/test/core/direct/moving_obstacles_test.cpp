@@ -85,10 +85,10 @@ TEST(MovingObstacles, MotionOfAPartBecomesThatOfTheStep) {
   Contact on_box, on_body;
   on_box.obstacle = 1;
   on_box.surface_motion = on_body.surface_motion = Vec3(0.1, -0.05, 0);
-  for (Contact* c : {&on_box, &on_body}) scaleMotion(one.body(), 0.25 * one.h, *c);
+  for (Contact* c : {&on_box, &on_body}) scaleMotion(*one.body().context, 0.25 * one.h, *c);
   EXPECT_LT((on_box.surface_motion - Vec3(0.4, -0.2, 0)).norm(), 1e-15);
   EXPECT_EQ(on_body.surface_motion, Vec3(0.1, -0.05, 0));
-  scaleMotion(one.body(), one.h, on_body);
+  scaleMotion(*one.body().context, one.h, on_body);
   EXPECT_EQ(on_body.surface_motion, Vec3(0.1, -0.05, 0));
 }
 

@@ -36,7 +36,7 @@ TEST(BuildModel, NamesAPinThatIsNone) {
 TEST(BuildModel, PinsCanBeSetAnew) {
   Model model = buildModel(sceneOf(oneStick()));
   EXPECT_TRUE(model.systemOf(model.ragdolls[0]).pins.empty());
-  Pin pin;
+  Pin pin{};
   pin.particle = 1;
   setPins(model, {pin});
   EXPECT_EQ(model.systemOf(model.ragdolls[0]).pins, std::vector<int>{1});
