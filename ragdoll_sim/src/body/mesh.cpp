@@ -180,21 +180,6 @@ Mesh coarsened(const Mesh& mesh, double reach, const std::vector<int>& classes,
   return result;
 }
 
-std::array<Vec3, 3> curvedMiddles(const Mesh& mesh, const Triangle& t) {
-  constexpr double kCurved = 0.75;
-  std::array<Vec3, 3> middles;
-  for (int k = 0; k < 3; ++k) {
-    const Vec3 flat = 0.5 * (corner(mesh, t, k) + corner(mesh, t, (k + 1) % 3));
-    Vec3 curved = flat;
-    for (const int end : {k, (k + 1) % 3}) {  // on the mean of the planes that touch both ends
-      const Vec3 normal = mesh.normals.col(t[end]);
-      curved -= 0.5 * normal.dot(flat - corner(mesh, t, end)) * normal;
-    }
-    middles[k] = flat + kCurved * (curved - flat);
-  }
-  return middles;
-}
-
 Rgba shade(const Rgba& color, const Vec3& normal) {
   static const Vec3 sun = Vec3(0.55, -0.35, 0.75).normalized();
   constexpr double kAmbient = 0.55, kSky = 0.20, kSun = 0.35;

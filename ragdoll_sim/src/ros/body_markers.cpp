@@ -1,8 +1,8 @@
 #include "body_markers.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <map>
 
 #include "ragdoll_sim/ros/convert.h"
 
@@ -11,10 +11,11 @@ namespace {
 
 using visualization_msgs::Marker;
 
-constexpr std::size_t kTriangles = 32;  ///< of a piece at most: 9 kB, so that each is told quickly
+constexpr std::size_t kTriangles = 64;  ///< of a piece at most: 8 kB, so that each is told quickly
 constexpr double kStretch = 0.005;      ///< of a stick; more is seen at the joints
 constexpr double kLifetime = 0.5;       ///< [s] of what is told anew each time
-constexpr double kAgainRate = 12000;    ///< [bytes/s]
+constexpr double kTurn = 0.35;          ///< [rad] from which on the light looks wrong
+constexpr double kRelightRate = 9000;   ///< [bytes/s]
 constexpr std::chrono::seconds kCalm{1};    ///< after it was bent
 constexpr std::chrono::seconds kAgain{60};  ///< what a viewer has lost it has again so soon
 
@@ -45,39 +46,39 @@ BodyMarkers::BodyMarkers(CoatKind kind, const std::string& world_frame, const Mo
 /// None if a part has no frame that turns with it.
 void BodyMarkers::makePieces(const FrameTracker& tracker) {
   if (coat_.shapes().size() != 1 || coat_.shapes()[0].parts.empty()) return;
-  const CoatShape& shape = coat_.shapes()[0];  // at rest, not lit
+  const CoatShape& shape = coat_.shapes()[0];
   const FrameTree& tree = tracker.tree(ragdoll_);
+  std::map<int, std::vector<Piece>> by_part;
   for (std::size_t t = 0; t < shape.mesh.triangles.size(); ++t) {
-    const int vertex = shape.mesh.triangles[t][0], part = shape.parts[vertex];
-    const auto frame = std::find_if(tree.frames.begin(), tree.frames.end(),
-                                    [&](const FrameSpec& f) { return f.part == part; });
-    if (frame == tree.frames.end()) return;
-    const int index = tracker.firstFrame(ragdoll_) + static_cast<int>(frame - tree.frames.begin());
-    const Rgba& color = shape.mesh.colors.empty() ? shape.color : shape.mesh.colors[vertex];
-    pieceOf(index, toColor(color)).triangles.push_back(static_cast<int>(t));
+    const int part = shape.parts[shape.mesh.triangles[t][0]];
+    std::vector<Piece>& pieces = by_part[part];
+    if (pieces.empty() || pieces.back().triangles.size() >= kTriangles) {
+      const auto frame = std::find_if(tree.frames.begin(), tree.frames.end(),
+                                      [&](const FrameSpec& f) { return f.part == part; });
+      if (frame == tree.frames.end()) return;
+      pieces.emplace_back();
+      pieces.back().part = tracker.firstPart(ragdoll_) + part;
+      pieces.back().frame =
+          tracker.firstFrame(ragdoll_) + static_cast<int>(frame - tree.frames.begin());
+    }
+    pieces.back().triangles.push_back(static_cast<int>(t));
   }
-  for (Piece& piece : pieces_) piece.marker.header.frame_id = tracker.name(piece.frame);
-  lockable_ = shapes_.size() + pieces_.size() <= static_cast<std::size_t>(kIds);
-}
-
-/// The last one of that frame and colour, or another when it is full.
-BodyMarkers::Piece& BodyMarkers::pieceOf(int frame, const std_msgs::ColorRGBA& color) {
-  const auto same = [&](const Piece& p) { return p.frame == frame && p.marker.color == color; };
-  const auto last = std::find_if(pieces_.rbegin(), pieces_.rend(), same);
-  if (last != pieces_.rend() && last->triangles.size() < kTriangles) return *last;
-  Piece piece;
-  piece.frame = frame;
-  Marker& m = piece.marker;
-  m = shapes_[0];
-  m.id = first_id_ + static_cast<int>(shapes_.size() + pieces_.size());
-  m.type = Marker::TRIANGLE_LIST;
-  m.pose = toPose(Pose());
-  m.scale = toVector3(Vec3::Ones());
-  m.color = color;
-  m.lifetime = ros::Duration(0);
-  m.frame_locked = true;
-  pieces_.push_back(std::move(piece));
-  return pieces_.back();
+  int id = first_id_ + static_cast<int>(shapes_.size());
+  for (auto& [part, pieces] : by_part)
+    for (Piece& piece : pieces) {
+      Marker& m = piece.marker;
+      m = shapes_[0];
+      m.header.frame_id = tracker.name(piece.frame);
+      m.id = id++;
+      m.type = Marker::TRIANGLE_LIST;
+      m.pose = toPose(Pose());
+      m.scale = toVector3(Vec3::Ones());
+      m.color = toColor(shape.color);
+      m.lifetime = ros::Duration(0);
+      m.frame_locked = true;
+      pieces_.push_back(std::move(piece));
+    }
+  lockable_ = id <= first_id_ + kIds;
 }
 
 void BodyMarkers::append(const Model& model, const FrameTracker& tracker, const Posture& posture,
@@ -95,14 +96,14 @@ void BodyMarkers::append(const Model& model, const FrameTracker& tracker, const 
   } else if (all || other) {
     coat_.update(posture);
     for (Piece& piece : pieces_) {
-      setPoints(piece, posture);
+      light(piece, posture);
       piece.told = now;
       out.push_back(piece.marker);
     }
-    told_ = now;
+    relit_ = now;
     budget_ = 0;
   } else {
-    tellAgain(now, out);
+    relight(posture, now, out);
   }
 }
 
@@ -116,36 +117,41 @@ bool BodyMarkers::isStraight(const Model& model, const Posture& posture) const {
 }
 
 /// From the coat as it is now.
-void BodyMarkers::setPoints(Piece& piece, const Posture& posture) {
+void BodyMarkers::light(Piece& piece, const Posture& posture) {
   const Mesh& mesh = coat_.shapes()[0].mesh;
   const Pose& frame = posture.frames[piece.frame];
   const Quat inverse = frame.orientation.conjugate();
+  piece.lit = posture.parts[piece.part];
   piece.marker.points.clear();
-  for (const int index : piece.triangles) {
-    const Triangle& t = mesh.triangles[index];
-    const std::array<Vec3, 3> middles = curvedMiddles(mesh, t);
-    std::array<geometry_msgs::Point, 6> at;
-    for (int k = 0; k < 3; ++k) {
-      at[k] = toPoint(inverse * (mesh.vertices.col(t[k]) - frame.position));
-      at[3 + k] = toPoint(inverse * (middles[k] - frame.position));
+  piece.marker.colors.clear();
+  for (const int t : piece.triangles)
+    for (const int v : mesh.triangles[t]) {
+      piece.marker.points.push_back(toPoint(inverse * (mesh.vertices.col(v) - frame.position)));
+      piece.marker.colors.push_back(toColor(mesh.colors[v]));
     }
-    for (const int k : {0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5}) piece.marker.points.push_back(at[k]);
-  }
 }
 
-/// A piece that was told long ago, as soon as the budget allows it.
-void BodyMarkers::tellAgain(Clock::time_point now, std::vector<Marker>& out) {
-  budget_ += kAgainRate * std::chrono::duration<double>(now - told_).count();
-  told_ = now;
-  const auto oldest =
-      std::min_element(pieces_.begin(), pieces_.end(),
-                       [](const Piece& a, const Piece& b) { return a.told < b.told; });
-  if (oldest == pieces_.end()) return;
-  budget_ = std::min(budget_, sizeOf(oldest->marker));
-  if (now - oldest->told < kAgain || budget_ < sizeOf(oldest->marker)) return;
-  oldest->told = now;
-  budget_ = 0;
-  out.push_back(oldest->marker);
+/// The piece whose light is most wrong, or one that was told long ago, as soon as the budget allows
+/// it.
+void BodyMarkers::relight(const Posture& posture, Clock::time_point now, std::vector<Marker>& out) {
+  const double most = 150.0 * kTriangles;  // one piece
+  budget_ += kRelightRate * std::chrono::duration<double>(now - relit_).count();
+  budget_ = std::min(budget_, most);
+  relit_ = now;
+  Piece* worst = nullptr;
+  double turn = kTurn;
+  for (Piece& piece : pieces_) {
+    const double turned = piece.lit.angularDistance(posture.parts[piece.part]);
+    if (turned > turn) worst = &piece, turn = turned;
+  }
+  for (Piece& piece : pieces_)
+    if (!worst && now - piece.told > kAgain) worst = &piece;
+  if (!worst || budget_ < sizeOf(worst->marker)) return;
+  coat_.update(posture);
+  light(*worst, posture);
+  worst->told = now;
+  budget_ -= sizeOf(worst->marker);
+  out.push_back(worst->marker);
 }
 
 void BodyMarkers::stream(const Posture& posture, std::vector<Marker>& out) {

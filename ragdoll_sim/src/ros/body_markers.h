@@ -1,8 +1,7 @@
-// One body's coat as markers. Rigid pieces of one colour are told once, each in the TF frame that
-// its part turns with: TF moves them, and the viewer lights them. A viewer lights triangles flat,
-// so each is told as four on the curved surface. A piece is told again after a minute, within a
-// budget. What bends or stretches, and what has no frames on TF, is told anew each time, with the
-// light in its colours.
+// One body's coat as markers. Rigid pieces are told once, each in the TF frame that its part turns
+// with, and TF moves them; a piece is told again when its light, which is in its colours, has
+// turned away, or after a minute, within a budget. What bends or stretches, and what has no frames
+// on TF, is told anew each time.
 #pragma once
 
 #include <visualization_msgs/MarkerArray.h>
@@ -32,19 +31,20 @@ class BodyMarkers {
               std::vector<visualization_msgs::Marker>& out);
 
  private:
-  /// Some triangles of one part and colour.
+  /// Some triangles of one part.
   struct Piece {
-    int frame = 0;               ///< of all ragdolls
+    int part = 0, frame = 0;     ///< of all ragdolls
     std::vector<int> triangles;  ///< of the coat's mesh
+    Quat lit;                    ///< orientation of the part for which it was lit
     Clock::time_point told{};
     visualization_msgs::Marker marker;
   };
 
   bool isStraight(const Model& model, const Posture& posture) const;
   void makePieces(const FrameTracker& tracker);
-  Piece& pieceOf(int frame, const std_msgs::ColorRGBA& color);
-  void setPoints(Piece& piece, const Posture& posture);
-  void tellAgain(Clock::time_point now, std::vector<visualization_msgs::Marker>& out);
+  void light(Piece& piece, const Posture& posture);
+  void relight(const Posture& posture, Clock::time_point now,
+               std::vector<visualization_msgs::Marker>& out);
   void stream(const Posture& posture, std::vector<visualization_msgs::Marker>& out);
   void clear(bool pieces, std::vector<visualization_msgs::Marker>& out) const;
 
@@ -55,7 +55,7 @@ class BodyMarkers {
   std::vector<Piece> pieces_;
   std::vector<visualization_msgs::Marker> shapes_;  ///< streamed
   Clock::time_point bent_{};                        ///< when it last was
-  Clock::time_point told_{};
+  Clock::time_point relit_{};
   double budget_ = 0;  ///< [bytes]
 };
 

@@ -45,30 +45,6 @@ TEST(Mesh, RoundConeTouchesBothSpheres) {
   }
 }
 
-/// Edges of a sphere of ten sides sag by 5 % of its radius; middles on the curve by 1 %. Faces
-/// stay.
-TEST(Mesh, CurvedMiddlesLieNearerToTheSurface) {
-  const double radius = 0.3;
-  const Mesh sphere = ellipsoid(Vec3::Constant(radius), 10, 5);
-  double flat = 0, curved = 0;
-  for (const Triangle& t : sphere.triangles) {
-    const std::array<Vec3, 3> middles = curvedMiddles(sphere, t);
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 straight = 0.5 * (sphere.vertices.col(t[k]) + sphere.vertices.col(t[(k + 1) % 3]));
-      flat = std::max(flat, radius - straight.norm());
-      curved = std::max(curved, std::abs(radius - middles[k].norm()));
-    }
-  }
-  EXPECT_GT(flat, 0.04 * radius);
-  EXPECT_LT(curved, 0.35 * flat);
-  const Mesh cube = box(Vec3(1, 2, 3));
-  for (const Triangle& t : cube.triangles)
-    EXPECT_LT(
-        (curvedMiddles(cube, t)[1] - 0.5 * (cube.vertices.col(t[1]) + cube.vertices.col(t[2])))
-            .norm(),
-        1e-15);
-}
-
 TEST(Mesh, SphereWithinASphereIsTheLargerOne) {
   const Mesh mesh = roundCone(Vec3(0, 0, 0.01), 0.05, Vec3::Zero(), 0.2, 48, 16);
   expectSound(mesh);

@@ -48,10 +48,6 @@ void append(const Mesh& part, const Pose& pose, Mesh& mesh);
 Mesh coarsened(const Mesh& mesh, double reach, const std::vector<int>& classes,
                std::vector<int>& kept);
 
-/// Three points on the curved surface that a triangle's normals tell, half way along its edges 0 to
-/// 1, 1 to 2, 2 to 0: Phong tessellation [Boubekeur2008, eq. 1, 2; alpha 3/4]. REQUIRES: normals.
-std::array<Vec3, 3> curvedMiddles(const Mesh& mesh, const Triangle& triangle);
-
 /// Colour of a surface with unit `normal` in daylight from above and ahead. Viewers like rviz do
 /// not light meshes with colours per vertex, so the light is put into the colours.
 Rgba shade(const Rgba& color, const Vec3& normal);
