@@ -133,8 +133,8 @@ class ParametersTest(unittest.TestCase):
             node.end(how)
 
     def test_what_a_user_sets_while_it_runs_stays(self):
-        node = Node(self, 'stays', scene='fall', damping='1')
-        node.says(gravity_z=-9.81, damping=1.0)
+        node = Node(self, 'stays', scene='fall', damping='1', step='0.004')
+        node.says(step=0.004, damping=1.0)  # no default: the node has written its settings
         rospy.set_param('/stays/gravity_z', -3.0)
         rospy.set_param('/stays/damping', 2.0)
         node.end(signal.SIGINT)
