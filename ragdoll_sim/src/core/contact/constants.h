@@ -10,8 +10,7 @@ constexpr double kSpeculative = 0.25;  ///< of the relative travel in a step: so
 /// [m] Gaps are told apart to this; a sweep stops there. Half: depth x0.5; double: x2, driven x3.
 constexpr double kGapResolution = 1e-4;
 constexpr double kNearBody = 0.005;  ///< [m] what comes this near may touch
-/// Cosine of the most that a normal turns in a motion. Double, none: depth of driven scenes x2.4.
-constexpr double kSameSide = 0.5;
+constexpr double kSameSide = 0.5;    ///< cosine of the most that a normal turns in a motion
 /// Of a stick: what moves farther in a motion is another contact.
 constexpr double kSamePlace = 0.1;
 constexpr double kAlong = 0.9;      ///< cosine: a normal along the stick cannot push it out
