@@ -461,11 +461,6 @@ double stickGap(const Obstacle& obstacle, const Vec3& a, const Vec3& b, double r
   return axis.gap(nearest(axis));
 }
 
-double nearestOnStick(const Obstacle& obstacle, const Vec3& a, const Vec3& b, double ra,
-                      double rb) {
-  return nearest(Axis{obstacle, a, b, ra, rb});
-}
-
 void findContacts(const Model& model, const State& state, const Points& predicted,
                   const std::vector<Pose>& obstacle_end, double margin,
                   std::vector<SweptObstacle>& obstacles, std::vector<Contact>& contacts) {

@@ -62,9 +62,6 @@ void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& o
 /// the obstacle where they are nearest; negative: overlap.
 double stickGap(const Obstacle& obstacle, const Vec3& a, const Vec3& b, double ra, double rb);
 
-/// Where along the stick, from a (0) to b (1), that is.
-double nearestOnStick(const Obstacle& obstacle, const Vec3& a, const Vec3& b, double ra, double rb);
-
 /// Contacts of all awake ragdolls between state.x and `predicted`, as appendContacts. obstacles:
 /// scratch.
 void findContacts(const Model& model, const State& state, const Points& predicted,

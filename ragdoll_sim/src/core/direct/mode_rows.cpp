@@ -84,25 +84,40 @@ struct Nearest {
   Near near;
 };
 
+/// visit(k, side, t): where a stick goes, between its ends, past the border of a box on one side
+/// (-1, 1) of its axis k.
+template <class Visit>
+void visitBorders(const Axis& axis, const Visit& visit) {
+  if (axis.obstacle.type != ObstacleSpec::Type::kBox) return;
+  for (int k = 0; k < 3; ++k)
+    for (const int side : {-1, 1}) {
+      const double t = (side * axis.obstacle.half[k] - axis.a[k]) / (axis.b[k] - axis.a[k]);
+      if (t > kEndOfStick && t < 1 - kEndOfStick) visit(k, side, t);
+    }
+}
+
+/// Whether it touches a box at two opposite edges at once: one row is not enough.
+bool liesAcross(const Body& body, const ModeRow& row) {
+  std::array<int, 3> edges{};
+  const Axis axis = axisOf(obstacleOf(body, row), row, body.xData());
+  visitBorders(axis, [&](int k, int, double t) { edges[k] += std::abs(axis.gap(t)) < kTouching; });
+  return *std::max_element(edges.begin(), edges.end()) > 1;
+}
+
 /// A stick that lies flat on a box's face, beyond an edge of it, is as near all over the face. It
 /// touches at that edge, on which it would tip; its particles are rows of their own. place: over
 /// the face.
 void takeEdgeOfFace(const Axis& axis, Nearest& place) {
-  const Vec3 v = axis.b - axis.a, half = axis.obstacle.half;
-  if (axis.obstacle.type != ObstacleSpec::Type::kBox || place.near.beside.sum() != 1) return;
+  const auto isFace = [&place] { return place.near.beside.sum() == 1; };
+  if (!isFace()) return;
   const double limit = axis.gap(place.t) + kClosedGap;
-  for (int k = 0; k < 3; ++k) {
-    if (place.near.beside[k] != 0) continue;
-    for (const int side : {-1, 1}) {
-      const double t = (side * half[k] - axis.a[k]) / v[k];
-      if (!(t > kEndOfStick && t < 1 - kEndOfStick) || axis.gap(t) > limit) continue;
-      place.t = t;
-      place.near = nearOf(axis.obstacle, axis.at(t));
-      place.near.beside[k] = 1;
-      place.near.feature[k] = side;
-      return;
-    }
-  }
+  visitBorders(axis, [&](int k, int side, double t) {
+    if (!isFace() || place.near.beside[k] != 0 || axis.gap(t) > limit) return;
+    place.t = t;
+    place.near = nearOf(axis.obstacle, axis.at(t));
+    place.near.beside[k] = 1;
+    place.near.feature[k] = side;
+  });
 }
 
 Nearest nearestOf(const Body& body, const ModeRow& row, const double* x) {
@@ -492,7 +507,7 @@ bool listObstacle(Body& body, int place, int index, double reach, Mode& mode) {
     row.ra = step.model.radius[body.first + k.a];
     row.rb = step.model.radius[body.first + k.b];
     row.give = giveOf(step.model, *m.obstacle, *body.ragdoll, body.skeleton->stick_contact, i);
-    sound = consider(body, row, reach, mode);
+    sound = consider(body, row, reach, mode) && (row.isSoft() || !liesAcross(body, row));
   }
   return sound;
 }

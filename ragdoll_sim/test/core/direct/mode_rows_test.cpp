@@ -129,6 +129,18 @@ TEST(ModeRows, OfAStickThatLiesFlatBeyondAnEdgeAreThere) {
   }
 }
 
+/// A rod across a plate presses at two edges, for which there is one row.
+TEST(ModeRows, AreNoneOfAStickThatLiesAcrossABox) {
+  ObstacleSpec plate = cube();
+  plate.size.x() = 0.5;
+  for (const double half : {0.5, 0.2}) {
+    SkeletonSpec rod = oneStick();
+    for (ParticleSpec& p : rod.particles) p.radius = kModeRadius, p.position *= 2 * half;
+    ModeBody one(modeScene(rod, Vec3(-half, 0, 1 + kModeRadius), plate));
+    EXPECT_EQ(listModeRows(one.island, one.h), half < 0.25) << half;
+  }
+}
+
 /// A head that leaves its place straight ahead, in polar coordinates about the neck's axis: with r'
 /// away from the neck and w around it the angle to the axis has the second derivative -2 r' w / r.
 TEST(ModeRows, OfALimitCurveAsPolarCoordinatesDo) {
