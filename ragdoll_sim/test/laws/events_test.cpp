@@ -59,6 +59,19 @@ TEST(Events, ABlockOnASlopeStopsAndStaysOrSlidesBack) {
   }
 }
 
+/// A hop of less than a nanometre: in the air nothing rubs, and the landing does at once.
+TEST(Events, ABlockThatHopsAsItSlidesHasFrictionFromItsLandingOn) {
+  const double radius = 0.1, friction = 0.6, hop = 1e-4;  // [m/s]
+  Scene scene = rkSceneOf(oneParticle(3, radius), Vec3(0, 0, radius), floorPlane(friction));
+  scene.ragdolls[0].velocity = Vec3(1, 0, hop);
+  World world(scene);
+  EXPECT_EQ(world.steps(1).handed_over, 0);
+  const double air = 2 * hop / kG, rest = kStep - air;
+  const double landed = 1 - friction * hop;
+  EXPECT_NEAR(world.v(0).x(), landed - friction * kG * rest, 1e-10);
+  EXPECT_NEAR(world.x(0).x(), air + landed * rest - 0.5 * friction * kG * rest * rest, 1e-11);
+}
+
 TEST(Events, ABlockThatSlidesAcrossASlopeTurnsIntoTheLineOfFall) {
   Scene scene = AcrossSlope::scene();
   scene.solver.method = Method::kRk;

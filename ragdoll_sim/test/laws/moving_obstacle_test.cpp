@@ -73,5 +73,35 @@ TEST(MovingObstacle, DoesWhatOneAtRestDoesToWhatMoves) {
           }
 }
 
+/// [m/s] of what is fastest in 1 s after a box, which has come over the legs of a damped body that
+/// lies there, and stood there for a while, sets off again at kSetOff.
+constexpr double kSetOff = 0.5;
+double fastestWhereABoxSetsOff(double from) {
+  const Model model = buildModel(parseScene(
+      "ragdolls: [{model: human, position: [0, 0, 0.12], rpy_deg: [0, 90, 0]}]\n"
+      "obstacles: [{type: plane}, {type: box, position: [-0.7, 0, 0.3], size: [0.2, 1, 0.4]}]\n"
+      "solver: {joint_damping: 2}\n"));
+  State state = startState(model);
+  Inputs inputs = startInputs(model);
+  Workspace workspace;
+  inputs.obstacles = state.obstacles;
+  const double h = model.solver.step;
+  double fastest = 0;
+  for (double time = 0; time < 4; time += h) {
+    double& x = inputs.obstacles[1].position.x();
+    if (time > 0.5 && time < 2.5) x = std::min(from, x + 0.25 * h);
+    if (time > 3) x += kSetOff * h;
+    step(model, inputs, workspace, state);
+    if (time > 3) fastest = std::max(fastest, std::sqrt(state.v.colwise().squaredNorm().maxCoeff()));
+  }
+  return fastest;
+}
+
+/// Squeezed between the floor and an edge that closes they have overlaps without a way out.
+TEST(MovingObstacle, ThatSetsOffOnALegFlingsNothing) {
+  for (double from = -0.49; from < -0.4; from += 0.002)
+    EXPECT_LT(fastestWhereABoxSetsOff(from), kSetOff + 3) << from;
+}
+
 }  // namespace
 }  // namespace ragdoll

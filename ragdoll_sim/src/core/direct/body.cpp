@@ -20,7 +20,7 @@ void Body::bind(const StepContext& c, int r) {
   lengths = {rows->length2.data(), rows->inverse_length2.data(), kLengthTolerance};
   pin_speed = 0;
   driven = pushed = damps_within = false;
-  given = 0;
+  given = damped = 0;
   from = took = 0;
   located = 0;
   overlaps = OverlapPolicy::kResolve;

@@ -91,7 +91,11 @@ struct Body {
   // Forces that follow the motion (driving.h).
   bool pushed = false;        ///< a poke acts off its body's own point
   bool damps_within = false;  ///< damping is part of the motion
-  double given = 0;           ///< [J] by them since the body was saved
+  double given = 0;           ///< [J] by pokes since the body was saved
+  /// [J] by damping, likewise. Its two halves act on velocities between which something may press,
+  /// and the second may give back what the first took of a motion that ends early; in all it gives
+  /// nothing.
+  double damped = 0;
   Points force;               ///< [N] of pokes, 3 x n, as in `acceleration`
 
   auto x() const { return context->state.x.middleCols(first, n); }

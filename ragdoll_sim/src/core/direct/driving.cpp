@@ -100,7 +100,7 @@ void damp(Body& body, double time) {
   if (solver.joint_damping > 0)
     dampInnerMotion(massOf(body), pins, std::exp(-solver.joint_damping * time), body.x(), body.v());
   restorePins(body, body.kept);
-  if (body.damps_within) body.given += energySince(body, body.kept);
+  if (body.damps_within) body.damped += energySince(body, body.kept);
 }
 
 void dampWithin(Island& island, double time) {

@@ -21,7 +21,7 @@ inline bool forcesFollow(const Body& body) { return body.pushed || body.damps_wi
 void driveAt(Body& body, const double* x);
 
 /// `free` <- the acceleration without sticks at x, v (3 x n). Returns the power [W] of what is
-/// counted in Body::given.
+/// counted in Body::given, damping's too.
 double drive(Body& body, const double* x, const double* v, Points& free);
 
 /// [J] Adds to Body::given what the pokes that follow the pose do over a part of the motion, 0 to

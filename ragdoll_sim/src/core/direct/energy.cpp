@@ -218,7 +218,7 @@ double gainedEnergy(Body& body, double drive) {
   Points& moved = body.moved;
   moved = body.x() - body.saved.x;
   double gain = energyGain(rows, body.saved.v, body.v(), moved, step.model.gravity, body.energy);
-  gain -= body.given;
+  gain -= body.given + std::min(0.0, body.damped);
   if (step.force && !body.pushed)
     gain -= step.force->middleCols(body.first, body.n).cwiseProduct(moved).sum();
   gain -= releasedEnergy(body);

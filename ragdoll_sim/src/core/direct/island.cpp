@@ -62,7 +62,7 @@ void save(Island& island) {
   for (Body* body : island.bodies) {
     SavedBody& saved = body->saved;
     saved.located = body->located;
-    body->given = 0;
+    body->given = body->damped = 0;
     saved.x = body->x();
     saved.v = body->v();
     saved.multipliers.assign(body->multipliers(), body->multipliers() + 2 * body->rows->s);

@@ -56,11 +56,11 @@ bool eventsAt(Island& island, ModePoint& point, std::vector<double>& values) {
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
     for (int e = 0; e < kEventsOfRow; ++e)
       values[kEventsOfRow * i + e] = eventValue(island, i, static_cast<Event>(e), point);
-  // Beyond its place a row's forces are of a surface that is not there, and so are all that answer
-  // to them: it has left that first.
+  // Beyond its place, by however little, a row's forces are of another surface, or of one that is not
+  // there, and so are all that answer to them: it has left that first.
   bool any_left = false;
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
-    any_left = any_left || values[kEventsOfRow * i + kPlace] < 0;
+    any_left = any_left || values[kEventsOfRow * i + kPlace] < kPlaceNoise;
   for (std::size_t i = 0; any_left && i < mode.rows.size(); ++i)
     for (const Event event : {kForce, kFriction, kMotion})
       values[kEventsOfRow * i + event] = kLasting;

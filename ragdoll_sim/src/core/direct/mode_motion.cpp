@@ -387,12 +387,14 @@ bool projectVelocities(Island& island, ModePoint& point, bool begins) {
   if (system.b.size() == 0) return true;
   coupleFriction(island, system.A);
   evaluateModeRates(island, point.v.data(), system);
-  for (ModeBlock& block : island.s.mode.blocks) {  // sliding contacts by the normal alone
+  // Sliding contacts by the normal alone. But what is taken to be closed as a mode begins and opens
+  // (closeChatter) hops: the force that it is to have meanwhile rubs, and so is taken back with that.
+  for (ModeBlock& block : island.s.mode.blocks) {
     if (begins && !block.slips) {
       block.sticks = block.friction > 0;
       block.held = false;
     }
-    if (!block.sticks && !block.held) block.slip.setZero();
+    if (!block.sticks && !block.held && !begins) block.slip.setZero();
     block.force = 0;
   }
   if (!solveEqualities(system.A, system.b, island.s.mode.blocks, system.p)) return false;

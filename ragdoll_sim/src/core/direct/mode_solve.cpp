@@ -6,50 +6,61 @@
 #include <cmath>
 
 #include "core/direct/mode_newton.h"
+#include "core/linear/schur_sweeps.h"
 
 namespace ragdoll {
 namespace {
 
-/// Sweeps over the blocks; contacts that slip already have their friction folded in.
-void sweep(const ModeMatrix& A, const ModeVector& b, std::vector<ModeBlock>& blocks,
-           ModeVector& p) {
-  ModeVector w = b + A * p;
-  const int m = static_cast<int>(A.rows());
-  const auto push = [&](int row, double change) {
-    p[row] += change;
-    w += change * A.col(row);
-  };
-  for (int k = 0; k < kModeSweeps; ++k) {
-    double most = 0, largest = 0;
-    for (const ModeBlock& block : blocks) {
-      const int i = block.row;
-      if (A(i, i) <= kNoAnswer) continue;
-      double answer = A(i, i);
-      if (block.slips)
-        for (int d = 0; d < 2; ++d) answer -= block.friction * block.slip[d] * A(i, i + 1 + d);
-      if (!(answer > 0)) answer = A(i, i);
-      const double next = block.given ? p[i] : std::max(0.0, p[i] - w[i] / answer);
-      const double change = next - p[i];
-      push(i, change);
-      most = std::max(most, std::abs(change));
-      largest = std::max(largest, next);
-      if (block.friction == 0) continue;
-      Eigen::Vector2d t(p[i + 1], p[i + 2]);
-      if (block.slips) {
-        t = -block.friction * next * block.slip;
-      } else {
-        const double own = std::max(A(i + 1, i + 1), A(i + 2, i + 2)) + std::abs(A(i + 1, i + 2));
-        if (own > kNoAnswer) t -= Eigen::Vector2d(w[i + 1], w[i + 2]) / own;
-        const double bound = block.friction * next, length = t.norm();
-        if (length > bound) t *= bound / length;
-      }
-      for (int d = 0; d < 2; ++d) {
-        most = std::max(most, std::abs(t[d] - p[i + 1 + d]));
-        push(i + 1 + d, t[d] - p[i + 1 + d]);
-      }
-    }
-    if (most <= kModeSettled * largest || m == 0) return;
+/// The rows as sweeps take them (schur_sweeps.h); what slips takes its friction along with its normal
+/// force.
+struct SweptRows {
+  ModeMatrix columns;
+  ModeVector w;
+
+  int size() const { return static_cast<int>(w.size()); }
+  double rate(int i) const { return w[i]; }
+  void push(int i, int count, const double* step) {
+    for (int k = 0; k < count; ++k) w += step[k] * columns.col(i + k);
   }
+};
+
+SchurBlock sweptBlock(const ModeMatrix& A, const ModeBlock& block, const SweptRows& rows) {
+  const int i = block.row, t = i + 1;
+  SchurBlock swept;
+  swept.row = i;
+  swept.friction = block.friction;
+  swept.has_tangents = block.friction > 0 && !block.slips;
+  swept.own[0] = rows.columns(i, i) > 0 ? rows.columns(i, i) : A(i, i);
+  if (!block.given && A(i, i) > kNoAnswer) swept.answer = 1 / swept.own[0];
+  if (!swept.has_tangents) return swept;
+  for (int k = 0; k < 2; ++k) {
+    swept.own[1 + k] = A(t + k, t + k);
+    swept.across[k] = A(i, t + k);
+  }
+  const double own = std::max(A(t, t), A(t + 1, t + 1)) + std::abs(A(t, t + 1));
+  if (own > kNoAnswer) swept.tangent_answer = 1 / own;
+  return swept;
+}
+
+/// Goes on with p by sweeps over the blocks.
+void sweep(const ModeMatrix& A, const ModeVector& b, const std::vector<ModeBlock>& blocks,
+           ModeVector& p) {
+  SweptRows rows{A, b};
+  std::vector<SchurBlock> swept;
+  swept.reserve(blocks.size());
+  for (const ModeBlock& block : blocks) {
+    const int i = block.row;
+    if (block.friction > 0 && block.slips)
+      for (int k = 0; k < 2; ++k) {
+        rows.columns.col(i) -= block.friction * block.slip[k] * A.col(i + 1 + k);
+        p[i + 1 + k] = 0;
+      }
+    swept.push_back(sweptBlock(A, block, rows));
+  }
+  projectedGaussSeidel(rows, swept, p.data(), Sweeps::kToTheEnd);
+  for (const ModeBlock& block : blocks)
+    if (block.friction > 0 && block.slips)
+      p.segment<2>(block.row + 1) = -block.friction * p[block.row] * block.slip;
 }
 
 /// Which rows press, stick and slip by forces p.
