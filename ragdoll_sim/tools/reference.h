@@ -17,7 +17,7 @@ struct Window {
   Points end;               ///< [m] where the window's motion ends
   double energy_end = 0;    ///< [J]
   double uncertainty = 0;   ///< [m] RMS between the two finest runs, or `disagreement`
-  double disagreement = 0;  ///< [m] RMS between the end and that of another method
+  double disagreement = 0;  ///< [m] RMS between the end and that of another method, at the nearest
   double finest = 0;        ///< [s] the smallest step taken
   /// Starts that differ by 1e-10 m over the window end 1e-5 m or more apart: what then happens (a
   /// fall over an edge, or back from it) is not told by the start. It counts in no mean.
