@@ -28,6 +28,7 @@ struct Goal {
 constexpr Goal kSmooth = {1e-8, 245760};
 constexpr Goal kContact = {2e-9, 61440};
 constexpr double kFiner = 8;  ///< times as often as the reference at its finest: the other, at most
+constexpr double kConverges = 0.7;      ///< of the change before: what is of first order halves it
 constexpr double kRoughFinest = 15360;  ///< [Hz] where less agreement is asked for
 
 Goal goalOf(bool contact, double agreement) {
@@ -80,21 +81,25 @@ void findFork(const Model& model, double length, Window& window) {
   window.fork_time = a.time;
 }
 
-/// Two methods that both claim to be converged, elsewhere: then neither claim is worth more. The other
-/// one has its step halved until its own change accounts for the distance, or that is small enough.
+/// Two methods that both claim to be converged, elsewhere: then neither claim is worth more. The
+/// other one has its step halved until its own change, as it converges, accounts for the distance,
+/// or that is small enough.
 void compareWithOther(const Model& model, double length, Goal goal, Window& window) {
   const auto other = [&](double rate) {
     return follow(model, referenceSolver(model, kOther, rate), window, stepsIn(length, 1 / rate)).x;
   };
   Points fine = other(goal.finest / 2);
+  double before = rmsDistance(model, fine, other(goal.finest / 4));
   window.disagreement = INFINITY;
   for (double rate = goal.finest; rate <= kFiner * goal.finest; rate *= 2) {
     const Points half = std::move(fine);
     fine = other(rate);
     const double apart = rmsDistance(model, fine, window.end);
+    const double change = rmsDistance(model, fine, half);
     window.disagreement = std::min(window.disagreement, apart);
-    if (apart <= window.uncertainty + rmsDistance(model, fine, half)) return;
+    if (apart <= window.uncertainty + change && change < kConverges * before) return;
     if (apart <= goal.agreement) break;
+    before = change;
   }
   window.uncertainty = std::max(window.uncertainty, window.disagreement);
 }

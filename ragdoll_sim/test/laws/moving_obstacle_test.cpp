@@ -92,7 +92,8 @@ double fastestWhereABoxSetsOff(double from) {
     if (time > 0.5 && time < 2.5) x = std::min(from, x + 0.25 * h);
     if (time > 3) x += kSetOff * h;
     step(model, inputs, workspace, state);
-    if (time > 3) fastest = std::max(fastest, std::sqrt(state.v.colwise().squaredNorm().maxCoeff()));
+    if (time > 3)
+      fastest = std::max(fastest, std::sqrt(state.v.colwise().squaredNorm().maxCoeff()));
   }
   return fastest;
 }

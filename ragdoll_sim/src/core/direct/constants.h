@@ -56,7 +56,8 @@ constexpr double kMostGiven = 0.01;
 // --- Adaptive steps.
 /// How much more the positions' error counts where something is met or let go: velocities, which
 /// jump a little sooner or later there, do not. 1: 1 window in 5 with contact is off at 1e-4 m/s.
-constexpr double kOfJumps = 8;
+/// 8: 4 windows of 79 at 1e-3 m/s, not 3.
+constexpr double kOfJumps = 12;
 /// [s] at a tolerance of 1 m/s; shorter with its square root, as of a method of second order.
 constexpr double kShortestPart = 5e-3;
 constexpr double kReserved = 0.5;       ///< of the tolerance, for the parts that follow in a step

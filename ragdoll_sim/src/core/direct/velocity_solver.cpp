@@ -308,7 +308,7 @@ VelocityImpulses pushVelocities(Island& island, int first_pair, const LoggedStag
   if (isLogged(island)) keepRates(island);
   const bool pressed = damps || (!at.impact && turnTogether(island));
   if (pressed) pressAndDamp(island, first_pair, damps ? damping : 0);
-  s.joint.solve(s.b, s.p, at.impact ? Sweeps::kToTheEnd : Sweeps::kAlongTheSlip);
+  s.joint.solve(s.b, s.p, at.impact ? Sweeps::kOfABlow : Sweeps::kAlongTheSlip);
   keepPressed(island, first_pair, s.p, island.pairs.pushed);
   if (pressed) s.change = s.p - s.change;
   push(island, pressed ? s.change : s.p);

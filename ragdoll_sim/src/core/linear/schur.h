@@ -23,7 +23,9 @@ namespace ragdoll {
 /// What sweeps are to do.
 enum class Sweeps {
   kToTheEnd,
-  kBatch,  ///< a few as they are, for who extrapolates from batch to batch
+  kOfABlow,  ///< the same, until small impulses beside a large one are exact, too: nothing mends
+             ///< them
+  kBatch,    ///< a few as they are, for who extrapolates from batch to batch
   /// Friction that slides at the first p, at the edge of its disc and against the slip, keeps its
   /// direction while it slides.
   kAlongTheSlip,

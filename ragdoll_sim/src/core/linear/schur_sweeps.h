@@ -68,7 +68,6 @@ RAGDOLL_INLINE void keepSlips(const Rows& rows, const double* p, std::vector<Sch
 template <class Rows>
 RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& blocks, double* p,
                                          Sweeps sweeps) {
-  constexpr int kMaxSweeps = 100;  // most end after 5 to 15
   const int m = rows.size();
   for (int i = 0; i < m; ++i)
     if (p[i] != 0) rows.push(i, 1, p + i);
@@ -76,8 +75,9 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& bl
   double last_change = kUnknown, last_ratio = 0;
   int endless = 0;
   if (sweeps == Sweeps::kAlongTheSlip) keepSlips(rows, p, blocks);
-  const bool batch = sweeps == Sweeps::kBatch;
-  const int most = batch ? kBatch : kMaxSweeps;
+  const bool batch = sweeps == Sweeps::kBatch, blow = sweeps == Sweeps::kOfABlow;
+  const int most = batch ? kBatch : blow ? kMaxBlowSweeps : kMaxSweeps;
+  const double tolerance = blow ? kBlowTolerance : kSweepTolerance;
   for (int iteration = 0; iteration < most; ++iteration) {
     double change = 0, largest = 0;
     for (SchurBlock& b : blocks) {
@@ -113,7 +113,7 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& bl
       }
       if (step[0] != 0 || step[1] != 0 || step[2] != 0) rows.push(b.row, 3, step);
     }
-    if (change <= kSweepTolerance * largest) return true;
+    if (change <= tolerance * largest) return true;
     if (batch) continue;
     const double ratio = change / last_change;
     endless = std::abs(ratio - 1) < kEndless ? endless + 1 : 0;

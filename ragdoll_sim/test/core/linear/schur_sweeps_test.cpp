@@ -88,6 +88,24 @@ TEST(SchurSweeps, GoOnToTheEndOfAGeometricSequence) {
   }
 }
 
+/// Six rows that hardly differ, beside one that has a thousand times their impulse.
+TEST(SchurSweeps, OfABlowFindSmallImpulsesBesideALargeOne) {
+  const int m = 7;
+  Eigen::MatrixXd A = Eigen::MatrixXd::Identity(m, m);
+  for (int i = 1; i < m; ++i)
+    for (int j = 1; j < m; ++j) A(i, j) = std::pow(0.9, std::abs(i - j));
+  Eigen::VectorXd exact(m);
+  exact << 100, 0.1, 0.15, 0.05, 0.2, 0.1, 0.12;
+  const auto worst = [&](Sweeps sweeps) {
+    DenseRows rows(A, -A * exact);
+    Eigen::VectorXd p = Eigen::VectorXd::Zero(m);
+    EXPECT_TRUE(rows.solve(p, sweeps));
+    return (p - exact).cwiseAbs().maxCoeff();
+  };
+  EXPECT_GT(worst(Sweeps::kToTheEnd), 1e-6);
+  EXPECT_LT(worst(Sweeps::kOfABlow), 1e-8);
+}
+
 TEST(SchurSweeps, FrictionStaysInItsDisc) {
   // Slides along (3, 4): the friction is 0.5 of the normal impulse, against the slip.
   const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(3, 3);
@@ -127,7 +145,7 @@ TEST(SchurSweeps, FrictionAlongTheSlipKeepsItsDirection) {
   };
   const Eigen::Vector3d along(2, 0, -1), against_the_slip(2, -0.6, -0.8);
   EXPECT_LT((solveFrom({2, 0, -1}) - along).norm(), 1e-6);
-  EXPECT_LT((solveFrom({1, 0, -0.5}) - along).norm(), 1e-6);           // of the pressure there is
+  EXPECT_LT((solveFrom({1, 0, -0.5}) - along).norm(), 1e-6);             // of the pressure there is
   EXPECT_LT((solveFrom({2, 0, -0.9}) - against_the_slip).norm(), 1e-6);  // stuck at first
   EXPECT_LT((solveFrom({2, 0, 1}) - against_the_slip).norm(), 1e-6);     // with the slip
 }
