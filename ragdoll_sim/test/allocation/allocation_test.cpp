@@ -86,6 +86,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Allocation,
                                          Case{"Relaxation", "stairs", "thesis", 3},
                                          Case{"RelaxedBodiesThatTouch", "two", "thesis", 4},
                                          Case{"RungeKutta", "fall", "reference", 1.5},
+                                         Case{"FromEventToEvent", "fall", "events", 1},
                                          Case{"AdaptiveRungeKutta", "hang", "adaptive", 1}),
                          [](const auto& info) { return info.param.name; });
 
@@ -99,7 +100,8 @@ World worldOf(const Case& c) {
   Scene scene = c.scene == "two models" ? parseScene(kTwoModels)
                 : c.scene == "chain"    ? test::weightless(test::chainOfThree())
                                         : loadScene(c.scene);
-  scene.solver = preset(c.solver == "adaptive" ? "reference" : c.solver);
+  scene.solver = preset(c.solver == "adaptive" || c.solver == "events" ? "reference" : c.solver);
+  scene.solver.events = c.solver == "events";
   if (c.solver == "adaptive") scene.solver.tolerance = 1e-6;
   scene.solver.joint_damping = 2;
   if (c.force > 0) {

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/direct/mode_newton.h"
@@ -11,8 +12,8 @@
 namespace ragdoll {
 namespace {
 
-/// The rows as sweeps take them (schur_sweeps.h); what slips takes its friction along with its normal
-/// force.
+/// The rows as sweeps take them (schur_sweeps.h); what slips takes its friction along with its
+/// normal force.
 struct SweptRows {
   ModeMatrix columns;
   ModeVector w;
@@ -22,6 +23,15 @@ struct SweptRows {
   void push(int i, int count, const double* step) {
     for (int k = 0; k < count; ++k) w += step[k] * columns.col(i + k);
   }
+};
+
+/// As many as there may be, so that no solution asks for memory.
+struct SweptBlocks {
+  std::array<SchurBlock, kMostModeRows> list;
+  int count = 0;
+
+  SchurBlock* begin() { return list.data(); }
+  SchurBlock* end() { return list.data() + count; }
 };
 
 SchurBlock sweptBlock(const ModeMatrix& A, const ModeBlock& block, const SweptRows& rows) {
@@ -46,8 +56,7 @@ SchurBlock sweptBlock(const ModeMatrix& A, const ModeBlock& block, const SweptRo
 void sweep(const ModeMatrix& A, const ModeVector& b, const std::vector<ModeBlock>& blocks,
            ModeVector& p) {
   SweptRows rows{A, b};
-  std::vector<SchurBlock> swept;
-  swept.reserve(blocks.size());
+  SweptBlocks swept;
   for (const ModeBlock& block : blocks) {
     const int i = block.row;
     if (block.friction > 0 && block.slips)
@@ -55,7 +64,7 @@ void sweep(const ModeMatrix& A, const ModeVector& b, const std::vector<ModeBlock
         rows.columns.col(i) -= block.friction * block.slip[k] * A.col(i + 1 + k);
         p[i + 1 + k] = 0;
       }
-    swept.push_back(sweptBlock(A, block, rows));
+    swept.list[swept.count++] = sweptBlock(A, block, rows);
   }
   projectedGaussSeidel(rows, swept, p.data(), Sweeps::kToTheEnd);
   for (const ModeBlock& block : blocks)

@@ -47,8 +47,8 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
 }
 
 /// Sets `slid` of the blocks that slide by p, whose rates are known (Sweeps::kAlongTheSlip).
-template <class Rows>
-RAGDOLL_INLINE void keepSlips(const Rows& rows, const double* p, std::vector<SchurBlock>& blocks) {
+template <class Rows, class Blocks>
+RAGDOLL_INLINE void keepSlips(const Rows& rows, const double* p, Blocks& blocks) {
   for (SchurBlock& b : blocks) {
     const double* now = p + b.row;
     if (!b.has_tangents || !(now[0] > 0)) continue;
@@ -60,14 +60,14 @@ RAGDOLL_INLINE void keepSlips(const Rows& rows, const double* p, std::vector<Sch
 }
 
 /// Finds p of w = b + A p (schur.h), starting at p. Rows: size(); rate(i), w of row i, at first b;
-/// push(i, count, step), which adds step[k] times row i + k of A to w. Returns whether it settled.
+/// push(i, count, step), which adds step[k] times row i + k of A to w. Blocks: a range of SchurBlock.
+/// Returns whether it settled.
 ///
 /// Once it is known what presses and what slides, each sweep's steps are those of the one before
 /// times a constant. Where that shows, p goes on to where the steps would add up to, as Aitken
 /// extrapolates a sequence [Aitken1926], and the next sweep projects it.
-template <class Rows>
-RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, std::vector<SchurBlock>& blocks, double* p,
-                                         Sweeps sweeps) {
+template <class Rows, class Blocks>
+RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, Blocks& blocks, double* p, Sweeps sweeps) {
   const int m = rows.size();
   for (int i = 0; i < m; ++i)
     if (p[i] != 0) rows.push(i, 1, p + i);
