@@ -1,24 +1,50 @@
-// Matrices of scratch that change their size from step to step: as large as there are contacts and
-// limits now. Eigen's own free their memory at each change of size; these keep it, so that a step
-// allocates only where it needs more than any step before.
+// Scratch that changes its size from step to step: as large as there are contacts and limits now.
+// It has room from the start for more of them than a human body has at once, so that no step but
+// the first asks for memory; where a step needs more than any before, it grows. Room that is never
+// written to takes addresses, but no memory.
 #pragma once
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <vector>
 
 namespace ragdoll {
 
+/// Rows of constraints that there is room for: a human body between obstacles has up to 90.
+constexpr int kRoomForRows = 128;
+constexpr int kRoomForBodies = 8;  ///< of an island
+
+/// A list of scratch. Room: for how many.
+template <class T, int Room = kRoomForRows>
+class Roomy : public std::vector<T> {
+  using List = std::vector<T>;
+
+ public:
+  Roomy() { this->reserve(Room); }
+  Roomy(const Roomy& other) : Roomy() { *this = other; }
+  Roomy(const List& other) : Roomy() { *this = other; }
+  Roomy(Roomy&& other) noexcept = default;
+  ~Roomy() = default;
+  Roomy& operator=(const Roomy& other) = default;
+  Roomy& operator=(Roomy&& other) noexcept = default;
+  Roomy& operator=(const List& other) {
+    List::operator=(other);
+    return *this;
+  }
+};
+
 /// A map of the first values of a buffer that never shrinks; in expressions it is a Map. M: a
-/// vector or a matrix of doubles with dynamic sizes.
+/// vector or a matrix of doubles with dynamic sizes. Eigen's own free their memory at each change
+/// of size.
 template <class M>
 class Growing : public Eigen::Map<M> {
   using Map = Eigen::Map<M>;
   using Index = Eigen::Index;
 
  public:
-  Growing() : Map(nullptr, 0, kColumns) {}
+  Growing() : Map(nullptr, 0, kColumns), buffer_(kRoomForRows * (kColumns ? 1 : kRoomForRows)) {}
   Growing(const Growing& other) : Growing() { *this = other; }
-  Growing(Growing&& other) noexcept : Growing() { swap(other); }
+  Growing(Growing&& other) noexcept : Map(nullptr, 0, kColumns) { swap(other); }
   ~Growing() = default;
 
   Growing& operator=(const Growing& other) { return assign(other); }

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/growing.h"
 #include "ragdoll_sim/core/types.h"
 
 namespace ragdoll {
@@ -49,11 +50,11 @@ class BodyGrid {
 
   double cell_ = 1;  ///< [m] edge
   long compared_ = 0;
-  std::vector<Entry> entries_, sorted_;
-  std::vector<int> first_;  ///< of each bucket, in sorted_
-  std::vector<int> large_;
-  std::vector<std::uint8_t> is_large_;
-  std::vector<std::pair<int, int>> pairs_;
+  Roomy<Entry> entries_, sorted_;
+  Roomy<int> first_;  ///< of each bucket, in sorted_
+  Roomy<int> large_;
+  Roomy<std::uint8_t> is_large_;
+  Roomy<std::pair<int, int>> pairs_;
 };
 
 }  // namespace ragdoll

@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/contact/body_grid.h"
 #include "core/contact/contact.h"
 #include "ragdoll_sim/core/model.h"
@@ -51,11 +52,11 @@ class PairDetector {
                   const Points& x1, PairSearch search, std::vector<Contact>& contacts) const;
 
   BodyGrid grid_;
-  std::vector<Bounds> bodies_, capsules_;  ///< swept; capsules: of all bodies, in order
-  std::vector<Bounds> own_;                ///< of one body
-  std::vector<int> first_;                 ///< a body's first capsule
-  std::vector<int> all_;                   ///< ragdolls
-  std::vector<int> near_;                  ///< capsules of the first body near the second
+  Roomy<Bounds> bodies_, capsules_;  ///< swept; capsules: of all bodies, in order
+  Roomy<Bounds> own_;                ///< of one body
+  Roomy<int> first_;                 ///< a body's first capsule
+  Roomy<int> all_;                   ///< ragdolls
+  Roomy<int> near_;                  ///< capsules of the first body near the second
 };
 
 }  // namespace ragdoll

@@ -19,7 +19,7 @@ struct AdaptiveScratch {
   SavedMotion coarse;           ///< what a part in one came to
   /// What pressed at the end of the last part that stood, and of the one at hand: taken once, and
   /// its halves.
-  std::vector<CachedImpulse> before, once, middle, after;
+  Roomy<CachedImpulse> before, once, middle, after;
 };
 
 }  // namespace ragdoll

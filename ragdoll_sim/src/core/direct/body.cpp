@@ -5,6 +5,24 @@
 
 namespace ragdoll {
 
+void makeRoom(const Skeleton& skeleton, const DirectSystem& system, BodyMemory& memory) {
+  memory.response.bind(system);
+  memory.angles.makeRoom(skeleton);
+}
+
+void Body::makeRoom(const DirectSystem& system) {
+  const StickRows& r = *system.rows;
+  for (Points* values :
+       {&motion.dx, &free.dx, &saved.x, &saved.v, &acceleration, &force, &v1, &moved, &kept})
+    values->resize(3, r.n);
+  ragdoll::makeRoom(r, energy);
+  for (Eigen::VectorXd* values :
+       {&motion.lambda, &free.lambda, &tension, &row_sums, &lengths2, &inverse_lengths2})
+    values->resize(r.width);
+  saved.multipliers.resize(2 * r.s);
+  ragdoll::makeRoom(system, implicit);
+}
+
 void Body::bind(const StepContext& c, int r) {
   context = &c;
   index = r;
@@ -13,9 +31,11 @@ void Body::bind(const StepContext& c, int r) {
   pinned = &c.model.systemOf(*ragdoll);
   system = &pinned->direct;
   rows = system->rows.get();
-  memory = &c.ws.bodies[r];
+  memory = c.ws.lends ? &scratchOf(c).lent[ragdoll->skeleton] : c.ws.bodies[r].get();
+  if (c.ws.lends) memory->schur.forget();  // what it has is of another body
   first = ragdoll->first;
   n = rows->n;
+  makeRoom(*system);
   memory->response.bind(*system);
   lengths = {rows->length2.data(), rows->inverse_length2.data(), kLengthTolerance};
   pin_speed = 0;

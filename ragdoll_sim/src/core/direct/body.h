@@ -53,6 +53,9 @@ struct BodyMemory {
   Schur schur;
 };
 
+/// Gives what is in it its size.
+void makeRoom(const Skeleton& skeleton, const DirectSystem& system, BodyMemory& memory);
+
 /// A motion over a part of the step.
 struct Motion {
   Points dx;               ///< [m] 3 x n
@@ -71,6 +74,8 @@ struct SavedBody {
 struct Body {
   /// Binds a place of the workspace to a ragdoll.
   void bind(const StepContext& context, int ragdoll);
+  /// Gives what is in it its size.
+  void makeRoom(const DirectSystem& system);
 
   const StepContext* context = nullptr;
   const Ragdoll* ragdoll = nullptr;

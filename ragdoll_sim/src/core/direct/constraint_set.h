@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/contact/contact.h"
 #include "core/direct/spring.h"
 #include "ragdoll_sim/core/limits.h"
@@ -36,18 +37,18 @@ enum class OverlapPolicy : std::uint8_t {
 
 /// Contacts that a motion may meet, of a body with obstacles and itself or between bodies.
 struct ContactSet {
-  std::vector<Contact> contacts;
-  std::vector<Role> role;          ///< of each
-  std::vector<int> row;            ///< the first of each, or -1
-  std::vector<SpringRow> springs;  ///< of each
-  std::vector<Contact> missed;     ///< scratch: what is found beside them
+  Roomy<Contact> contacts;
+  Roomy<Role> role;          ///< of each
+  Roomy<int> row;            ///< the first of each, or -1
+  Roomy<SpringRow> springs;  ///< of each
+  Roomy<Contact> missed;     ///< scratch: what is found beside them
 };
 
 /// Those of them that touch at the motion's end: what its velocities are solved for.
 struct TouchingContacts {
-  std::vector<Contact> contacts;
-  std::vector<std::uint8_t> hit;  ///< of each: Role::kHit
-  std::vector<double> warm;       ///< of all rows: the position stage's impulses over h
+  Roomy<Contact> contacts;
+  Roomy<std::uint8_t> hit;  ///< of each: Role::kHit
+  Roomy<double> warm;       ///< of all rows: the position stage's impulses over h
 
   void clear() {
     contacts.clear();
@@ -58,19 +59,19 @@ struct TouchingContacts {
 
 /// A body's own.
 struct ConstraintSet : ContactSet {
-  std::vector<LimitRow> limits;
-  std::vector<Role> limit_role;
-  std::vector<int> limit_row;                ///< of each, or -1
-  std::vector<LimitRow::Softness> softness;  ///< of the limits
-  int own_rows = 0;                          ///< rows of contacts with other bodies come after
-  double overlap = 0;                        ///< [m] the deepest, at the motion's start
-  std::vector<int> passed;                   ///< obstacles that the body is dragged through
+  Roomy<LimitRow> limits;
+  Roomy<Role> limit_role;
+  Roomy<int> limit_row;                ///< of each, or -1
+  Roomy<LimitRow::Softness> softness;  ///< of the limits
+  int own_rows = 0;                    ///< rows of contacts with other bodies come after
+  double overlap = 0;                  ///< [m] the deepest, at the motion's start
+  Roomy<int> passed;                   ///< obstacles that the body is dragged through
 };
 
 /// A body's own; warm: of the contacts' rows, then of the limits'.
 struct TouchingSet : TouchingContacts {
-  std::vector<LimitRow> limits;
-  std::vector<std::uint8_t> limit_hit;  ///< of each: Role::kHit
+  Roomy<LimitRow> limits;
+  Roomy<std::uint8_t> limit_hit;  ///< of each: Role::kHit
 
   void clear() {
     TouchingContacts::clear();

@@ -1,5 +1,6 @@
 #include "core/direct/direct_step.h"
 
+#include <memory>
 #include <utility>
 
 #include "core/direct/adaptive_step.h"
@@ -29,20 +30,48 @@ void keepSleepersImpulses(const StepContext& context, std::vector<CachedImpulse>
 
 }  // namespace
 
-void prepareDirect(const StepContext& context) {
+void makeRoom(const StepContext& context) {
   const Model& model = context.model;
   DirectWorkspace& ws = context.ws;
-  State& state = context.state;
   ws.bodies.resize(model.ragdolls.size());
+  for (std::size_t i = 0; i < ws.bodies.size() && !ws.lends; ++i) {
+    if (ws.bodies[i]) continue;
+    const Ragdoll& r = model.ragdolls[i];
+    ws.bodies[i] = std::make_unique<BodyMemory>();
+    makeRoom(model.skeletonOf(r), model.systemOf(r).direct, *ws.bodies[i]);
+  }
+  const std::size_t threads = threadsOf(context);
+  if (ws.scratch.size() < threads) ws.scratch.resize(threads);
+  for (WorkerScratch& scratch : ws.scratch) {
+    scratch.obstacles.reserve(model.obstacles.size());
+    scratch.poses.resize(3, model.size());
+    for (IslandScratch* island : {&scratch.island, &scratch.lone}) makeRoom(model, *island);
+    if (!ws.lends || scratch.lent.size() == model.skeletons.size()) continue;
+    scratch.lent.resize(model.skeletons.size());
+    for (const Ragdoll& r : model.ragdolls)
+      makeRoom(model.skeletonOf(r), model.systemOf(r).direct, scratch.lent[r.skeleton]);
+  }
+  ws.obstacles.reserve(model.obstacles.size());
+  for (std::vector<CachedImpulse>* impulses : {&ws.impulses, &context.state.impulses})
+    impulses->reserve(kRoomForRows * model.ragdolls.size());
   ws.first_multiplier.clear();
   int count = 0;
   for (const Ragdoll& r : model.ragdolls) {
     ws.first_multiplier.push_back(count);
     count += multiplierCount(*model.systemOf(r).direct.rows);
   }
-  if (static_cast<int>(state.multipliers.size()) != count) state.multipliers.assign(count, 0.0);
+  ws.multipliers = count;
+  context.state.multipliers.reserve(count);
+}
+
+void prepareDirect(const StepContext& context) {
+  const Model& model = context.model;
+  DirectWorkspace& ws = context.ws;
+  State& state = context.state;
+  makeRoom(context);
+  if (static_cast<int>(state.multipliers.size()) != ws.multipliers)
+    state.multipliers.assign(ws.multipliers, 0.0);
   sweepObstacles(model, state, context.inputs.obstacles, ws.obstacles);
-  for (WorkerScratch& scratch : ws.scratch) scratch.obstacles.reserve(ws.obstacles.size());
   ws.impulses.clear();
 }
 

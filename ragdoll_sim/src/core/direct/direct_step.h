@@ -8,7 +8,10 @@
 
 namespace ragdoll {
 
-/// Sizes what bodies need and sweeps the obstacles; before the bodies of a step.
+/// Gives the scratch its size: no step but the first asks for memory.
+void makeRoom(const StepContext& context);
+
+/// The same, multipliers of the state, and sweeps the obstacles: before the bodies of a step.
 void prepareDirect(const StepContext& context);
 
 /// Moves x and v of all awake ragdolls by the step; time, step count and obstacles are the

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/contact/contact.h"
 #include "ragdoll_sim/core/limits.h"
 #include "ragdoll_sim/core/state.h"
@@ -41,8 +42,8 @@ class ImpulseCache {
   bool isHandedOut(std::size_t k) const { return handed_out_[k] != 0; }
 
  private:
-  std::vector<CachedImpulse> impulses_;
-  std::vector<std::uint8_t> handed_out_;
+  Roomy<CachedImpulse> impulses_;
+  Roomy<std::uint8_t> handed_out_;
   bool gripped_ = false;
 };
 

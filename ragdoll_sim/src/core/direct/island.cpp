@@ -20,6 +20,26 @@ bool Island::opensOverlaps() const {
                      [](const Body* body) { return body->overlaps == OverlapPolicy::kResolve; });
 }
 
+void makeRoom(const Model& model, IslandScratch& s) {
+  if (!s.places.empty()) return;
+  const int most = model.ragdoll_collision
+                       ? std::min<int>(kRoomForBodies, static_cast<int>(model.ragdolls.size()))
+                       : 1;
+  std::vector<int> bodies(model.skeletons.size(), 0);
+  s.places.resize(bodies.size());
+  for (const Ragdoll& r : model.ragdolls) {
+    if (++bodies[r.skeleton] > most) continue;
+    s.places[r.skeleton].emplace_back().makeRoom(model.systemOf(r).direct);
+  }
+  for (RowValues* values : {&s.b, &s.p, &s.total, &s.change, &s.rates})
+    values->resize(most * kRoomForRows);
+  s.parts.resize(most);
+  s.joint.makeRoom(most);
+  s.place.resize(model.ragdolls.size());
+  s.used.resize(bodies.size());
+  makeRoom(model, s.removal);
+}
+
 void makePlaces(const Model& model, const std::vector<int>& bodies, IslandScratch& s) {
   s.places.resize(model.skeletons.size());
   s.used.assign(model.skeletons.size(), 0);

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/contact/pair_detect.h"
 #include "core/direct/body.h"
 #include "core/direct/mode.h"
@@ -19,11 +20,11 @@ namespace ragdoll {
 
 /// The contacts between the bodies of an island.
 struct PairSet : ContactSet {
-  TouchingContacts touching;       ///< at the motion's end
-  ImpulseCache cache, saved;       ///< saved: before the present substep
-  std::vector<BodyPair> pressing;  ///< in the last motion
-  std::vector<BodyPair> met;       ///< in an impact of the step
-  std::vector<BodyPair> pushed;    ///< by a row of any stage since the bodies were saved
+  TouchingContacts touching;  ///< at the motion's end
+  ImpulseCache cache, saved;  ///< saved: before the present substep
+  Roomy<BodyPair> pressing;   ///< in the last motion
+  Roomy<BodyPair> met;        ///< in an impact of the step
+  Roomy<BodyPair> pushed;     ///< by a row of any stage since the bodies were saved
 
   /// No contacts; nothing pressed yet.
   void clear() {
@@ -39,8 +40,8 @@ struct PairSet : ContactSet {
 /// Memory of islands, as large as the largest.
 struct IslandScratch {
   std::vector<std::vector<Body>> places;  ///< by skeleton, so that buffers keep their sizes
-  std::vector<Body*> bodies;              ///< awake, ascending
-  std::vector<int> all;  ///< ragdolls: the bodies, and sleepers near them, ascending
+  Roomy<Body*> bodies;                    ///< awake, ascending
+  Roomy<int> all;  ///< ragdolls: the bodies, and sleepers near them, ascending
   PairSet pairs;
   PairDetector detector;
   JointSchur joint;
@@ -50,12 +51,12 @@ struct IslandScratch {
   RowValues rates;         ///< [m/s] where contacts are logged: before the velocity stage
   std::size_t logged = 0;  ///< entries of the contact log before the present substep
   std::vector<RowValues> parts;
-  std::vector<int> ragdolls;   ///< of the bodies
-  std::vector<int> place;      ///< of each ragdoll among them; of others: anything
-  std::vector<int> used;       ///< places of each skeleton
-  std::vector<int> group;      ///< of each body: those that pressed on each other
-  std::vector<Body*> grouped;  ///< the bodies of a group
-  std::vector<int> drained;    ///< ragdolls that energy is taken out of
+  Roomy<int> ragdolls;     ///< of the bodies
+  std::vector<int> place;  ///< of each ragdoll among them; of others: anything
+  std::vector<int> used;   ///< places of each skeleton
+  Roomy<int> group;        ///< of each body: those that pressed on each other
+  Roomy<Body*> grouped;    ///< the bodies of a group
+  Roomy<int> drained;      ///< ragdolls that energy is taken out of
 };
 
 struct Island {
@@ -81,6 +82,9 @@ struct Island {
     return place < count && s.ragdolls[place] == ragdoll ? place : -1;
   }
 };
+
+/// Room for an island of up to kRoomForBodies of the model's bodies; larger ones grow as they come.
+void makeRoom(const Model& model, IslandScratch& scratch);
 
 /// Places for `bodies` are there afterwards, and none is taken: room for them all, as those that
 /// are bound must not move.

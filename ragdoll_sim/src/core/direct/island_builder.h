@@ -8,6 +8,7 @@
 
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/contact/contact.h"
 #include "core/contact/pair_detect.h"
 #include "core/direct/body.h"
@@ -24,10 +25,10 @@ class IslandBuilder {
  private:
   /// What a body's step came to; an island's is with its first body.
   struct IslandOutcome : Outcome {
-    std::vector<int> island;         ///< bodies that it took the step with; empty: none yet
-    std::vector<int> near_sleepers;  ///< that it came near
-    std::vector<int> sleepers;       ///< island's first: that it took the step with
-    int turn = 0;                    ///< which of the step's it was
+    Roomy<int> island;         ///< bodies that it took the step with; empty: none yet
+    Roomy<int> near_sleepers;  ///< that it came near
+    Roomy<int> sleepers;       ///< island's first: that it took the step with
+    int turn = 0;              ///< which of the step's it was
   };
 
   void begin(const StepContext& context);
@@ -55,12 +56,12 @@ class IslandBuilder {
 
   PairDetector detector_;
   SavedMotion start_;
-  std::vector<Contact> contacts_;
+  Roomy<Contact> contacts_;
   std::vector<int> parent_;  ///< per ragdoll: disjoint sets
   std::vector<IslandOutcome> outcomes_;
   std::vector<std::uint8_t> pressed_pair_, was_asleep_;
-  std::vector<std::vector<int>> members_, sleepers_;  ///< per root
-  std::vector<int> parts_;                            ///< ragdolls, or roots, that are stepped now
+  std::vector<Roomy<int>> members_, sleepers_;  ///< per root
+  std::vector<int> parts_;                      ///< ragdolls, or roots, that are stepped now
   std::vector<int> no_sleepers_, order_;
   int turns_ = 0;  ///< taken in this step
 };

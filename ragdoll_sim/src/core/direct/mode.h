@@ -8,6 +8,7 @@
 
 #include "core/base/growing.h"
 #include "core/contact/contact.h"
+#include "core/direct/dormand_prince.h"
 #include "core/direct/mode_solve.h"
 #include "core/linear/stick_kernels.h"
 #include "ragdoll_sim/core/limits.h"
@@ -67,8 +68,8 @@ struct RowPlace {
 
 /// Forces of the rows at one instant.
 struct ModeForces {
-  std::vector<double> normal;  ///< [N], [N m]
-  std::vector<Vec3> friction;  ///< [N]
+  Roomy<double> normal;  ///< [N], [N m]
+  Roomy<Vec3> friction;  ///< [N]
 };
 
 /// A motion's state at one instant: padded coordinates of one body after the other (Mode::offset).
@@ -86,25 +87,27 @@ struct ModeSpin {
   Vec3 rate = Vec3::Zero();  ///< [rad/s] of all as one; what slips is measured against it
 };
 
+constexpr int kEventsOfRow = 5;  ///< functions that mode_event_search.h looks at
+
 struct Mode {
-  std::vector<ModeRow> rows;  ///< of one body after the other, then those that two share
-  std::vector<int> offset;    ///< of each body's coordinates
-  int size = 0;               ///< of all coordinates
-  double force_scale = 0;     ///< [N] below 1e-9 of which a force is none
-  double longest = 0;         ///< [s] piece in which springs are followed
-  double work = 0;            ///< [J] of what is counted in Body::given, in the last motion
+  Roomy<ModeRow> rows;     ///< of one body after the other, then those that two share
+  Roomy<int> offset;       ///< of each body's coordinates
+  int size = 0;            ///< of all coordinates
+  double force_scale = 0;  ///< [N] below 1e-9 of which a force is none
+  double longest = 0;      ///< [s] piece in which springs are followed
+  double work = 0;         ///< [J] of what is counted in Body::given, in the last motion
   // Scratch.
-  std::vector<RowPlace> place;
-  std::vector<int> first;  ///< of rows in the Schur complement; -1: none
-  std::vector<ModeBlock> blocks;
-  std::vector<int> spin_of;   ///< of each body; -1: held, or nothing presses on it
-  std::vector<int> found_of;  ///< that the present forces were found with
-  std::vector<ModeSpin> spins;
+  Roomy<RowPlace> place;
+  Roomy<int> first;  ///< of rows in the Schur complement; -1: none
+  Roomy<ModeBlock> blocks;
+  Roomy<int> spin_of;   ///< of each body; -1: held, or nothing presses on it
+  Roomy<int> found_of;  ///< that the present forces were found with
+  Roomy<ModeSpin> spins;
   ModePoint start, end, sample, stage;
   RowValues beside;  ///< positions near those of a point
   Growing<PaddedRows> slopes;
-  std::vector<ModeForces> stages;
-  std::vector<double> event, earlier;
+  std::array<ModeForces, dormand_prince::kStages> stages;
+  Roomy<double, kEventsOfRow * kRoomForRows> event, earlier;
 };
 
 }  // namespace ragdoll

@@ -13,7 +13,8 @@ namespace ragdoll {
 namespace {
 
 /// What a row may do that ends a piece: each a function that is not negative until then.
-enum Event { kGap, kForce, kFriction, kMotion, kPlace, kEventsOfRow };
+enum Event { kGap, kForce, kFriction, kMotion, kPlace };
+static_assert(kPlace + 1 == kEventsOfRow);
 
 constexpr double kLasting = 1;  ///< of what does not end the mode
 

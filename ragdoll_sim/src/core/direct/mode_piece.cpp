@@ -25,7 +25,6 @@ bool moveInMode(Island& island, double h, ModePoint& end) {
   resize(mode, end);
   const Eigen::Index size = mode.start.x.size();
   mode.slopes.resize(kStages, 2 * size);
-  mode.stages.resize(kStages);
   mode.work = 0;
   const auto sum = [&](const double* weights, int count, ModePoint& out) {
     out.x = mode.start.x;

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/mechanics/supports.h"
 #include "ragdoll_sim/core/contact_log.h"
 #include "ragdoll_sim/core/state.h"
@@ -12,8 +13,8 @@
 namespace ragdoll {
 
 struct Outcome {
-  std::vector<CachedImpulse> impulses;
-  std::vector<BodyPair> pressing;
+  Roomy<CachedImpulse> impulses;
+  Roomy<BodyPair> pressing;
   StepReport report;
   ContactLog log;  ///< if anyone asks
 

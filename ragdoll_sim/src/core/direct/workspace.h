@@ -4,6 +4,7 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <vector>
 
 #include "core/base/workers.h"
@@ -18,16 +19,20 @@ namespace ragdoll {
 
 /// What one thread steps bodies in.
 struct WorkerScratch {
+  std::vector<BodyMemory> lent;          ///< per skeleton, to bodies that have none of their own
   IslandScratch island, lone;            ///< lone: of bodies that an island gave up
   Points poses;                          ///< [m] 3 x N (posesOf)
-  std::vector<int> lone_body;            ///< an island of one
+  Roomy<int> lone_body;                  ///< an island of one
   std::vector<SweptObstacle> obstacles;  ///< over a part of a step
 };
 
 struct DirectWorkspace {
   std::vector<SweptObstacle> obstacles;
-  std::vector<BodyMemory> bodies;     ///< per ragdoll
+  std::vector<std::unique_ptr<BodyMemory>> bodies;  ///< per ragdoll; none where lends
+  /// A thread's memory serves whichever body it steps: of a method that steps few of them so.
+  bool lends = false;
   std::vector<int> first_multiplier;  ///< per ragdoll: its first in the state
+  int multipliers = 0;                ///< of all
   Workers workers;
   /// Per thread; a deque, as what is in use must not move.
   std::deque<WorkerScratch> scratch = std::deque<WorkerScratch>(1);
@@ -55,7 +60,6 @@ template <class Part>
 void forEachPart(const StepContext& context, int count, const Part& part) {
   DirectWorkspace& ws = context.ws;
   const int threads = threadsOf(context);
-  if (static_cast<int>(ws.scratch.size()) < threads) ws.scratch.resize(threads);
   ws.workers.run(threads, count, [&](int k, int worker) {
     StepContext own = context;
     own.worker = worker;

@@ -80,6 +80,7 @@ void sortPresses(const Model& model, const State& state, FastScratch& s) {
   for (const CachedImpulse& p : state.impulses) ++s.first_impulse[p.ragdoll + 2];
   for (std::size_t i = 2; i < s.first_impulse.size(); ++i)
     s.first_impulse[i] += s.first_impulse[i - 1];
+  s.cached.reserve(state.impulses.capacity());
   s.cached.resize(state.impulses.size());
   for (std::size_t k = 0; k < state.impulses.size(); ++k)
     s.cached[s.first_impulse[state.impulses[k].ragdoll + 1]++] = static_cast<int>(k);
@@ -474,7 +475,7 @@ void stepPacks(const StepContext& context, FastScratch& s, StepReport& report,
 void stepFast(const StepContext& context, FastScratch& s, StepReport& report) {
   const Model& model = context.model;
   State& state = context.state;
-  s.packed = !model.ragdoll_collision && !model.compliant;
+  s.packed = context.ws.lends = !model.ragdoll_collision && !model.compliant;
   if (!s.packed) {
     report.fast_fallbacks =
         static_cast<int>(std::count(state.asleep.begin(), state.asleep.end(), std::uint8_t(0)));
@@ -486,6 +487,7 @@ void stepFast(const StepContext& context, FastScratch& s, StepReport& report) {
     for (const System& system : model.systems) s.bodies.push_back(fast::buildBody(model, system));
   }
   s.left.clear();
+  s.left.reserve(model.ragdolls.size());
   fast::stepPacks(context, s, report, s.left);
   std::fill(state.multipliers.begin(), state.multipliers.end(), 0.0);  // of another method's step
   std::vector<CachedImpulse>& impulses = context.ws.impulses;

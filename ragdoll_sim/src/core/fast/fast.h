@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/contact/detect.h"
 #include "core/direct/body.h"
 #include "core/fast/body.h"
@@ -28,12 +29,12 @@ namespace fast {
 struct PackScratch {
   std::vector<char> memory;
   std::vector<double> spare;  ///< positions and velocities of lanes without a body
-  std::vector<double> limit_impulses;
-  std::vector<LaneImpulse> impulses;
-  std::vector<LaneContact> contacts;
-  std::vector<LeftOver> left_over;
-  std::vector<int> slots;  ///< per feature: used ones
-  std::vector<Contact> found;
+  Roomy<double> limit_impulses;
+  Roomy<LaneImpulse> impulses;
+  Roomy<LaneContact> contacts;
+  Roomy<LeftOver> left_over;
+  Roomy<int> slots;  ///< per feature: used ones
+  Roomy<Contact> found;
   Points predicted;  ///< [m] 3 x N: where free motions lead; of the pack's bodies only
 };
 
@@ -41,8 +42,8 @@ struct PackScratch {
 struct Batch {
   int system = 0;
   int begin = 0, count = 0;  ///< of FastScratch::order
-  std::vector<CachedImpulse> impulses;
-  std::vector<int> left;  ///< ragdolls for the direct method
+  Roomy<CachedImpulse> impulses;
+  Roomy<int> left;  ///< ragdolls for the direct method
   int contacts = 0, limited = 0;
 };
 

@@ -88,6 +88,16 @@ bool LimitAngles::Pose::is(const std::vector<Limit>& limits, const double* coord
          std::memcmp(coordinates_.data(), coordinates, count * sizeof(double)) == 0;
 }
 
+void LimitAngles::Pose::makeRoom(std::size_t limits, std::size_t count) {
+  coordinates_.reserve(count);
+  value_.reserve(limits);
+  known_.reserve(limits);
+  reference_.reserve(limits);
+  child_.reserve(limits);
+  cosine_.reserve(limits);
+  row_.reserve(limits);
+}
+
 void LimitAngles::Pose::set(const std::vector<Limit>& limits, int first, const double* coordinates,
                             std::size_t count) {
   limits_ = &limits;
@@ -119,6 +129,11 @@ bool LimitAngles::Pose::isFar(int k, double margin) const {
 void LimitAngles::Pose::findValue(int k) {
   value_[k] = limitValue((*limits_)[k], reference_[k], child_[k], coordinates_.data());
   known_[k] = 1;
+}
+
+void LimitAngles::makeRoom(const Skeleton& skeleton) {
+  for (Pose& pose : poses_)
+    pose.makeRoom(skeleton.limits.size(), 3 * static_cast<std::size_t>(skeleton.size()));
 }
 
 LimitAngles::Pose& LimitAngles::at(const Model& model, const Points& x, int ragdoll) {

@@ -31,6 +31,7 @@ class LimitAngles {
 
     /// Whether this is the pose of `count` coordinates, to the bit; becomes it.
     bool is(const std::vector<Limit>& limits, const double* coordinates, std::size_t count) const;
+    void makeRoom(std::size_t limits, std::size_t count);
     /// limits: of the body's skeleton; first: the body's first column of the state.
     void set(const std::vector<Limit>& limits, int first, const double* coordinates,
              std::size_t count);
@@ -48,6 +49,7 @@ class LimitAngles {
     std::vector<LimitRow> row_;   ///< with their gradients, or count 0
   };
 
+  void makeRoom(const Skeleton& skeleton);
   /// Valid until three other poses have been asked for. x: 3 x N.
   Pose& at(const Model& model, const Points& x, int ragdoll);
 

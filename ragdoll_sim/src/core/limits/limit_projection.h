@@ -10,6 +10,7 @@
 
 #include <vector>
 
+#include "core/base/growing.h"
 #include "ragdoll_sim/core/limits.h"
 
 namespace ragdoll {
@@ -35,8 +36,8 @@ class LimitProjection {
   bool isInside(const Row& row, const Points& x) const;  ///< as its last tangent says
   void project(const Model& model, Row& row, Points& x) const;
 
-  std::vector<LimitRow> found_;
-  std::vector<Row> rows_;
+  Roomy<LimitRow> found_;
+  Roomy<Row> rows_;
 };
 
 }  // namespace ragdoll

@@ -18,6 +18,9 @@ void BodyResponse::bind(const DirectSystem& system) {
   rows_ = system.rows.get();
   start_.resize(*rows_);
   end_.resize(*rows_);
+  for (PaddedRows* values : {&D1_, &pulls_, &rates_}) values->resize(3, rows_->width);
+  for (Eigen::VectorXd* values : {&residual_, &correction_, &lambda_}) values->resize(rows_->width);
+  for (Points* values : {&pose_, &free_}) values->resize(3, rows_->n);
 }
 
 double BodyResponse::startLength2(int stick) const {
@@ -25,14 +28,12 @@ double BodyResponse::startLength2(int stick) const {
 }
 
 double BodyResponse::startError(const StickLengths& lengths) {
-  residual_.resize(rows_->width);
   return 2 * kernels::lengthResiduals(start_.D(), lengths.length2, lengths.inverse_length2,
                                       rows_->width, residual_.data());
 }
 
 bool BodyResponse::alongStart(const StickLengths& lengths, Points& dx, Eigen::VectorXd& lambda) {
   const StickRows& rows = *rows_;
-  D1_.resize(3, rows.width);
   kernels::multiplyPoints(dx.data(), rows.BT.data(), rows.n, rows.width, D1_.data());
   D1_ += Eigen::Map<const PaddedRows>(start_.D(), 3, rows.width);
   residual_.setZero(rows.width);
@@ -56,14 +57,12 @@ bool BodyResponse::alongStart(const StickLengths& lengths, Points& dx, Eigen::Ve
 
 void BodyResponse::setFree(const Points& free) {
   free_ = free;
-  pulls_.resize(3, rows_->width);
   kernels::multiplyPoints(free_.data(), rows_->BT.data(), rows_->n, rows_->width, pulls_.data());
 }
 
 const Eigen::VectorXd& BodyResponse::accelerate(bool at_end, const double* v, double* out) {
   const StickRows& rows = *rows_;
   StickSolver& sticks = at_end ? end_ : start_;
-  rates_.resize(3, rows.width);
   kernels::multiplyPoints(v, rows.BT.data(), rows.n, rows.width, rates_.data());
   // d . d'' + d' . d' = 0 of every stick.
   lambda_.setZero(rows.width);

@@ -62,11 +62,11 @@ class EqualSprings {
   /// By how much friction that sticks is more than its contact holds now: it is to slide.
   static double beyondCones(const std::vector<SchurBlock>& blocks, const double* p);
 
-  std::vector<Pressing> rows_;
-  std::vector<int> known_;  ///< rows that B_ is of
-  std::vector<int> pivot_;  ///< of L_'s rows
-  bool depends_ = false;    ///< what slides, on other rows
-  bool of_kernel_ = true;   ///< what basis_ spans: or else, where that is less, the range
+  Roomy<Pressing> rows_;
+  Roomy<int> known_;       ///< rows that B_ is of
+  Roomy<int> pivot_;       ///< of L_'s rows
+  bool depends_ = false;   ///< what slides, on other rows
+  bool of_kernel_ = true;  ///< what basis_ spans: or else, where that is less, the range
   Growing<PaddedRows> B_, L_, basis_;
   RowValues q_, change_, left_, weights_;
 };

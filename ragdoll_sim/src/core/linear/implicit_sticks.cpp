@@ -10,14 +10,10 @@ namespace {
 
 /// Where Newton's method starts: at rest.
 void start(const DirectSystem& system, const Eigen::Ref<const Points>& x, ImplicitSticks& s) {
-  const Eigen::Index sticks = system.B.rows(), n = system.B.cols();
-  s.dx.setZero(3, n);
+  makeRoom(system, s);
+  s.dx.setZero();
   s.D0.noalias() = x * system.B.transpose();
   s.D = s.D0;
-  s.tangent.resize(sticks, sticks);
-  s.stretch.resize(sticks);
-  s.change.resize(sticks);
-  s.sides.resize(sticks, n + sticks);
   s.sides << system.BW, system.G;
 }
 
@@ -73,6 +69,19 @@ double shareOf(const DirectSystem& system, const double* length2, double reach, 
 }
 
 }  // namespace
+
+void makeRoom(const DirectSystem& system, ImplicitSticks& s) {
+  const Eigen::Index sticks = system.B.rows(), n = system.B.cols();
+  for (Points* values : {&s.free, &s.dx, &s.unbalanced, &s.step}) values->resize(3, n);
+  for (Eigen::MatrixXd* values : {&s.D0, &s.D, &s.impulses, &s.DB, &s.pulled, &s.turn})
+    values->resize(3, sticks);
+  for (Eigen::MatrixXd* values : {&s.tangent, &s.system}) values->resize(sticks, sticks);
+  for (Eigen::MatrixXd* values : {&s.sides, &s.solved}) values->resize(sticks, n + sticks);
+  s.turned_pulls.resize(sticks, 3);
+  for (Eigen::VectorXd* values : {&s.lambda, &s.stretch, &s.change, &s.solution})
+    values->resize(sticks);
+  if (s.lu.rows() != sticks) s.lu = Eigen::PartialPivLU<Eigen::MatrixXd>(sticks);
+}
 
 bool moveImplicitly(const DirectSystem& system, const double* length2,
                     const Eigen::Ref<const Points>& x, ImplicitSticks& s) {

@@ -21,6 +21,9 @@ struct ImplicitSticks {
   Eigen::PartialPivLU<Eigen::MatrixXd> lu;
 };
 
+/// Gives what is in it its size.
+void makeRoom(const DirectSystem& system, ImplicitSticks& s);
+
 /// s.dx and s.lambda of a motion from x (3 x n) after which sticks have these squared lengths.
 /// False: none was found.
 bool moveImplicitly(const DirectSystem& system, const double* length2,

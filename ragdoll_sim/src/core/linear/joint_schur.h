@@ -8,6 +8,7 @@
 #include <array>
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/linear/equal_springs.h"
 #include "core/linear/schur.h"
 
@@ -15,6 +16,12 @@ namespace ragdoll {
 
 class JointSchur {
  public:
+  /// For as many bodies.
+  void makeRoom(int bodies) {
+    answers_.resize(bodies);
+    rows_.reserve(bodies * kRoomForRows);
+    blocks_.reserve(bodies * kRoomForRows);
+  }
   /// shares_load: whether rows that depend on each other share what they press with as springs do.
   void clear(bool shares_load);
   /// A body's complement; its present rows become rows here, in their order. Returns its number.
@@ -65,10 +72,10 @@ class JointSchur {
   bool isOneBody() const { return bodies_.size() == 1; }
 
   bool shares_load_ = true;
-  std::vector<Schur*> bodies_;
-  std::vector<int> first_;
-  std::vector<Row> rows_;
-  std::vector<SchurBlock> blocks_;
+  Roomy<Schur*> bodies_;
+  Roomy<int> first_;
+  Roomy<Row> rows_;
+  Roomy<SchurBlock> blocks_;
   EqualSprings springs_;
   std::vector<RowValues> answers_;  ///< per body
 };

@@ -73,6 +73,11 @@ class Schur {
     }
   };
 
+  /// Forgets the assembly before.
+  void forget() {
+    assembled_ = false;
+    before_.rows.clear();
+  }
   /// first: the body's first column of the state.
   void start(int first);
   void addContact(const Contact& contact, int source) {
@@ -127,8 +132,8 @@ class Schur {
 
  private:
   struct Assembly {
-    std::vector<Row> rows;
-    Eigen::VectorXd pose;
+    Roomy<Row> rows;
+    RowValues pose;               ///< [m] padded
     Growing<PaddedRows> A;        ///< rows x padded rows
     Growing<PaddedRows> answers;  ///< motions by unit impulses of the rows, padded coordinates
     RowValues free;               ///< A's diagonal without the sticks' answer
@@ -151,13 +156,13 @@ class Schur {
   int count_ = 0;  ///< of the body's coordinates
   Assembly now_, before_;
   bool assembled_ = false;  ///< now_
-  std::vector<int> known_;
-  std::vector<int> place_;      ///< of each particle in turned_; -1: no row acts on it
+  Roomy<int> known_;
+  Roomy<int> place_;            ///< of each particle in turned_; -1: no row acts on it
   Growing<PaddedRows> turned_;  ///< the answers' coordinates of these particles x padded rows
-  std::vector<SchurBlock> blocks_;
+  Roomy<SchurBlock> blocks_;
   RowValues w_, start_, scale_, scaled_, swept_, better_;  ///< all but w_: of solveOn
   Anderson anderson_;
-  Eigen::VectorXd moved_;
+  RowValues moved_;
 };
 
 }  // namespace ragdoll

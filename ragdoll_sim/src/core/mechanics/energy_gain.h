@@ -11,6 +11,12 @@ struct EnergyScratch {
   PaddedRows pushed;
 };
 
+/// Gives what is in it its size.
+inline void makeRoom(const StickRows& rows, EnergyScratch& s) {
+  s.change.resize(3, rows.n);
+  s.pushed.resize(3, rows.columns);
+}
+
 /// [kg m/s] V M (3 x n) for V = s.change.
 inline auto momentum(const StickRows& rows, EnergyScratch& s) {
   s.pushed.resize(3, rows.columns);

@@ -14,7 +14,7 @@ class Group {
  public:
   Group(const Model& model, const std::vector<int>& bodies, State& state, RemovalScratch& scratch)
       : model_(model), bodies_(bodies), state_(state), scratch_(scratch) {
-    scratch_.energy.resize(model.skeletons.size());
+    makeRoom(model, scratch_);
   }
 
   double kineticEnergy() {
@@ -25,7 +25,6 @@ class Group {
   }
 
   double takeOut(double gain, bool held) {
-    scratch_.before.resize(3, state_.v.cols());
     for (const int i : bodies_) at(scratch_.before, i) = v(i);  // others move at the same time
     const double before = kineticEnergy();
     for (const int i : bodies_) dampInnerMotion(mass(i), pins(i), 0, x(i), v(i));
@@ -99,6 +98,14 @@ class Group {
 };
 
 }  // namespace
+
+void makeRoom(const Model& model, RemovalScratch& s) {
+  s.before.resize(3, model.size());
+  if (s.energy.size() == model.skeletons.size()) return;
+  s.energy.resize(model.skeletons.size());
+  for (const Ragdoll& r : model.ragdolls)
+    makeRoom(*model.systemOf(r).direct.rows, s.energy[r.skeleton]);
+}
 
 double takeEnergyOut(const Model& model, const std::vector<int>& bodies, bool held, double gain,
                      State& state, RemovalScratch& scratch) {

@@ -20,6 +20,9 @@ struct RemovalScratch {
   std::vector<EnergyScratch> energy;  ///< per skeleton, so that buffers keep their sizes
 };
 
+/// Gives what is in it its size.
+void makeRoom(const Model& model, RemovalScratch& scratch);
+
 /// Takes `gain` [J] out of the motion of these bodies, one or more. held: something that takes
 /// momentum, other than these bodies, pressed on one of them or pins it. Returns what is left of
 /// the gain [J]: there may be less motion than it, and where nothing holds the bodies the momentum

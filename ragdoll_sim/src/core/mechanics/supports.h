@@ -4,13 +4,14 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/contact/contact.h"
 
 namespace ragdoll {
 
 struct Supports {
   std::vector<std::uint8_t> pressed;  ///< per ragdoll: an obstacle pressed on it
-  std::vector<BodyPair> pressing;     ///< bodies that pressed on each other
+  Roomy<BodyPair> pressing;           ///< bodies that pressed on each other
   std::vector<std::uint8_t> gripped;  ///< per ragdoll: by an obstacle that its friction holds it on
 };
 

@@ -66,6 +66,16 @@ void constrain(const Model& model, const State& start, RelaxationWorkspace& ws, 
   }
 }
 
+/// Gives what is in it its size.
+void makeRoom(const Model& model, RelaxationWorkspace& ws) {
+  makeRoom(model, ws.removal);
+  for (const Ragdoll& r : model.ragdolls) {
+    const StickRows& rows = *model.systemOf(r).direct.rows;
+    makeRoom(rows, ws.energy);
+    ws.moved.resize(3, rows.n);
+  }
+}
+
 void findAllContacts(const Model& model, const Inputs& inputs, RelaxationWorkspace& ws,
                      const State& state) {
   findContacts(model, state, ws.x1, inputs.obstacles, kNearBody, ws.obstacles, ws.contacts);
@@ -85,6 +95,7 @@ void stepJakobsen(const StepContext& context, RelaxationWorkspace& ws, StepRepor
   const Model& model = context.model;
   State& state = context.state;
   const double h = context.h;
+  if (ws.x0.cols() != model.size()) makeRoom(model, ws);
   do {
     integrate(context, ws);
     findAllContacts(model, context.inputs, ws, state);

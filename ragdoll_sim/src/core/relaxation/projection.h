@@ -9,6 +9,7 @@
 
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/contact/contact.h"
 #include "core/mechanics/supports.h"
 #include "ragdoll_sim/core/model.h"
@@ -52,8 +53,8 @@ class ContactProjection {
   Vec3 impulse(ProjectedContact& p, const Vec3& point) const;
   void apply(const ProjectedContact& p, const Vec3& impulse, Points& x) const;
 
-  std::vector<ProjectedContact> contacts_;
-  std::vector<Response> responses_;
+  Roomy<ProjectedContact> contacts_;
+  Roomy<Response, 2 * 16 * kRoomForRows> responses_;  ///< of two bodies, of 16 particles each
 };
 
 }  // namespace ragdoll

@@ -151,8 +151,10 @@ class Tension {
   /// Whether it is still beyond what sweeps can take.
   bool isStiff(double h) const {
     if (rows_.s == 0) return false;
-    const double omega2 =
-        2 * (rows_.absolute_G.leftCols(rows_.s) * multipliers_.head(rows_.s).cwiseAbs()).maxCoeff();
+    const auto pulls = multipliers_.head(rows_.s).cwiseAbs();
+    double omega2 = 0;
+    for (int k = 0; k < rows_.s; ++k)
+      omega2 = std::max(omega2, 2 * rows_.absolute_G.row(k).head(rows_.s).dot(pulls));
     return h * std::sqrt(omega2) > kStable;
   }
   void forget() { multipliers_.setZero(); }
@@ -197,6 +199,8 @@ void stepAnew(const StepContext& context, int i, RelaxationWorkspace& ws, StepRe
 void guardRelaxation(const StepContext& context, RelaxationWorkspace& ws, StepReport& report) {
   State& state = context.state;
   RelaxationGuard guard(context, ws);
+  context.ws.lends = true;
+  makeRoom(context);
   const bool acted = !state.multipliers.empty();  // in the last step
   if (acted) prepareDirect(context);
   bool acts = false;

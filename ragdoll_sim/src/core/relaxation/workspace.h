@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "core/base/growing.h"
 #include "core/contact/detect.h"
 #include "core/contact/pair_detect.h"
 #include "core/limits/limit_projection.h"
@@ -16,7 +17,7 @@ struct RelaxationWorkspace {
   Points x0, v0;        ///< at the step's start
   Points x1, v1;        ///< after free motion
   Points acceleration;  ///< of one ragdoll
-  std::vector<Contact> contacts;
+  Roomy<Contact> contacts;
   PairDetector pairs;
   LimitProjection limits;
   ContactProjection projection;
@@ -24,9 +25,9 @@ struct RelaxationWorkspace {
   Points moved, force;
   EnergyScratch energy;
   RemovalScratch removal;
-  std::vector<Contact> passed;
+  Roomy<Contact> passed;
   std::vector<SweptObstacle> obstacles;
-  std::vector<int> bodies;
+  Roomy<int> bodies;
 };
 
 }  // namespace ragdoll

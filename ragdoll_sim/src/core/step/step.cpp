@@ -23,9 +23,10 @@ namespace {
 /// [N] of the pokes that act in this step; null: none.
 const Points* gatherForces(const Inputs& inputs, double h, const State& state, Points& force) {
   bool any = false;
+  force.resize(3, state.x.cols());
   for (const Poke& poke : inputs.pokes) {
     if (!isActive(poke, state.time, h)) continue;
-    if (!any) force.setZero(3, state.x.cols());
+    if (!any) force.setZero();
     any = true;
     addForce(poke, state, force);
   }

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
 #include <utility>
+#include <vector>
 
 namespace ragdoll {
 namespace {
@@ -42,6 +44,24 @@ TEST(Growing, CopiesOwnTheirValuesAndMovesTakeThem) {
   RowValues moved(std::move(a));
   EXPECT_EQ(moved.data(), at);
   EXPECT_EQ(moved[0], 5);
+}
+
+TEST(Growing, HasRoomBeforeItIsUsed) {
+  Growing<Eigen::MatrixXd> m;
+  m.resize(1, 1);
+  const double* at = m.data();
+  m.resize(kRoomForRows, kRoomForRows);
+  EXPECT_EQ(m.data(), at);
+}
+
+TEST(Roomy, HasRoomBeforeItIsUsedAndWhereItIsCopied) {
+  Roomy<int> list;
+  EXPECT_GE(list.capacity(), std::size_t(kRoomForRows));
+  list = std::vector<int>{1, 2};
+  Roomy<int> copy(list);
+  EXPECT_EQ(copy, list);
+  for (Roomy<int>* each : {&list, &copy})
+    EXPECT_GE(each->capacity(), std::size_t(kRoomForRows)) << each->size();
 }
 
 }  // namespace

@@ -87,5 +87,28 @@ TEST(Schur, SaysSoWhereNothingCanOpen) {
   EXPECT_LE(p.norm(), 1e4 * before);
 }
 
+TEST(Schur, ForgetsTheMatrixOfAnotherBodyInTheSamePose) {
+  const Model light = buildModel(sceneOf(oneStick())), heavy = buildModel(sceneOf(oneStick(2, 2)));
+  Contact floor;
+  floor.particle = {1};
+  floor.weight = {1};
+  floor.count = 1;
+  Schur schur;
+  const auto answer = [&](const Model& model) {
+    const StickRows& rows = *model.systemOf(model.ragdolls[0]).direct.rows;
+    StickSolver sticks;
+    sticks.resize(rows);
+    const State state = startState(model);
+    sticks.setPose(rows, state.x.data());
+    schur.start(0);
+    schur.addContact(floor, 0);
+    schur.assemble(rows, sticks);
+    return schur.entry(0, 0);
+  };
+  const double of_light = answer(light);
+  schur.forget();
+  EXPECT_NEAR(answer(heavy), of_light / 2, 1e-12 * of_light);
+}
+
 }  // namespace
 }  // namespace ragdoll
