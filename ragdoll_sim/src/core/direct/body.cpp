@@ -10,8 +10,8 @@ void makeRoom(const Skeleton& skeleton, const DirectSystem& system, BodyMemory& 
   memory.angles.makeRoom(skeleton);
 }
 
-void Body::makeRoom(const DirectSystem& system) {
-  const StickRows& r = *system.rows;
+void Body::makeRoom(const DirectSystem& of) {
+  const StickRows& r = *of.rows;
   for (Points* values :
        {&motion.dx, &free.dx, &saved.x, &saved.v, &acceleration, &force, &v1, &moved, &kept})
     values->resize(3, r.n);
@@ -20,7 +20,7 @@ void Body::makeRoom(const DirectSystem& system) {
        {&motion.lambda, &free.lambda, &tension, &row_sums, &lengths2, &inverse_lengths2})
     values->resize(r.width);
   saved.multipliers.resize(2 * r.s);
-  ragdoll::makeRoom(system, implicit);
+  ragdoll::makeRoom(of, implicit);
 }
 
 void Body::bind(const StepContext& c, int r) {

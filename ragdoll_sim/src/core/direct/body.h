@@ -75,7 +75,7 @@ struct Body {
   /// Binds a place of the workspace to a ragdoll.
   void bind(const StepContext& context, int ragdoll);
   /// Gives what is in it its size.
-  void makeRoom(const DirectSystem& system);
+  void makeRoom(const DirectSystem& of);
 
   const StepContext* context = nullptr;
   const Ragdoll* ragdoll = nullptr;
