@@ -65,7 +65,7 @@ void addTouching(Scripts& scripts) {
                 if (isTime(run, 0.3)) run.poke("right_foot", 0.2, Vec3(0, 400, 100));
               });
   scripts.add(
-      "blow of one at another", 1.5,
+      "impact of one at another", 1.5,
       "ragdolls: [{name: a, model: human, position: [0, 0, 1.2]},\n"
       "           {name: b, model: human, position: [0.4, 0, 1.2], velocity: [-30, 0, 0]}]\n"
       "ragdoll_collision: true\nself_collision: true\n" +

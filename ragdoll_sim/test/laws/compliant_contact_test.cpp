@@ -109,8 +109,8 @@ TEST_P(CompliantContact, ABallComesToRestAtItsWeightOverTheStiffness) {
     }
 }
 
-/// v sqrt(m k) of a blow without gravity; the contact lasts pi sqrt(m / k), here 20 ms and more.
-TEST_P(CompliantContact, ThePeakForceOfABlowIsByTheFormulaAt120Hz) {
+/// v sqrt(m k) of an impact without gravity; the contact lasts pi sqrt(m / k), here 20 ms and more.
+TEST_P(CompliantContact, ThePeakForceOfAnImpactIsByTheFormulaAt120Hz) {
   for (const double lasts : {0.02, 0.035, 0.1})
     for (int i = 0; i < 10; ++i) {
       const double k = std::pow(M_PI / lasts, 2), v = 2;
@@ -120,7 +120,7 @@ TEST_P(CompliantContact, ThePeakForceOfABlowIsByTheFormulaAt120Hz) {
     }
 }
 
-TEST_P(CompliantContact, ThePeakForceOfStifferBlowsIsByTheFormulaAsTheStepShrinks) {
+TEST_P(CompliantContact, ThePeakForceOfStifferImpactsIsByTheFormulaAsTheStepShrinks) {
   for (const double k : {1e5, 1e7, 1e9}) {
     const double lasts = M_PI / std::sqrt(k), v = 3;
     BallOnASpring ball({k}, 0.37 * lasts * v, Vec3(0, 0, -v), lasts / 20, GetParam(), 0);
@@ -129,9 +129,9 @@ TEST_P(CompliantContact, ThePeakForceOfStifferBlowsIsByTheFormulaAsTheStepShrink
   }
 }
 
-/// A damper that presses with the spring moves the peak towards the start of the blow, within a
+/// A damper that presses with the spring moves the peak towards the start of the impact, within a
 /// step.
-TEST_P(CompliantContact, ThePeakForceOfADampedBlowIsByTheFormulaAt120Hz) {
+TEST_P(CompliantContact, ThePeakForceOfADampedImpactIsByTheFormulaAt120Hz) {
   for (const double lasts : {0.02, 0.035, 0.1})
     for (const double ratio : {0.1, 0.3, 0.6})
       for (int i = 0; i < 10; ++i) {
@@ -149,7 +149,7 @@ TEST_P(CompliantContact, ThePeakForceOfADampedBlowIsByTheFormulaAt120Hz) {
 }
 
 /// Friction is part of the force, at its peak as in the mean of a step.
-TEST_P(CompliantContact, ThePeakForceOfASlidingBlowHasItsFriction) {
+TEST_P(CompliantContact, ThePeakForceOfASlidingImpactHasItsFriction) {
   const double k = 5000, v = 2, mu = 0.5;
   for (const double hz : {120, 1000, 4000}) {
     BallOnASpring ball({k, 0, mu}, 0.03, Vec3(3 * v, 0, -v), 1 / hz, GetParam(), 0);
@@ -391,7 +391,7 @@ std::pair<double, double> fallAcrossABall(const std::string& region, const std::
 }
 
 /// 1/20000 = 1/30000 + 1/60000, 1/60 = 1/90 + 1/180. The peak of k y + d y' is 337.539 N.
-TEST(CompliantContactOfABody, ABlowOnTwoSpringsAndDampersIsThatOnTheirSeries) {
+TEST(CompliantContactOfABody, AnImpactOnTwoSpringsAndDampersIsThatOnTheirSeries) {
   const auto two =
       fallAcrossABall("stiffness: 60000, damping: 180", "stiffness: 30000, damping: 90");
   const auto one = fallAcrossABall("", "stiffness: 20000, damping: 60");

@@ -22,8 +22,10 @@ constexpr double kBarStiffness = 20000, kBarRadius = 0.05;  // of one bar
 
 /// A bar of 1 kg from its origin to x = 0.4.
 std::string softBar(const std::string& where, double damping = 0) {
-  return "  - {contact: compliant, " + where + ", model: {particles: {a: {position: [0, 0, 0], radius: " +
-         "0.05}, b: {position: [0.4, 0, 0], radius: 0.05}}, sticks: [[a, b]], segments: {bar: {from: a, to: b, "
+  return "  - {contact: compliant, " + where +
+         ", model: {particles: {a: {position: [0, 0, 0], radius: " +
+         "0.05}, b: {position: [0.4, 0, 0], radius: 0.05}}, sticks: [[a, b]], segments: {bar: "
+         "{from: a, to: b, "
          "mass: 1, gyration: 0.289, contact: {stiffness: 20000, damping: " +
          std::to_string(damping) + "}}}}}\n";
 }
@@ -37,7 +39,8 @@ Scene sceneOfText(const std::string& ragdolls, double hz, double gravity = 0) {
 }
 
 const std::string kBelow = "name: below, position: [0, 0, 0]";
-const std::string kAcross = "name: across, position: [0.2, -0.2, 0.15], rpy_deg: [0, 0, 90], velocity: [0, 0, -1]";
+const std::string kAcross =
+    "name: across, position: [0.2, -0.2, 0.15], rpy_deg: [0, 0, 90], velocity: [0, 0, -1]";
 
 double energyWithSprings(const World& world) {
   return kineticEnergy(world.model, world.state) + potentialEnergy(world.model, world.state) +
@@ -63,7 +66,7 @@ TEST(CompliantPairs, BarsThatMeetSwapTheirVelocitiesByTheFormula) {
   EXPECT_NEAR(energyWithSprings(world), before, 1e-9);
 }
 
-TEST(CompliantPairs, ThePeakForceOfABlowIsThatOfTheReducedMass) {
+TEST(CompliantPairs, ThePeakForceOfAnImpactIsThatOfTheReducedMass) {
   const double peak = peakForce(sceneOfText(softBar(kBelow) + softBar(kAcross), 1000));
   EXPECT_NEAR(peak / std::sqrt(0.5 * 0.5 * kBarStiffness), 1, 0.01);
 }
@@ -99,20 +102,24 @@ TEST(CompliantPairs, ABarThatIsHeldIsACapsule) {
   EXPECT_GT(alone.v(0).z() + alone.v(1).z(), 0) << "it is thrown back";
 }
 
-/// Off their middles, at an angle, sliding and turning: energy only goes to friction, and both momenta
-/// stay.
+/// Off their middles, at an angle, sliding and turning: energy only goes to friction, and both
+/// momenta stay.
 TEST(CompliantPairs, BarsThatMeetAnyhowNeitherGainEnergyNorMomentum) {
   const char* starts[] = {
       "position: [0.1, -0.13, 0.15], rpy_deg: [0, 0, 70], velocity: [0.2, 0.1, -1]",
       // All but along each other, where one spring becomes two: 1.1 to 2.3 times the energy.
-      "position: [0, 0, 0.2], rpy_deg: [0, 0, 8], velocity: [0, 0, -2], angular_velocity: [0, 2, 0]",
-      "position: [0.1, 0, 0.2], rpy_deg: [0, 0, 8], velocity: [0, 0, -2], angular_velocity: [0, 2, 0]",
+      "position: [0, 0, 0.2], rpy_deg: [0, 0, 8], velocity: [0, 0, -2], angular_velocity: [0, 2, "
+      "0]",
+      "position: [0.1, 0, 0.2], rpy_deg: [0, 0, 8], velocity: [0, 0, -2], angular_velocity: [0, 2, "
+      "0]",
       // Friction's moment was not given back while springs let go: 15 % of it was lost.
-      "position: [0.14, 0.03, 0.3], rpy_deg: [0, 43, -159], velocity: [0, 0, -2], angular_velocity: [-3, 4, 1.5]"};
+      "position: [0.14, 0.03, 0.3], rpy_deg: [0, 43, -159], velocity: [0, 0, -2], "
+      "angular_velocity: [-3, 4, 1.5]"};
   for (const std::string start : starts)
     for (const double hz : {60, 120, 500, 2000}) {
       World world(sceneOfText(softBar(kBelow) + softBar("name: falls, " + start), hz));
-      const Vec3 p = momentum(world.model, world.state), l = angularMomentum(world.model, world.state);
+      const Vec3 p = momentum(world.model, world.state),
+                 l = angularMomentum(world.model, world.state);
       const double before = energyWithSprings(world);
       double least = before;
       for (int i = 0; i < 0.3 * hz; ++i) {
@@ -129,23 +136,30 @@ TEST(CompliantPairs, BarsThatMeetAnyhowNeitherGainEnergyNorMomentum) {
     }
 }
 
-/// Thrown at random, 1 of 60 of them all but along each other: there energy rises until substeps are
-/// short, and implicit steps that did not see springs gave up to 5.1 times the energy.
+/// Thrown at random, 1 of 60 of them all but along each other: there energy rises until substeps
+/// are short, and implicit steps that did not see springs gave up to 5.1 times the energy.
 TEST(CompliantPairs, BarsThrownAtRandomGainNoEnergy) {
   std::mt19937 random(3);
-  const auto between = [&](double most) { return std::uniform_real_distribution<>(-most, most)(random); };
+  const auto between = [&](double most) {
+    return std::uniform_real_distribution<>(-most, most)(random);
+  };
   const auto text = [&](double a, double b, double c) {
     return "[" + std::to_string(a) + ", " + std::to_string(b) + ", " + std::to_string(c) + "]";
   };
-  const auto anywhere = [&](double most) { return text(between(most), between(most), between(most)); };
+  const auto anywhere = [&](double most) {
+    return text(between(most), between(most), between(most));
+  };
   for (const auto& [hz, stiffness] : {std::pair(60, "20000"), {120, "1e6"}, {240, "1e6"}})
     for (int k = 0; k < 300; ++k) {
-      const std::string model = std::string(", contact: compliant, model: {particles: {a: {position: [-0.2, 0, 0], "
-                                "radius: 0.05, mass: 0.5}, b: {position: [0.2, 0, 0], radius: 0.05, mass: 0.5}}, "
-                                "sticks: [[a, b]], segments: {bar: {from: a, to: b, contact: {stiffness: ") + stiffness +
-                                ", damping: 0}}}}}\n";
-      const std::string start = "position: " + text(between(0.3), between(0.3), 0.45) + ", rpy_deg: " +
-                                anywhere(180) + ", velocity: " + text(between(0.5), between(0.5), -2) +
+      const std::string model =
+          std::string(
+              ", contact: compliant, model: {particles: {a: {position: [-0.2, 0, 0], "
+              "radius: 0.05, mass: 0.5}, b: {position: [0.2, 0, 0], radius: 0.05, mass: 0.5}}, "
+              "sticks: [[a, b]], segments: {bar: {from: a, to: b, contact: {stiffness: ") +
+          stiffness + ", damping: 0}}}}}\n";
+      const std::string start = "position: " + text(between(0.3), between(0.3), 0.45) +
+                                ", rpy_deg: " + anywhere(180) +
+                                ", velocity: " + text(between(0.5), between(0.5), -2) +
                                 ", angular_velocity: " + anywhere(3);
       World world(sceneOfText("  - {name: one" + model + "  - {name: two, " + start + model, hz));
       const double before = energyWithSprings(world);
@@ -159,7 +173,8 @@ TEST(CompliantPairs, BarsThrownAtRandomGainNoEnergy) {
 
 /// On two bars that are held, with dampers: it sinks in by its weight over the springs, and each
 /// carries half of it.
-/// Friction turns them; what they lose of their angular momentum together is given back as a turn, too.
+/// Friction turns them; what they lose of their angular momentum together is given back as a turn,
+/// too.
 TEST(CompliantPairs, BarsThatSlideOnEachOtherEndWhereSmallStepsDo) {
   const auto end = [](double hz) {
     World world(
@@ -206,8 +221,10 @@ TEST(CompliantPairs, SoftHumansOnEachOtherNeverGainEnergy) {
   for (const double hz : {60, 120, 500}) {
     Scene scene = parseScene(
         "ragdoll_collision: true\nself_collision: true\n"
-        "ragdolls: [{name: one, model: human, contact: compliant, position: [0, 0, 1.1], rpy_deg: [0, 80, 0]},\n"
-        "           {name: two, model: human, contact: compliant, position: [0.1, 0.2, 2.0], rpy_deg: [0, 70, 60]}]\n"
+        "ragdolls: [{name: one, model: human, contact: compliant, position: [0, 0, 1.1], rpy_deg: "
+        "[0, 80, 0]},\n"
+        "           {name: two, model: human, contact: compliant, position: [0.1, 0.2, 2.0], "
+        "rpy_deg: [0, 70, 60]}]\n"
         "obstacles: [{type: plane}]\n");
     scene.solver.method = Method::kShake;
     scene.solver.step = 1 / hz;

@@ -101,13 +101,14 @@ TEST(Damping, OfJointsLeavesTheSwingOfAPlateOnTwoPins) {
 }
 
 TEST(PokeWithPoint, KeepsTheOrderOfTheMethod) {
-  expectOrders(limp(
-      "gravity: [0, 0, 0]\n"
-      "ragdolls: [{model: human_lumped}]\n"
-      "pokes: [{at: 0, body: torso, force: [100, 50, -80], point: [0.2, 0.1, 0.3], duration: 1}]\n"));
+  expectOrders(
+      limp("gravity: [0, 0, 0]\n"
+           "ragdolls: [{model: human_lumped}]\n"
+           "pokes: [{at: 0, body: torso, force: [100, 50, -80], point: [0.2, 0.1, 0.3], duration: "
+           "1}]\n"));
 }
 
-TEST(Bounce, OfJakobsenHasTheFrictionOfTheWholeBlow) {
+TEST(Bounce, OfJakobsenHasTheFrictionOfTheWholeImpact) {
   for (const double rate : {60.0, 240.0, 1000.0})
     for (int phase = 0; phase < 10; ++phase) {
       Scene scene = sceneOf(oneParticle(1, 0.1), Vec3(0, 0, 0.5 + 0.3 * phase / rate));

@@ -49,17 +49,18 @@ class ATableThatSlides : public testing::TestWithParam<Table> {};
 TEST_P(ATableThatSlides, HasOneLimitByBothMethods) {
   const std::array<int, 4> order{0, 1, 2, 3};
   const Scene scene = table(order, GetParam());
-  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.2);
+  const Points exact = endOfImpacts(scene, Method::kRk, 1e-3, 0.2);
   for (const double rate : {250.0, 1000.0, 4000.0})
-    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.2) - exact), 3 / (rate * rate))
+    EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.2) - exact),
+              3 / (rate * rate))
         << rate;
 }
 
 TEST_P(ATableThatSlides, DoesNotKnowTheOrderOfItsLegs) {
   const std::array<int, 4> orders[] = {{0, 1, 2, 3}, {3, 2, 1, 0}, {1, 3, 0, 2}};
-  const Points end = endOfBlows(table(orders[0], GetParam()), Method::kShake, 4e-3, 0.2);
+  const Points end = endOfImpacts(table(orders[0], GetParam()), Method::kShake, 4e-3, 0.2);
   for (const std::array<int, 4>& order : orders) {
-    const Points other = endOfBlows(table(order, GetParam()), Method::kShake, 4e-3, 0.2);
+    const Points other = endOfImpacts(table(order, GetParam()), Method::kShake, 4e-3, 0.2);
     EXPECT_LT(largest(legsOf(other, order) - legsOf(end, orders[0])), 1e-8);
   }
 }
@@ -84,15 +85,15 @@ TEST(SharedLoad, OfTablesThatSlideAgainstEachOther) {
                  kLegs[3] + ", " + kLegs[1] + ", " + kLegs[0] + ", " + kLegs[2] + ", " + kTable +
                  "a, b, c, d, top]}}}}\n"
                  "obstacles: [{type: plane, friction: 0.35}]\n");
-  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.2);
+  const Points exact = endOfImpacts(scene, Method::kRk, 1e-3, 0.2);
   Scene apart = scene;
   apart.ragdoll_collision = false;
-  ASSERT_GT(largest(endOfBlows(apart, Method::kRk, 1e-3, 0.2) - exact), 1e-3);
+  ASSERT_GT(largest(endOfImpacts(apart, Method::kRk, 1e-3, 0.2) - exact), 1e-3);
   // [m] What legs that land leave of their gaps, 1e-10 m, is velocity over the rest of a step: 4e-7
   // m in the end, from 1/4000 to 1/16000 s.
   constexpr double kLands = 2e-7;
   for (const double rate : {250.0, 1000.0, 4000.0})
-    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.2) - exact),
+    EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.2) - exact),
               8 / (rate * rate) + kLands)
         << rate;
 }

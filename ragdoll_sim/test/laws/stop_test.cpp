@@ -84,7 +84,7 @@ double bend(const Chain& c) { return c.angle[1] - c.angle[0]; }
 
 struct Stopped {
   Chain end;
-  double blow = 0;     ///< [rad/s] at which the bend grew when it was stopped, at most
+  double impact = 0;   ///< [rad/s] at which the bend grew when it was stopped, at most
   double pressed = 0;  ///< [s] for so long
 };
 
@@ -105,7 +105,7 @@ Stopped byLagrangian(int steps) {
     for (int i = 0; i < 60; ++i)
       (bend(chainAfter(c, 0.5 * (lo + hi), false)) < kStop ? lo : hi) = 0.5 * (lo + hi);
     c = chainAfter(c, lo, false);
-    out.blow = std::max(out.blow, -kPress.dot(c.rate));
+    out.impact = std::max(out.impact, -kPress.dot(c.rate));
     const Eigen::Matrix3d W = massAt(c.angle).inverse();
     c.rate -= W * kPress * kPress.dot(c.rate) / kPress.dot(W * kPress);
     held = kPress.dot(accelerations(c, false)) < 0;
@@ -170,7 +170,7 @@ double orderOfTheChain(Method method) {
 TEST(Stop, OfTheReferenceIsReachedAndPressedUpon) {
   const Stopped coarse = byLagrangian(4000), fine = byLagrangian(8000);
   EXPECT_LT((particlesOf(coarse.end.angle) - particlesOf(fine.end.angle)).norm(), 1e-12);
-  EXPECT_GT(fine.blow, 10);
+  EXPECT_GT(fine.impact, 10);
   EXPECT_GT(fine.pressed, 0.2);
 }
 

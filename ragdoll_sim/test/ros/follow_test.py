@@ -250,7 +250,7 @@ class FollowTest(unittest.TestCase):
 
     def test_gaps_and_jumps_fling_nothing(self):
         """With another ~max_frame_speed, too: a box, silent for 0.5 s and for 1.4 s, that jumps; at a
-        speed at which no blow, however it falls, whips a limb: at 0.5 m/s 3 of 100 do."""
+        speed at which no impact, however it falls, whips a limb: at 0.5 m/s 3 of 100 do."""
         client = start_node(self, 'calm', max_frame_speed=1, tf_bodies='none')
         self.robot.frames['jumper'] = (-0.7, 0, 1)
         client.load(yaml=LYING)

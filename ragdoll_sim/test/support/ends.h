@@ -30,7 +30,7 @@ inline Points endInSteps(Scene scene, double h, double seconds, int* handed_over
 }
 
 /// The same with nothing asleep, by rk from event to event.
-inline Points endOfBlows(Scene scene, Method method, double h, double seconds) {
+inline Points endOfImpacts(Scene scene, Method method, double h, double seconds) {
   scene.solver.method = method;
   scene.solver.events = method == Method::kRk;
   scene.solver.sleep = false;

@@ -55,7 +55,7 @@ TEST(Extremes, ClosingWalls) { expectKept({"closing walls"}); }
 TEST(Extremes, OverlapsAtTheStart) { expectKept({"overlapping at the start"}); }
 
 /// Newton's law of impact and friction can give energy together; nothing else pressed in these.
-TEST(Extremes, BlowsOnRoughFloorsThatBounceGiveNoEnergy) {
+TEST(Extremes, ImpactsOnRoughFloorsThatBounceGiveNoEnergy) {
   const ExtremeMethod method{"shake", preset("balanced"), true};
   for (const std::uint32_t seed : {5551u, 7588u, 8347u}) {
     const Verdict verdict = judge(randomExtreme(seed), method);
@@ -63,7 +63,8 @@ TEST(Extremes, BlowsOnRoughFloorsThatBounceGiveNoEnergy) {
   }
 }
 
-/// Tension that nothing foretold: at the start (3654, 6019), by a poke (13072), by a blow (19185).
+/// Tension that nothing foretold: at the start (3654, 6019), by a poke (13072), by an impact
+/// (19185).
 TEST(Extremes, TensionThatComesAtOnceGivesNoEnergy) {
   const ExtremeMethod method{"shake", preset("balanced"), true};
   for (const std::uint32_t seed : {3654u, 6019u, 13072u, 19185u}) {
@@ -143,8 +144,8 @@ TEST(Extremes, ImplicitStepsThatGoAstrayAreNotTaken) {
   EXPECT_LT(verdict.energy_rise, 2e-3);
 }
 
-/// Bodies that hang on a pin that moves while obstacles come at them: whatever an explicit step gave
-/// was taken for the pin's work, up to 113 kJ in one.
+/// Bodies that hang on a pin that moves while obstacles come at them: whatever an explicit step
+/// gave was taken for the pin's work, up to 113 kJ in one.
 TEST(Extremes, WhatIsDrivenGivesNoMoreThanItCan) {
   const ExtremeMethod method{"shake", preset("balanced"), true};
   for (const std::uint32_t seed : {152u, 339u, 681u}) {
@@ -154,8 +155,8 @@ TEST(Extremes, WhatIsDrivenGivesNoMoreThanItCan) {
   }
 }
 
-/// A pin that hardly moves drives nothing: an implicit step lifted the body by 2 cm beside it, which
-/// stood as the pin's work. It rose by 3.6 %.
+/// A pin that hardly moves drives nothing: an implicit step lifted the body by 2 cm beside it,
+/// which stood as the pin's work. It rose by 3.6 %.
 TEST(Extremes, WhatHardlyMovesLiftsNothing) {
   const Verdict verdict = judge(randomDriven(400282), {"shake", preset("balanced"), true});
   EXPECT_TRUE(verdict.kept()) << textOf(verdict);

@@ -1,6 +1,4 @@
 // Impacts: what is told when they begin and when they are over.
-#include "ragdoll_sim/world/contacts.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +7,7 @@
 
 #include "contact_scenes.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "ragdoll_sim/world/contacts.h"
 #include "ragdoll_sim/world/world.h"
 
 namespace ragdoll {
@@ -84,9 +83,12 @@ TEST(Contacts, ImpactOfABallThatStaysDownIsOverATenthOfASecondLater) {
 
 /// Something is taken hold of meanwhile; its end was never told, and numbers began again at 1.
 TEST(Contacts, ImpactGoesOnWhilePinsChange) {
-  World world(parseScene("ragdolls:\n  - {name: one, position: [0, 0, 1.1], model: {particles: {p: {position: [0, 0, 0], "
-                         "radius: 0.1, mass: 2}}}}\n  - {name: two, position: [5, 0, 9], model: {particles: {p: "
-                         "{position: [0, 0, 0], radius: 0.1, mass: 2}}}}\nobstacles: [{type: plane, restitution: 0}]\n"));
+  World world(parseScene(
+      "ragdolls:\n  - {name: one, position: [0, 0, 1.1], model: {particles: {p: {position: [0, 0, "
+      "0], "
+      "radius: 0.1, mass: 2}}}}\n  - {name: two, position: [5, 0, 9], model: {particles: {p: "
+      "{position: [0, 0, 0], radius: 0.1, mass: 2}}}}\nobstacles: [{type: plane, restitution: "
+      "0}]\n"));
   world.keepContacts(true);
   std::vector<ImpactReport> impacts;
   for (int i = 0; i < 240 && impacts.size() < 2; ++i) {
@@ -102,7 +104,7 @@ TEST(Contacts, ImpactGoesOnWhilePinsChange) {
   EXPECT_EQ(impacts[1].id, impacts[0].id);
 }
 
-TEST(Contacts, SpringTellsItsDepthAndHowLongABlowLasts) {
+TEST(Contacts, SpringTellsItsDepthAndHowLongAnImpactLasts) {
   const double m = 2, k = 20000, h = 0.001;
   const std::string floor = "obstacles: [{type: plane, stiffness: 20000, damping: ";
   World resting(parseScene(balls("0.1", m, floor + "200}]\n")));

@@ -211,7 +211,7 @@ double excessOnARandomWay(Followed& f, unsigned seed, double fastest, const Plac
   return f.fastest() - f.own();
 }
 
-/// The body only at speeds at which no blow, however it falls, whips a limb of it up to more.
+/// The body only at speeds at which no impact, however it falls, whips a limb of it up to more.
 TEST(Follow, nothingIsMuchFasterThanItsFrame) {
   for (unsigned seed = 1; seed <= 60; ++seed) {
     const char* scene = seed % 2 == 0 ? kBall : kLying;

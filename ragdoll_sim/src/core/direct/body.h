@@ -9,42 +9,14 @@
 #include "core/direct/constraint_set.h"
 #include "core/direct/impulse_cache.h"
 #include "core/direct/runge_kutta.h"
-#include "core/direct/tolerances.h"
+#include "core/direct/step_context.h"
 #include "core/limits/limit_angles.h"
 #include "core/linear/body_response.h"
 #include "core/linear/implicit_sticks.h"
 #include "core/mechanics/energy_gain.h"
 #include "core/mechanics/joint_damping.h"
-#include "core/mechanics/supports.h"
-#include "ragdoll_sim/core/inputs.h"
-#include "ragdoll_sim/core/step_report.h"
 
 namespace ragdoll {
-
-struct ContactLog;
-struct DirectWorkspace;
-
-/// What all bodies of a step share.
-struct StepContext {
-  const Model& model;
-  const Inputs& inputs;
-  double h;             ///< [s] the whole step
-  const Points* force;  ///< [N] 3 x N, of pokes; null: none
-  bool guarded;         ///< false: the step guard is off, to measure what it costs
-  /// The bodies come from relaxation: off their lengths and their groups' shape, and they move as
-  /// it does, implicitly.
-  bool relaxed;
-  State& state;
-  DirectWorkspace& ws;
-  Supports& supports;
-  ContactLog* log = nullptr;  ///< of this step; null: nobody asks
-  int worker = 0;             ///< which thread takes the step: whose scratch it uses
-  const std::vector<CachedImpulse>* before = nullptr;  ///< pressed before; null: the state's
-  double whole = 0;  ///< [s] the step that h is a part of; 0: all of it
-  Tolerances tolerances = tolerancesFor(h);
-
-  double wholeStep() const { return whole > 0 ? whole : h; }
-};
 
 /// Of one body, kept from step to step: what is known of a step's end serves at the next start.
 struct BodyMemory {
@@ -101,7 +73,7 @@ struct Body {
   /// and the second may give back what the first took of a motion that ends early; in all it gives
   /// nothing.
   double damped = 0;
-  Points force;               ///< [N] of pokes, 3 x n, as in `acceleration`
+  Points force;  ///< [N] of pokes, 3 x n, as in `acceleration`
 
   auto x() const { return context->state.x.middleCols(first, n); }
   auto v() const { return context->state.v.middleCols(first, n); }

@@ -170,8 +170,8 @@ double liftingWork(const Island& island) {
   return work;
 }
 
-/// Whether an obstacle touches the body or presses it. One that it leaves has pushed it in a blow,
-/// maybe.
+/// Whether an obstacle touches the body or presses it. One that it leaves has pushed it in an
+/// impact, maybe.
 bool meetsObstacle(const Body& body) {
   const auto isObstacle = [](const auto& c) { return c.obstacle >= 0; };
   const std::vector<CachedImpulse>& impulses = body.cache.impulses();

@@ -31,7 +31,7 @@ void makeRoom(const Model& model, IslandScratch& s) {
     if (++bodies[r.skeleton] > most) continue;
     s.places[r.skeleton].emplace_back().makeRoom(model.systemOf(r).direct);
   }
-  for (RowValues* values : {&s.b, &s.p, &s.total, &s.change, &s.rates})
+  for (RowValues* values : {&s.b, &s.p, &s.total, &s.change, &s.start, &s.rates})
     values->resize(most * kRoomForRows);
   s.parts.resize(most);
   s.joint.makeRoom(most);

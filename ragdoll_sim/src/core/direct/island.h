@@ -47,7 +47,7 @@ struct IslandScratch {
   JointSchur joint;
   Mode mode;  ///< of rk, while something touches
   RemovalScratch removal;
-  RowValues b, p, total, change;
+  RowValues b, p, total, change, start;
   RowValues rates;         ///< [m/s] where contacts are logged: before the velocity stage
   std::size_t logged = 0;  ///< entries of the contact log before the present substep
   std::vector<RowValues> parts;

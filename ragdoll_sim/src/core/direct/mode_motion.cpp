@@ -112,18 +112,11 @@ void evaluateModeRates(const Island& island, const double* v, ModeSystem& system
   takeSpinRates(island, system.b);
 }
 
-double impulseScale(const ModeSystem& system) {
-  double scale = 0;
-  for (int i = 0; i < system.b.size(); ++i)
-    if (system.A(i, i) > kNoAnswer) scale = std::max(scale, std::abs(system.b[i]) / system.A(i, i));
-  return scale;
-}
-
 /// Of the weight, too: in free fall nothing but rounding presses.
 double forceScale(const Island& island, const ModeSystem& system) {
   double mass = 0;
   for (const Body* body : island.bodies) mass += body->rows->mass.sum();
-  return std::max(impulseScale(system),
+  return std::max(impulseScale(system.A, system.b),
                   kLeastOfWeight * mass * island.context.model.gravity.norm());
 }
 
@@ -364,7 +357,8 @@ bool takeModeImpact(Island& island, ModePoint& point) {
     if (row < 0 || !mode.rows[i].isContact()) continue;
     if (-system.b[row] > kRestApproach) system.b[row] *= 1 + mode.rows[i].restitution;
   }
-  if (!solveComplementarity(system.A, system.b, impulseScale(system), mode.blocks, system.p))
+  if (!solveComplementarity(system.A, system.b, impulseScale(system.A, system.b), mode.blocks,
+                            system.p))
     return false;
   keepMode(island);
   holdWhatStays(mode, rates + system.A * system.p);
@@ -388,7 +382,8 @@ bool projectVelocities(Island& island, ModePoint& point, bool begins) {
   coupleFriction(island, system.A);
   evaluateModeRates(island, point.v.data(), system);
   // Sliding contacts by the normal alone. But what is taken to be closed as a mode begins and opens
-  // (closeChatter) hops: the force that it is to have meanwhile rubs, and so is taken back with that.
+  // (closeChatter) hops: the force that it is to have meanwhile rubs, and so is taken back with
+  // that.
   for (ModeBlock& block : island.s.mode.blocks) {
     if (begins && !block.slips) {
       block.sticks = block.friction > 0;

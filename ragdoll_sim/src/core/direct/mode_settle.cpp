@@ -37,18 +37,18 @@ bool staysWithin(Island& island, const ModeRow& row, const RowPlace& place) {
   return placeOf(island, row, ahead.x.data(), ahead.v.data(), false).inside;
 }
 
-/// Below which gap a row touches. In a blow, which may close what the one before has opened: as in
-/// the smallest steps of shake. Where blows follow each other within a microsecond it matters what
-/// is still in the next one, and two measures of that would give the methods two limits.
-double closeness(const ModeRow& row, bool blow) {
-  if (!blow) return kClosedGap;
+/// Below which gap a row touches. In an impact, which may close what the one before has opened: as
+/// in the smallest steps of shake. Where impacts follow each other within a microsecond it matters
+/// what is still in the next one, and two measures of that would give the methods two limits.
+double closeness(const ModeRow& row, bool in_impact) {
+  if (!in_impact) return kClosedGap;
   const Tolerances smallest = tolerancesFor(0);
   return row.isContact() ? smallest.touching : smallest.touching_angle;
 }
 
 /// What touches at mode.start; whether some of it approaches. pressed: what pressed in the last
-/// step may be a little off. blow: what opens counts as closed, too; an impact may close it.
-void findClosed(Island& island, bool pressed, bool blow, bool& impact) {
+/// step may be a little off. in_impact: what opens counts as closed, too; an impact may close it.
+void findClosed(Island& island, bool pressed, bool in_impact, bool& impact) {
   Mode& mode = island.s.mode;
   impact = false;
   lookAhead(mode);
@@ -59,7 +59,7 @@ void findClosed(Island& island, bool pressed, bool blow, bool& impact) {
       continue;
     }
     row.gap_start = gapOf(island, row, mode.start.x.data());
-    const double close = closeness(row, blow);
+    const double close = closeness(row, in_impact);
     const bool may_be_off = pressed && row.gap_start < kTouching / kLever;
     if (row.gap_start >= (may_be_off ? kTouching : close)) continue;
     const RowPlace place = placeOf(island, row, mode.start.x.data(), mode.start.v.data(), false);
@@ -70,7 +70,7 @@ void findClosed(Island& island, bool pressed, bool blow, bool& impact) {
       if (row.gap_start >= touching || !hasPressed(island, row, place)) continue;
     }
     const double rate = rateOf(island, row, place, mode.start.v.data());
-    row.closed = blow || rate <= kLeaving;
+    row.closed = in_impact || rate <= kLeaving;
     impact = impact || rate < -kRestApproach;
   }
 }

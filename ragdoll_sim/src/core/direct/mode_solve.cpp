@@ -215,6 +215,13 @@ bool alignSlips(const ModeMatrix& A, const ModeVector& b, double scale,
 
 }  // namespace
 
+double impulseScale(const ModeMatrix& A, const ModeVector& b) {
+  double scale = 0;
+  for (int i = 0; i < b.size(); ++i)
+    if (A(i, i) > kNoAnswer) scale = std::max(scale, std::abs(b[i]) / A(i, i));
+  return scale;
+}
+
 bool solveComplementarity(const ModeMatrix& A, const ModeVector& b, double scale,
                           std::vector<ModeBlock>& blocks, ModeVector& p) {
   for (const ModeBlock& block : blocks)

@@ -11,6 +11,9 @@
 
 namespace ragdoll {
 
+/// Of impulses: what each row alone would take, the largest.
+double impulseScale(const ModeMatrix& A, const ModeVector& b);
+
 /// Finds what presses, sticks and slips. Scale: of forces, below 1e-9 of which they are none.
 /// False: no unique answer was found.
 bool solveComplementarity(const ModeMatrix& A, const ModeVector& b, double scale,

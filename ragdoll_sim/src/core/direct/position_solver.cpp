@@ -76,7 +76,8 @@ bool solveRound(Island& island, const Round& round) {
   const auto [fresh, at_start, on_and_on] = round;
   IslandScratch& s = island.s;
   if (!fresh) s.joint.addAnswer(-1, s.parts, s.b);
-  const bool settled = s.joint.solve(s.b, s.p) || (on_and_on && s.joint.solveOn(s.b, s.p));
+  const bool settled = s.joint.solve(s.b, s.p, sweepsOf(island, Sweeps::kToTheEnd)) ||
+                       (on_and_on && s.joint.solveOn(s.b, s.p));
   if (!settled && island.isLone() && hasNoWayOut(*island.bodies[0])) return false;
   return applyImpulses(island, at_start);
 }
@@ -116,7 +117,7 @@ bool solveRowsImplicitly(Island& island, double h) {
   activateAll(island);
   buildRows(island, h, false);
   startTotals(island);
-  // Bodies that relaxation moves sank in more with it (test/laws/lying_start_test.cpp).
+  // As leaps (sweepsOf).
   const bool on_and_on =
       island.bodies[0]->overlaps == OverlapPolicy::kResolve && !island.context.relaxed;
   double violation = violationOf(island);

@@ -7,6 +7,12 @@
 
 namespace ragdoll {
 
+/// Without leaps where relaxation moves the bodies: they sank in more with them
+/// (test/laws/lying_start_test.cpp).
+inline Sweeping sweepsOf(const Island& island, Sweeps kind) {
+  return {kind, !island.context.relaxed};
+}
+
 /// Rows of the contacts and limits that are violated or nearly so after the present motion over h,
 /// pressed in the last one, or are active in any case. leapfrog: what gives way acts in its middle.
 void buildRows(Body& body, double h, bool leapfrog);

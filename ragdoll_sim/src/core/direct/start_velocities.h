@@ -1,6 +1,6 @@
-// Velocities that contradict nothing: those nearest in the mass metric with which pins stand, sticks
-// keep their lengths, and no limit or contact that touches closes. An inelastic blow without
-// friction, that takes energy and gives none. docs/equations.md#starts.
+// Velocities that contradict nothing: those nearest in the mass metric with which pins stand,
+// sticks keep their lengths, and no limit or contact that touches closes. An inelastic impact
+// without friction, that takes energy and gives none. docs/equations.md#starts.
 #pragma once
 
 #include "ragdoll_sim/core/model.h"

@@ -8,6 +8,7 @@
 #include "core/direct/contact_log.h"
 #include "core/direct/contact_motion.h"
 #include "core/direct/driving.h"
+#include "core/direct/exact_rows.h"
 #include "core/direct/impact.h"
 #include "core/direct/motion.h"
 #include "core/direct/rows.h"
@@ -308,7 +309,9 @@ VelocityImpulses pushVelocities(Island& island, int first_pair, const LoggedStag
   if (isLogged(island)) keepRates(island);
   const bool pressed = damps || (!at.impact && turnTogether(island));
   if (pressed) pressAndDamp(island, first_pair, damps ? damping : 0);
-  s.joint.solve(s.b, s.p, at.impact ? Sweeps::kOfABlow : Sweeps::kAlongTheSlip);
+  const Sweeps kind = at.impact ? Sweeps::kOfAnImpact : Sweeps::kAlongTheSlip;
+  const bool settled = s.joint.solve(s.b, s.p, sweepsOf(island, kind));
+  if (at.impact && !settled) solveExactly(island, s.b, s.p);
   keepPressed(island, first_pair, s.p, island.pairs.pushed);
   if (pressed) s.change = s.p - s.change;
   push(island, pressed ? s.change : s.p);

@@ -1,4 +1,4 @@
-// What the fast method is tuned by. What a change does: docs/fast.md#constants.
+// What the fast method is tuned by. What a change does: docs/fast_tables.md#constants.
 #pragma once
 
 namespace ragdoll::fast {

@@ -21,17 +21,17 @@ constexpr double kLeastRatio = 0.2;
 constexpr int kMemory = 5;  ///< batches that are combined
 
 // --- Not tuned: rounding.
-/// As kSweepTolerance, of a blow. At that itself 0.1 N s beside 20 N s were 3 % off.
-constexpr double kBlowTolerance = 1e-12;
+/// As kSweepTolerance, of an impact. At that itself 0.1 N s beside 20 N s were 3 % off.
+constexpr double kImpactTolerance = 1e-12;
 
 // --- Not tuned: made of others.
-constexpr double kMostRatio = 1 - kConstant / 2;   ///< above, impulses may be growing, by leaps
+constexpr double kMostRatio = 1 - kConstant / 2;   ///< above, rows may contradict each other
 constexpr int kBatch = 2 * kMemory;                ///< [sweeps] what converges fast is then done
 constexpr double kShared = 100 * kSweepTolerance;  ///< change of friction as loads are shared
 
 // --- Not tuned: caps, and guards against impulses that grow without end.
 constexpr int kMaxSweeps = 100;  ///< most end after 5 to 15
-constexpr int kMaxBlowSweeps = 10 * kMaxSweeps;
+constexpr int kMaxImpactSweeps = 10 * kMaxSweeps;
 constexpr int kBatches = 4 * kMemory;
 constexpr double kEndless = 1e-3;    ///< what the ratio of changes that do not shrink is off 1
 constexpr int kEndlessSweeps = 4;    ///< so many of them: there is no solution

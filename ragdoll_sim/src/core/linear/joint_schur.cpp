@@ -111,7 +111,7 @@ void JointSchur::lock(int i, bool locked) {
   bodies_[rows_[i].body[side]]->lock(rows_[i].row[side], locked);
 }
 
-bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeps sweeps) {
+bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeping sweeps) {
   bool settled = sweep(b, p, sweeps);
   if (!shares_load_) return settled;
   double last = std::numeric_limits<double>::infinity();
@@ -134,7 +134,7 @@ double JointSchur::share(RowValues& p, bool again) {
       s.blocks(), [&s](int i, int j) { return s.entry(i, j); }, again, p.data());
 }
 
-bool JointSchur::sweep(const RowValues& b, RowValues& p, Sweeps sweeps) {
+bool JointSchur::sweep(const RowValues& b, RowValues& p, Sweeping sweeps) {
   if (isOneBody()) return bodies_[0]->solve(b, p, sweeps);
   for (Schur* s : bodies_) s->clearRates();
   View rows{*this, b};

@@ -44,7 +44,7 @@ class JointSchur {
   void lock(int i, bool locked);
 
   /// p from b, starting at p. Returns whether it settled.
-  bool solve(const RowValues& b, RowValues& p, Sweeps sweeps = Sweeps::kToTheEnd);
+  bool solve(const RowValues& b, RowValues& p, Sweeping sweeps = Sweeps::kToTheEnd);
   /// Goes on where solve gave up (Schur::solveOn), where all rows are one body's; else false.
   bool solveOn(const RowValues& b, RowValues& p);
 
@@ -61,7 +61,7 @@ class JointSchur {
   struct View;
 
   /// Sweeps from p on, whatever the shares. Whether they settled.
-  bool sweep(const RowValues& b, RowValues& p, Sweeps sweeps);
+  bool sweep(const RowValues& b, RowValues& p, Sweeping sweeps);
   /// EqualSprings::share.
   double share(RowValues& p, bool again);
 

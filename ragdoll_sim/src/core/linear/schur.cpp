@@ -176,7 +176,7 @@ namespace body {
 
 template <int W>
 RAGDOLL_INLINE bool sweep(OneBody<1>& rows, std::vector<SchurBlock>& blocks, double* p,
-                          Sweeps kind) {
+                          Sweeping kind) {
   OneBody<W> lanes{rows.rows, rows.A, rows.columns, rows.unheld, rows.w};
   return projectedGaussSeidel(lanes, blocks, p, kind);
 }
@@ -184,20 +184,20 @@ RAGDOLL_INLINE bool sweep(OneBody<1>& rows, std::vector<SchurBlock>& blocks, dou
 }  // namespace body
 
 RAGDOLL_KERNEL(bool, sweep,
-               (OneBody<1> & rows, std::vector<SchurBlock>& blocks, double* p, Sweeps kind),
+               (OneBody<1> & rows, std::vector<SchurBlock>& blocks, double* p, Sweeping kind),
                (rows, blocks, p, kind))
 
 }  // namespace
 
 bool Schur::solve(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
-                  Sweeps sweeps) {
+                  Sweeping sweeps) {
   OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free.data(), w_.data()};
   findBlocks(rows, blocks_);
   return sweepFrom(b, p, sweeps);
 }
 
 bool Schur::sweepFrom(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
-                      Sweeps sweeps) {
+                      Sweeping sweeps) {
   w_.setZero(columns_);
   w_.head(size()) = b;
   OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free.data(), w_.data()};

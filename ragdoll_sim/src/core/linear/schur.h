@@ -23,12 +23,19 @@ namespace ragdoll {
 /// What sweeps are to do.
 enum class Sweeps {
   kToTheEnd,
-  kOfABlow,  ///< the same, until small impulses beside a large one are exact, too: nothing mends
-             ///< them
-  kBatch,    ///< a few as they are, for who extrapolates from batch to batch
+  kOfAnImpact,  ///< the same, until small impulses beside a large one are exact, too: nothing mends
+                ///< them
+  kBatch,       ///< a few as they are, for who extrapolates from batch to batch
   /// Friction that slides at the first p, at the edge of its disc and against the slip, keeps its
   /// direction while it slides.
   kAlongTheSlip,
+};
+
+struct Sweeping {
+  Sweeps kind;
+  bool leaps;  ///< also where their steps hardly shrink they go on to where these add up to
+
+  Sweeping(Sweeps what, bool also_leaps = true) : kind(what), leaps(also_leaps) {}
 };
 
 /// A limit, or a contact with its friction: what a sweep solves for at once.
@@ -42,6 +49,7 @@ struct SchurBlock {
   double answer = 0;           ///< 1 / own[0]; 0: cannot move
   double tangent_answer = 0;   ///< of both tangents; 0: neither can move
   double step[3] = {0, 0, 0};  ///< of the impulses, by the last sweep
+  double leap[3] = {0, 0, 0};  ///< by the last extrapolation
   double slid[2] = {0, 0};     ///< direction of friction that keeps it (Sweeps), or 0
 };
 
@@ -108,7 +116,7 @@ class Schur {
 
   /// p from b, starting at p. Returns whether it settled.
   bool solve(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
-             Sweeps sweeps = Sweeps::kToTheEnd);
+             Sweeping sweeps = Sweeps::kToTheEnd);
 
   /// Goes on, with the same b, where solve gave up at p. Where rows all but contradict each other,
   /// as those of a limb between two obstacles, sweeps alone would take thousands: Anderson
@@ -148,7 +156,7 @@ class Schur {
   void findAnswer(const StickRows& constants, StickSolver& sticks, int i);
   /// Sweeps from p on. Whether they settled.
   bool sweepFrom(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
-                 Sweeps sweeps);
+                 Sweeping sweeps);
   /// p, as allowed, from impulses times the scale; what cannot move stays.
   void putAllowed(const RowValues& scaled, const RowValues& scale, Eigen::Ref<Eigen::VectorXd> p);
 

@@ -60,24 +60,34 @@ RAGDOLL_INLINE void keepSlips(const Rows& rows, const double* p, Blocks& blocks)
 }
 
 /// Finds p of w = b + A p (schur.h), starting at p. Rows: size(); rate(i), w of row i, at first b;
-/// push(i, count, step), which adds step[k] times row i + k of A to w. Blocks: a range of SchurBlock.
-/// Returns whether it settled.
+/// push(i, count, step), which adds step[k] times row i + k of A to w. Blocks: a range of
+/// SchurBlock. Returns whether it settled.
 ///
 /// Once it is known what presses and what slides, each sweep's steps are those of the one before
 /// times a constant. Where that shows, p goes on to where the steps would add up to, as Aitken
-/// extrapolates a sequence [Aitken1926], and the next sweep projects it.
+/// extrapolates a sequence [Aitken1926], and the next sweep projects it. Where the constant is near
+/// 1, as with a light body under a heavy one, or is 1, as where rows contradict each other, p comes
+/// back if that sweep is no nearer.
 template <class Rows, class Blocks>
-RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, Blocks& blocks, double* p, Sweeps sweeps) {
+RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, Blocks& blocks, double* p, Sweeping sweeps) {
   const int m = rows.size();
   for (int i = 0; i < m; ++i)
     if (p[i] != 0) rows.push(i, 1, p + i);
   constexpr double kUnknown = std::numeric_limits<double>::infinity();
-  double last_change = kUnknown, last_ratio = 0;
+  double last_change = kUnknown, last_ratio = 0, before_leap = kUnknown;
   int endless = 0;
-  if (sweeps == Sweeps::kAlongTheSlip) keepSlips(rows, p, blocks);
-  const bool batch = sweeps == Sweeps::kBatch, blow = sweeps == Sweeps::kOfABlow;
-  const int most = batch ? kBatch : blow ? kMaxBlowSweeps : kMaxSweeps;
-  const double tolerance = blow ? kBlowTolerance : kSweepTolerance;
+  bool leaps = sweeps.leaps;
+  const auto leap = [&](double by) {
+    for (SchurBlock& b : blocks) {
+      const int count = b.has_tangents ? 3 : 1;
+      for (int k = 0; k < count; ++k) p[b.row + k] += b.leap[k] *= by;
+      rows.push(b.row, count, b.leap);
+    }
+  };
+  if (sweeps.kind == Sweeps::kAlongTheSlip) keepSlips(rows, p, blocks);
+  const bool batch = sweeps.kind == Sweeps::kBatch, impact = sweeps.kind == Sweeps::kOfAnImpact;
+  const int most = batch ? kBatch : impact ? kMaxImpactSweeps : kMaxSweeps;
+  const double tolerance = impact ? kImpactTolerance : kSweepTolerance;
   for (int iteration = 0; iteration < most; ++iteration) {
     double change = 0, largest = 0;
     for (SchurBlock& b : blocks) {
@@ -115,19 +125,32 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, Blocks& blocks, double* p, 
     }
     if (change <= tolerance * largest) return true;
     if (batch) continue;
+    const double nearest = before_leap;
+    before_leap = kUnknown;
+    if (nearest < kUnknown && change > kShrinks * nearest) {
+      leaps = false;
+      leap(-1);
+      last_change = kUnknown;
+      last_ratio = 0;
+      continue;
+    }
     const double ratio = change / last_change;
     endless = std::abs(ratio - 1) < kEndless ? endless + 1 : 0;
     if (endless == kEndlessSweeps) return false;
     last_change = change;
     const bool constant = std::abs(ratio - last_ratio) < kConstant * (1 - ratio);
     last_ratio = ratio;
-    if (!constant || ratio < kLeastRatio || ratio > kMostRatio) continue;
-    if (iteration + 1 == most) break;
-    for (SchurBlock& b : blocks) {
-      const int count = b.has_tangents ? 3 : 1;
-      for (int k = 0; k < count; ++k) p[b.row + k] += b.step[k] *= ratio / (1 - ratio);
-      rows.push(b.row, count, b.step);
+    const bool far = ratio > kMostRatio;
+    const double by = ratio / (1 - ratio);
+    if (!constant || ratio < kLeastRatio || (far && !leaps)) continue;
+    if (iteration + 2 >= most) break;
+    if (by * change > kMostGrowth * largest) {
+      leaps = false;
+      continue;
     }
+    for (SchurBlock& b : blocks) std::copy_n(b.step, 3, b.leap);
+    leap(by);
+    if (far) before_leap = change;
     last_change = kUnknown;  // the next sweeps' are of another sequence
     last_ratio = 0;
   }

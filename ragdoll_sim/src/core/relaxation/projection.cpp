@@ -104,13 +104,13 @@ void ContactProjection::bounce(double h, Points& v) const {
   for (const ProjectedContact& p : contacts_) {
     if (p.bounce_speed <= 0 || p.lambda_n <= 0) continue;
     const Vec3 &n = p.contact.normal, velocity = p.contact.of(v);
-    const double blow = (p.bounce_speed - n.dot(velocity)) / p.w;  // [N s] beside the sweeps'
-    Vec3 impulse = blow * n;
+    const double impact = (p.bounce_speed - n.dot(velocity)) / p.w;  // [N s] beside the sweeps'
+    Vec3 impulse = impact * n;
     if (p.contact.friction > 0) {
       // Those of the sweeps grow with the part of the step beyond the contact, as the way does.
       const Vec3 slip = velocity - p.contact.surface_motion / h, given = p.lambda_t / h;
       Vec3 friction = given - p.inverse_w * (slip - n.dot(slip) * n);
-      const double most = p.contact.friction * std::max(0.0, p.lambda_n / h + blow);
+      const double most = p.contact.friction * std::max(0.0, p.lambda_n / h + impact);
       if (friction.squaredNorm() > most * most) friction *= most / friction.norm();
       impulse += friction - given;
     }

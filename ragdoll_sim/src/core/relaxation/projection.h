@@ -35,7 +35,7 @@ class ContactProjection {
                const Points& x1, const Points& v1, double h);
   /// One sweep over all contacts; moves x.
   void sweep(Points& x);
-  /// Gives bouncing contacts their speed, and the friction of the whole blow; changes v only.
+  /// Gives bouncing contacts their speed, and the friction of the whole impact; changes v only.
   void bounce(double h, Points& v) const;
   void markPressed(Supports& supports) const;
   /// Adds the mean forces [N] of other bodies on the one with n columns from `first` on, in a step

@@ -45,8 +45,8 @@ TEST(Candidates, AreWhatTheMotionComesNearTo) {
 }
 
 /// A ball that goes along a large sphere: its normal hardly turns, but the plane of the end passes
-/// 10 um below the start. A blow at a millionth of the step leaves no time to sink there.
-TEST(Candidates, HaveThePlaneOfThePartThatABlowLeaves) {
+/// 10 um below the start. An impact at a millionth of the step leaves no time to sink there.
+TEST(Candidates, HaveThePlaneOfThePartThatAnImpactLeaves) {
   DirectIsland one(ballAt({0, 0, 5 + kBallRadius}, {sphere(Vec3::Zero(), 5)}));
   Body& body = one.body();
   body.motion.dx.setZero(3, 1);

@@ -89,7 +89,7 @@ TEST(SchurSweeps, GoOnToTheEndOfAGeometricSequence) {
 }
 
 /// Six rows that hardly differ, beside one that has a thousand times their impulse.
-TEST(SchurSweeps, OfABlowFindSmallImpulsesBesideALargeOne) {
+TEST(SchurSweeps, OfAnImpactFindSmallImpulsesBesideALargeOne) {
   const int m = 7;
   Eigen::MatrixXd A = Eigen::MatrixXd::Identity(m, m);
   for (int i = 1; i < m; ++i)
@@ -103,7 +103,7 @@ TEST(SchurSweeps, OfABlowFindSmallImpulsesBesideALargeOne) {
     return (p - exact).cwiseAbs().maxCoeff();
   };
   EXPECT_GT(worst(Sweeps::kToTheEnd), 1e-6);
-  EXPECT_LT(worst(Sweeps::kOfABlow), 1e-8);
+  EXPECT_LT(worst(Sweeps::kOfAnImpact), 1e-8);
 }
 
 TEST(SchurSweeps, FrictionStaysInItsDisc) {
@@ -150,6 +150,20 @@ TEST(SchurSweeps, FrictionAlongTheSlipKeepsItsDirection) {
   EXPECT_LT((solveFrom({2, 0, 1}) - against_the_slip).norm(), 1e-6);     // with the slip
 }
 
+/// A light ball between a floor and a heavy one: a sweep leaves all but m / M of what is wrong.
+TEST(SchurSweeps, FindWhatPressesThroughALightBody) {
+  for (const double light : {1e-1, 1e-2, 1e-4}) {
+    Eigen::MatrixXd A(2, 2);
+    A << 1 / light, -1 / light, -1 / light, 1 / light + 1;
+    const Eigen::Vector2d b(0, -1);  // the heavy one, of 1 kg, comes at 1 m/s
+    Eigen::VectorXd p = Eigen::VectorXd::Zero(2);
+    DenseRows rows(A, b);
+    ASSERT_TRUE(rows.solve(p)) << light;
+    EXPECT_LT((p - Eigen::Vector2d(1, 1)).norm(), 1e-3) << light;
+    EXPECT_LT(rows.pushes, 60) << light;
+  }
+}
+
 TEST(SchurSweeps, GiveUpWhereImpulsesGrowWithoutEnd) {
   // The same row from both sides, each of which wants to move away from the other.
   Eigen::MatrixXd A(2, 2);
@@ -160,6 +174,12 @@ TEST(SchurSweeps, GiveUpWhereImpulsesGrowWithoutEnd) {
   EXPECT_TRUE((p.array() >= 0).all());
   EXPECT_LT(p.maxCoeff(), 0.1);
   EXPECT_LT(rows.pushes, 20);
+  // All but the same: a leap is no nearer, and taken back.
+  A(1, 1) = 1 + 1e-13;
+  p.setZero();
+  DenseRows almost(A, Eigen::Vector2d(-1e-3, -1e-3));
+  EXPECT_FALSE(almost.solve(p));
+  EXPECT_LT(p.maxCoeff(), 0.1);
 }
 
 }  // namespace

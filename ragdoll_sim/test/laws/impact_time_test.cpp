@@ -1,6 +1,6 @@
-// Blows that come inside a step: what rubs where a limb digs in does so from the blow on, and what
-// pressed before the blow keeps what it has given until then. Against closed forms, and `rk` from
-// event to event.
+// Impacts that come inside a step: what rubs where a limb digs in does so from the impact on, and
+// what pressed before the impact keeps what it has given until then. Against closed forms, and `rk`
+// from event to event.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,7 @@ namespace {
 
 /// A rod, two equal masses, turns and digs a tip into a floor so rough that friction presses it on.
 /// The tip stops, the other end keeps its speed across the rod.
-TEST(Blow, ARodThatDigsInStopsByItsTip) {
+TEST(Impact, ARodThatDigsInStopsByItsTip) {
   const double start = std::acos(std::sqrt(2.0 / 3)), radius = 0.05, spin = 2;
   const Vec3 velocity(-2, 0, -1);
   Scene scene = sceneOf(oneStick(1, 1, radius));
@@ -45,7 +45,7 @@ TEST(Blow, ARodThatDigsInStopsByItsTip) {
 }
 
 /// Two humans in the air, of which a foot meets a shin.
-TEST(Blow, OfTwoHumansInTheAirIsTheSameAtAnyStep) {
+TEST(Impact, OfTwoHumansInTheAirIsTheSameAtAnyStep) {
   const Scene scene = parseScene(R"(
 gravity: [0, 0, 0]
 ragdoll_collision: true
@@ -53,16 +53,16 @@ ragdolls:
   - {name: a, model: human, position: [0, 0, 1], velocity: [4, 0, 0]}
   - {name: b, model: human, position: [2.2, 0.1, 1.2], rpy_deg: [20, 60, 40]}
 )");
-  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.36);
+  const Points exact = endOfImpacts(scene, Method::kRk, 1e-3, 0.36);
   for (const double rate : {250.0, 500.0, 1000.0})
-    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.36) - exact),
+    EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.36) - exact),
               2.5 / (rate * rate))
         << rate;
 }
 
 /// A ball that lies on the floor is hit from below by a smaller one, and leaves it: gravity has had
 /// no part in what the floor bore until then.
-TEST(Blow, ThatLiftsABallTakesNothingBackFromTheFloor) {
+TEST(Impact, ThatLiftsABallTakesNothingBackFromTheFloor) {
   Scene scene = sceneOf(oneParticle(2, 0.1), Vec3(0, 0, 0.1));
   scene.ragdolls.push_back(sceneOf(oneParticle(3, 0.02), Vec3(-0.3, 0.01, 0.02)).ragdolls[0]);
   scene.ragdolls[1].name = "other";
@@ -70,10 +70,10 @@ TEST(Blow, ThatLiftsABallTakesNothingBackFromTheFloor) {
   scene.gravity = Vec3(0, 0, -kG);
   scene.ragdoll_collision = true;
   scene.obstacles = {floorPlane()};
-  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.1);
+  const Points exact = endOfImpacts(scene, Method::kRk, 1e-3, 0.1);
   ASSERT_GT(exact(2, 0), 0.105) << "it was lifted";
   for (const double rate : {100.0, 200.0, 400.0, 1000.0})
-    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.1) - exact),
+    EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.1) - exact),
               0.1 / (rate * rate))
         << rate;
 }
@@ -89,20 +89,21 @@ Scene flyUnder(const Vec3& velocity) {
   return scene;
 }
 
-/// The floor lets go in the blow: nothing outside acts in it, and friction of two balls, which have
-/// no spin, can take nothing from their motion past each other, though the floor has borne one
+/// The floor lets go in the impact: nothing outside acts in it, and friction of two balls, which
+/// have no spin, can take nothing from their motion past each other, though the floor has borne one
 /// until then.
-TEST(Blow, ThatLiftsABallLeavesTheMotionPastIt) {
+TEST(Impact, ThatLiftsABallLeavesTheMotionPastIt) {
   Scene scene = flyUnder(Vec3(3, 0, 0.4));
   scene.gravity = Vec3(0, 0, -kG);
-  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.14);
+  const Points exact = endOfImpacts(scene, Method::kRk, 1e-3, 0.14);
   ASSERT_GT(exact(2, 0), 0.12) << "it was lifted";
   for (const double rate : {100.0, 200.0, 400.0, 1000.0, 4000.0})
-    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.14) - exact), 5 / (rate * rate))
+    EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.14) - exact),
+              5 / (rate * rate))
         << rate;
 }
 
-/// A blow lifts the ball at `up`, and comes at `time`, both without gravity.
+/// An impact lifts the ball at `up`, and comes at `time`, both without gravity.
 void findLift(const Scene& scene, double& time, double& up) {
   const RagdollSpec &ball = scene.ragdolls[0], &other = scene.ragdolls[1];
   const Vec3 way = ball.pose.position - other.pose.position, rate = -other.velocity;
@@ -124,12 +125,12 @@ double bounceOf(double opened, Method method, double h) {
   scene.ragdolls.push_back(sceneOf(oneParticle(4, 0.1), Vec3(0, 0, height)).ragdolls[0]);
   scene.ragdolls[2].name = "third";
   scene.ragdolls[2].velocity = Vec3(0, 0, -down);
-  return endOfBlows(scene, method, h, 0.12)(2, 0);
+  return endOfImpacts(scene, method, h, 0.12)(2, 0);
 }
 
-/// What a blow has opened by less than the smallest steps tell is still in the next one, and does
-/// not bounce; what is farther comes back by itself. The methods agree which.
-TEST(Blow, ThatFollowsAnotherAtOnceMeetsTheSameInBothMethods) {
+/// What an impact has opened by less than the smallest steps tell is still in the next one, and
+/// does not bounce; what is farther comes back by itself. The methods agree which.
+TEST(Impact, ThatFollowsAnotherAtOnceMeetsTheSameInBothMethods) {
   for (const double opened : {4e-9, 1e-7}) {
     const double exact = bounceOf(opened, Method::kRk, 1e-3);
     EXPECT_NEAR(bounceOf(opened, Method::kShake, 1.0 / 16000), exact, 1e-5) << opened;
@@ -137,7 +138,7 @@ TEST(Blow, ThatFollowsAnotherAtOnceMeetsTheSameInBothMethods) {
 }
 
 /// A ball slides down a sphere until another hits it: where it presses has turned by then.
-TEST(Blow, OnABallThatSlidesDownASphereIsOfSecondOrder) {
+TEST(Impact, OnABallThatSlidesDownASphereIsOfSecondOrder) {
   Scene scene = sceneOf(oneParticle(2, 0.05), Vec3(0.1, 0, std::sqrt(0.25 * 0.25 - 0.1 * 0.1)));
   scene.ragdolls[0].velocity = Vec3(0.5, 0, -0.5 * 0.1 / scene.ragdolls[0].pose.position.z());
   scene.ragdolls.push_back(sceneOf(oneParticle(1, 0.05), Vec3(0.62, 0.02, 0.3)).ragdolls[0]);
@@ -149,16 +150,16 @@ TEST(Blow, OnABallThatSlidesDownASphereIsOfSecondOrder) {
   sphere.type = ObstacleSpec::Type::kSphere;
   sphere.radius = 0.2;
   scene.obstacles = {sphere};
-  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.2);
+  const Points exact = endOfImpacts(scene, Method::kRk, 1e-3, 0.2);
   for (const double rate : {100.0, 200.0, 400.0, 1000.0, 2000.0, 4000.0})
-    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.2) - exact),
+    EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.2) - exact),
               0.5 / (rate * rate))
         << rate;
 }
 
 /// A rod lands on a bar by its end and turns down onto it, so that the place where they touch runs
 /// along the rod from that end: nothing jumps there.
-TEST(Blow, ThatPassesFromTheEndOfARodOntoIt) {
+TEST(Impact, ThatPassesFromTheEndOfARodOntoIt) {
   Scene scene = sceneOf(oneStick(1, 2, 0.05), Vec3(0, 0, 0.35));
   scene.ragdolls[0].pose.orientation = Quat(Eigen::AngleAxisd(-0.1, Vec3::UnitY()));
   scene.ragdolls[0].velocity = Vec3(0, 0, -0.5);
@@ -169,9 +170,9 @@ TEST(Blow, ThatPassesFromTheEndOfARodOntoIt) {
   bar.from = Vec3(-1, -0.2, 0.15);
   bar.to = Vec3(1, 0.25, 0.15);
   scene.obstacles = {bar};
-  const Points exact = endOfBlows(scene, Method::kRk, 1e-3, 0.25);
+  const Points exact = endOfImpacts(scene, Method::kRk, 1e-3, 0.25);
   for (const double rate : {500.0, 1000.0, 4000.0, 16000.0})
-    EXPECT_LT(largest(endOfBlows(scene, Method::kShake, 1 / rate, 0.25) - exact), 2e-5) << rate;
+    EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.25) - exact), 2e-5) << rate;
 }
 
 }  // namespace
