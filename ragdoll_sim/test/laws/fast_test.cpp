@@ -231,6 +231,43 @@ TEST(Fast, HandsOnWhatIsNotForIt) {
 
 /// A heavy ball between two light ones, rigid, falls flat: one end is stopped, and the other one
 /// goes twice as far as in free fall, into what nobody has looked at.
+/// Humans in one place that fall through each other, alike; the first one may be held by a pin.
+World inOnePlace(int bodies, bool pinned) {
+  Scene scene = fastScene(
+      "ragdolls: [{model: human, position: [0, 0, 1.3], rpy_deg: [20, 70, 0], angular_velocity: "
+      "[90, 60, 30]}]\nobstacles: [{type: plane, friction: 0.5}]\n");
+  const RagdollSpec human = scene.ragdolls[0];
+  scene.ragdolls.clear();
+  for (int i = 0; i < bodies; ++i) {
+    scene.ragdolls.push_back(human);
+    scene.ragdolls[i].name = "human" + std::to_string(i);
+  }
+  if (pinned) {
+    PinSpec pin;
+    pin.particle = "human0/left_hand";
+    scene.pins = {pin};
+  }
+  return World(scene);
+}
+
+/// What is handed on has a thread's scratch in turn: nothing of the body before is left in it.
+TEST(Fast, HandsOnBodiesInOnePlaceAsEachAlone) {
+  for (const bool pinned : {false, true}) {
+    World all = inOnePlace(3, pinned), one = inOnePlace(1, pinned), other = inOnePlace(1, false);
+    const Eigen::Index n = one.state.x.cols();
+    int handed_on = 0;
+    for (int i = 0; i < 60; ++i) {
+      handed_on += all.steps(1).fast_fallbacks;
+      one.steps(1);
+      other.steps(1);
+      ASSERT_EQ(all.state.x.leftCols(n), one.state.x) << pinned << ", step " << i;
+      for (int k = 1; k < 3; ++k)
+        ASSERT_EQ(all.state.x.middleCols(k * n, n), other.state.x) << pinned << ", step " << i;
+    }
+    EXPECT_GT(handed_on, 3);
+  }
+}
+
 TEST(Fast, KeepsOutWhatAnImpactThrowsIntoWhatWasNotNear) {
   SkeletonSpec see_saw = oneParticle();
   see_saw.particles = {particle("left", {-0.5, 0, 0}, 0.1, 0.05),

@@ -1,5 +1,5 @@
-// What presses, where sweeps give up: as where a light body is wedged under a heavy one, each sweep
-// gets the impulses nearer by a share of the ratio of their masses.
+// What presses, where sweeps give up: as in an impact on a limb between another body and the floor,
+// where what sticks on one side decides what slides on the other.
 #pragma once
 
 #include "core/direct/island.h"

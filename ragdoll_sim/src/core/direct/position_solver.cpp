@@ -117,7 +117,7 @@ bool solveRowsImplicitly(Island& island, double h) {
   activateAll(island);
   buildRows(island, h, false);
   startTotals(island);
-  // As leaps (sweepsOf).
+  // Bodies that relaxation moves sank in more with it, as with leaps (sweepsOf).
   const bool on_and_on =
       island.bodies[0]->overlaps == OverlapPolicy::kResolve && !island.context.relaxed;
   double violation = violationOf(island);

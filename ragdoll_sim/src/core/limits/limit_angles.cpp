@@ -82,9 +82,9 @@ void LimitAngles::Pose::evaluate(LimitRow& row) {
   std::copy_n(known.gradient.begin(), known.count, row.gradient.begin());
 }
 
-bool LimitAngles::Pose::is(const std::vector<Limit>& limits, const double* coordinates,
+bool LimitAngles::Pose::is(const std::vector<Limit>& limits, int first, const double* coordinates,
                            std::size_t count) const {
-  return limits_ == &limits && coordinates_.size() == count &&
+  return limits_ == &limits && first_ == first && coordinates_.size() == count &&
          std::memcmp(coordinates_.data(), coordinates, count * sizeof(double)) == 0;
 }
 
@@ -142,13 +142,13 @@ LimitAngles::Pose& LimitAngles::at(const Model& model, const Points& x, int ragd
   const double* body = x.data() + 3 * r.first;
   const std::size_t count = 3 * static_cast<std::size_t>(skeleton.size());
   ++calls_;
-  if (poses_[last_].is(skeleton.limits, body, count)) {
+  if (poses_[last_].is(skeleton.limits, r.first, body, count)) {
     last_call_[last_] = calls_;
     return poses_[last_];
   }
   std::size_t oldest = 0;
   for (std::size_t i = 0; i < poses_.size(); ++i) {
-    if (poses_[i].is(skeleton.limits, body, count)) {
+    if (poses_[i].is(skeleton.limits, r.first, body, count)) {
       last_call_[i] = calls_;
       last_ = i;
       return poses_[i];

@@ -29,8 +29,9 @@ class LimitAngles {
     /// These alone, into a row.
     void evaluate(LimitRow& row);
 
-    /// Whether this is the pose of `count` coordinates, to the bit; becomes it.
-    bool is(const std::vector<Limit>& limits, const double* coordinates, std::size_t count) const;
+    /// Whether this is the pose of that body's `count` coordinates, to the bit; becomes it.
+    bool is(const std::vector<Limit>& limits, int first, const double* coordinates,
+            std::size_t count) const;
     void makeRoom(std::size_t limits, std::size_t count);
     /// limits: of the body's skeleton; first: the body's first column of the state.
     void set(const std::vector<Limit>& limits, int first, const double* coordinates,

@@ -14,6 +14,8 @@ constexpr double kDiverged = 1e6;  ///< relative error of a squared length: no w
 }  // namespace
 
 void BodyResponse::bind(const DirectSystem& system) {
+  if (system_ != &system)
+    for (StickSolver* sticks : {&start_, &end_}) sticks->forget();  // of other masses or pins
   system_ = &system;
   rows_ = system.rows.get();
   start_.resize(*rows_);

@@ -31,6 +31,7 @@ enum class Sweeps {
   kAlongTheSlip,
 };
 
+/// The same, and how far they go.
 struct Sweeping {
   Sweeps kind;
   bool leaps;  ///< also where their steps hardly shrink they go on to where these add up to

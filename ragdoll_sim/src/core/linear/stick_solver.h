@@ -43,6 +43,8 @@ struct StickRows {
 class StickSolver {
  public:
   void resize(const StickRows& rows);
+  /// Forgets the pose.
+  void forget() { valid_ = has_across_ = false; }
 
   /// D = X B^T and (G o (D^T D))^-1. x: first particle's coordinates. Does nothing if it holds that
   /// very pose already.
