@@ -6,6 +6,7 @@
 #include "core/contact/constants.h"
 #include "core/direct/constants.h"
 #include "core/direct/direct_step.h"
+#include "core/direct/mode_constants.h"
 #include "core/direct/mode_events.h"
 #include "core/direct/motion.h"
 #include "core/direct/penetration.h"
@@ -38,9 +39,12 @@ double gapLeft(const StepContext& step, const Contact& c) {
   return c.isSoft() ? std::min(gap, c.gap_start) : gap + allowedPenetration(c, step.h, step.h);
 }
 
-/// [m] What bodies that go from event to event may overlap by before they are one island; and how
-/// near they may come, as what lies between their ends is looked at by none else.
-double overlapOf(const StepContext& step) { return goesThroughEvents(step) ? kTouching : kSlop; }
+/// [m] What may overlap by less was pushed together by an island: it touches.
+double overlapOf(const StepContext& step) {
+  return goesThroughEvents(step) ? kClosedGap : step.tolerances.touching;
+}
+/// [m] Bodies that go from event to event are one island when they come near, as what lies between
+/// their ends is looked at by none else.
 double nearOf(const StepContext& step) { return goesThroughEvents(step) ? kNearBody : kClose; }
 
 }  // namespace

@@ -512,7 +512,7 @@ bool listObstacle(Body& body, int place, int index, double reach, Mode& mode) {
   return sound;
 }
 
-/// [m] How far three such motions over h go.
+/// [m] How far three such motions over h go. One body's speed becomes another's in an impact.
 double reachOf(const Body& body, double h) {
   const double speed = std::sqrt(body.v().colwise().squaredNorm().maxCoeff());
   const double pull = body.acceleration.colwise().norm().maxCoeff();
@@ -552,17 +552,14 @@ bool listModeRows(Island& island, double h) {
   layOut(island);
   mode.rows.clear();
   const int count = static_cast<int>(island.bodies.size());
-  for (int k = 0; k < count; ++k) {
-    Body& body = *island.bodies[k];
-    const double reach = reachOf(body, h) + kClose;
-    if (!listOwn(body, k, reach, mode)) return false;
-    if (!listPairs(island, k, k, 2 * reach)) return false;
-  }
+  double reach = kClose;
+  for (const Body* body : island.bodies) reach = std::max(reach, reachOf(*body, h) + kClose);
   for (int k = 0; k < count; ++k)
-    for (int l = k + 1; l < count; ++l) {
-      const double reach = reachOf(*island.bodies[k], h) + reachOf(*island.bodies[l], h);
-      if (!listPairs(island, k, l, reach + kClose)) return false;
-    }
+    if (!listOwn(*island.bodies[k], k, reach, mode) || !listPairs(island, k, k, 2 * reach))
+      return false;
+  for (int k = 0; k < count; ++k)  // what they share comes last (buildRows)
+    for (int l = k + 1; l < count; ++l)
+      if (!listPairs(island, k, l, 2 * reach)) return false;
   return true;
 }
 
