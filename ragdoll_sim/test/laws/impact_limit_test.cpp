@@ -175,6 +175,31 @@ obstacles: [{type: plane}]
   }
 }
 
+/// A rod lies on a light ball and the floor: what presses goes through the ball, to the floor and
+/// back.
+TEST(ImpactLimit, OfAHeavyRodOnALightBall) {
+  for (const double light : {2.0, 0.2, 0.02}) {
+    Scene scene = parseScene(R"(
+ragdoll_collision: true
+ragdolls:
+  - {name: ball, position: [0.13, 0.004, 0.03],
+     model: {particles: {p: {position: [0, 0, 0], mass: 1, radius: 0.03}}}}
+  - {name: rod, position: [-0.4, 0, 0.12], velocity: [0, 0, -0.5],
+     model: {sticks: [[a, b]], particles: {a: {position: [0, 0, 0], mass: 10, radius: 0.03},
+                                           b: {position: [0.9, 0, 0.02], mass: 10, radius: 0.03}}}}
+obstacles: [{type: plane, friction: 0.6}]
+)");
+    auto ball = std::make_shared<SkeletonSpec>(*scene.ragdolls[0].skeleton);
+    ball->particles[0].mass = light;
+    scene.ragdolls[0].skeleton = ball;
+    const Points exact = endOfImpacts(scene, Method::kRk, 1e-3, 0.3);
+    for (const double rate : {250.0, 500.0, 1000.0})
+      EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.3) - exact),
+                0.05 / (rate * rate))
+          << light << " kg at " << rate;
+  }
+}
+
 /// A body falls down stairs: where a limb rolls over an edge it touches at the start, wherever its
 /// place along the limb then was; from 1.26 s on it all but lies flat. From states that `rk` went
 /// through.

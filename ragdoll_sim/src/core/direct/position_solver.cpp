@@ -1,6 +1,7 @@
 #include "core/direct/position_solver.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/direct/angular_momentum.h"
 #include "core/direct/candidates.h"
@@ -8,6 +9,7 @@
 #include "core/direct/impact.h"
 #include "core/direct/motion.h"
 #include "core/direct/rows.h"
+#include "core/linear/constants.h"
 
 namespace ragdoll {
 namespace {
@@ -42,6 +44,19 @@ void startTotals(Island& island) {
   island.s.joint.split(island.s.total, island.s.parts);
   for (std::size_t k = 0; k < island.bodies.size(); ++k)
     island.bodies[k]->total = island.s.parts[k];
+}
+
+/// Whether sweeps that do not settle are accelerated. Each leaves 1 - m / M of what presses through a
+/// body of m under one of M, and they are kMaxSweeps.
+bool pressesThroughLight(const Island& island) {
+  if (island.isLone() || island.context.relaxed) return false;
+  double lightest = std::numeric_limits<double>::infinity(), heaviest = 0;
+  for (const Body* body : island.bodies) {
+    const double mass = body->rows->mass.sum();
+    lightest = std::min(lightest, mass);
+    heaviest = std::max(heaviest, mass);
+  }
+  return kMaxSweeps * lightest < heaviest;
 }
 
 struct Round {
@@ -95,6 +110,7 @@ bool solveRows(Island& island, double h) {
   warmStart(island, h);
   const bool started = turnTogether(island);  // their turn by friction is in no row's answer
   if (started && !applyImpulses(island, true)) return false;
+  const bool on_and_on = pressesThroughLight(island);
   double violation = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
     const bool fresh = round == 0 && !started;
@@ -102,7 +118,7 @@ bool solveRows(Island& island, double h) {
       evaluateGaps(island, h);
       s.p = s.total;
     }
-    if (!solveRound(island, {fresh, true, false})) return false;
+    if (!solveRound(island, {fresh, true, on_and_on})) return false;
     const double now = worstResidual(island, true);
     if (now < island.context.tolerances.contact) return true;
     if (round > 1 && now > kSlop && now > kProgress * violation) return true;

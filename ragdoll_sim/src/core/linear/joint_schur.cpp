@@ -143,7 +143,11 @@ bool JointSchur::sweep(const RowValues& b, RowValues& p, Sweeping sweeps) {
 }
 
 bool JointSchur::solveOn(const RowValues& b, RowValues& p) {
-  return isOneBody() && bodies_[0]->solveOn(b, p);
+  diagonal_.resize(size());
+  for (int i = 0; i < size(); ++i) diagonal_[i] = answer(i);
+  return batches_.solve(
+      isOneBody() ? bodies_[0]->blocks() : blocks_, diagonal_,
+      [&](RowValues& impulses) { return sweep(b, impulses, Sweeps::kBatch); }, p);
 }
 
 void JointSchur::split(const RowValues& p, std::vector<RowValues>& parts) const {

@@ -11,6 +11,7 @@
 #include "core/base/growing.h"
 #include "core/linear/equal_springs.h"
 #include "core/linear/schur.h"
+#include "core/linear/sweep_batches.h"
 
 namespace ragdoll {
 
@@ -45,7 +46,7 @@ class JointSchur {
 
   /// p from b, starting at p. Returns whether it settled.
   bool solve(const RowValues& b, RowValues& p, Sweeping sweeps = Sweeps::kToTheEnd);
-  /// Goes on where solve gave up (Schur::solveOn), where all rows are one body's; else false.
+  /// Goes on where solve gave up, with the same b (sweep_batches.h). Whether it settled.
   bool solveOn(const RowValues& b, RowValues& p);
 
   /// What of p belongs to each body's rows, in their order; parts may be more than bodies.
@@ -77,6 +78,8 @@ class JointSchur {
   Roomy<Row> rows_;
   Roomy<SchurBlock> blocks_;
   EqualSprings springs_;
+  SweepBatches batches_;
+  RowValues diagonal_;
   std::vector<RowValues> answers_;  ///< per body
 };
 

@@ -191,56 +191,16 @@ RAGDOLL_KERNEL(bool, sweep,
 
 bool Schur::solve(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
                   Sweeping sweeps) {
-  OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free.data(), w_.data()};
-  findBlocks(rows, blocks_);
-  return sweepFrom(b, p, sweeps);
-}
-
-bool Schur::sweepFrom(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
-                      Sweeping sweeps) {
   w_.setZero(columns_);
   w_.head(size()) = b;
   OneBody<1> rows{now_.rows, now_.A.data(), columns_, now_.free.data(), w_.data()};
+  findBlocks(rows, blocks_);
   return sweep(rows, blocks_, p.data(), sweeps);
 }
 
 void Schur::addRates(int i, int count, const double* impulses) {
   kernels::addWeighted(w_.data(), now_.A.data() + i * columns_, impulses, count, columns_,
                        w_.data());
-}
-
-bool Schur::solveOn(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p) {
-  start_ = p;
-  // Impulses in units in which all rows yield alike.
-  scale_ = now_.A.leftCols(size()).diagonal().cwiseMax(0).cwiseSqrt();
-  anderson_.start();
-  for (int batch = 0; batch < kBatches; ++batch) {
-    scaled_ = scale_.cwiseProduct(p);
-    if (sweepFrom(b, p, Sweeps::kBatch)) return true;
-    swept_ = scale_.cwiseProduct(p);
-    if (!anderson_.mix(scaled_, swept_, better_)) break;
-    if (batch > 0 && better_.allFinite()) putAllowed(better_, scale_, p);
-  }
-  if (!(scale_.cwiseProduct(p).norm() <= kMostGrowth * scale_.cwiseProduct(start_).norm()))
-    p = start_;
-  return false;
-}
-
-void Schur::putAllowed(const RowValues& scaled, const RowValues& scale,
-                       Eigen::Ref<Eigen::VectorXd> p) {
-  const auto put = [&](int i) { p[i] = scale[i] > 0 ? scaled[i] / scale[i] : p[i]; };
-  for (const SchurBlock& block : blocks_) {
-    double* now = p.data() + block.row;
-    put(block.row);
-    now[0] = std::max(block.least, now[0]);
-    if (!block.has_tangents) continue;
-    put(block.row + 1);
-    put(block.row + 2);
-    const double limit = block.friction * now[0], length = std::hypot(now[1], now[2]);
-    if (length <= limit) continue;
-    now[1] *= limit / length;
-    now[2] *= limit / length;
-  }
 }
 
 void Schur::move(const Eigen::Ref<const Eigen::VectorXd>& p, double* out) {

@@ -14,7 +14,6 @@
 
 #include "core/base/growing.h"
 #include "core/contact/contact.h"
-#include "core/linear/anderson.h"
 #include "core/linear/stick_solver.h"
 #include "ragdoll_sim/core/limits.h"
 
@@ -119,12 +118,6 @@ class Schur {
   bool solve(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
              Sweeping sweeps = Sweeps::kToTheEnd);
 
-  /// Goes on, with the same b, where solve gave up at p. Where rows all but contradict each other,
-  /// as those of a limb between two obstacles, sweeps alone would take thousands: Anderson
-  /// acceleration [Walker2011] of batches of them. Returns whether it settled; if not, p is as it
-  /// was where it would have grown without bound.
-  bool solveOn(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p);
-
   /// out (3 x n, columns) += what the impulses p do, the sticks answering as at assemble.
   void move(const Eigen::Ref<const Eigen::VectorXd>& p, double* out);
 
@@ -155,12 +148,6 @@ class Schur {
   void findMatrix(const StickRows& constants);
   /// Of row i: its answer, and its part of the diagonal without the sticks.
   void findAnswer(const StickRows& constants, StickSolver& sticks, int i);
-  /// Sweeps from p on. Whether they settled.
-  bool sweepFrom(const Eigen::Ref<const Eigen::VectorXd>& b, Eigen::Ref<Eigen::VectorXd> p,
-                 Sweeping sweeps);
-  /// p, as allowed, from impulses times the scale; what cannot move stays.
-  void putAllowed(const RowValues& scaled, const RowValues& scale, Eigen::Ref<Eigen::VectorXd> p);
-
   int first_ = 0, columns_ = 0;
   int count_ = 0;  ///< of the body's coordinates
   Assembly now_, before_;
@@ -169,9 +156,7 @@ class Schur {
   Roomy<int> place_;            ///< of each particle in turned_; -1: no row acts on it
   Growing<PaddedRows> turned_;  ///< the answers' coordinates of these particles x padded rows
   Roomy<SchurBlock> blocks_;
-  RowValues w_, start_, scale_, scaled_, swept_, better_;  ///< all but w_: of solveOn
-  Anderson anderson_;
-  RowValues moved_;
+  RowValues w_, moved_;
 };
 
 }  // namespace ragdoll

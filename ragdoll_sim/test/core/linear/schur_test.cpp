@@ -54,37 +54,6 @@ TEST(Schur, FindsWhatPinchesAStick) {
   EXPECT_LT((p - exact).norm(), 1e-6 * exact.norm());
 }
 
-TEST(Schur, GoesOnWhereTheSweepsGaveUp) {
-  constexpr double kMu = 0.5;
-  Pinched pinched(0.02, kMu);
-  Eigen::VectorXd b(6), p = Eigen::VectorXd::Zero(6);
-  b << -1e-4, 2e-5, 0.3, -1e-4, 0, 1e-5;  // the floor slides by 0.3 m: the cone is reached there
-  EXPECT_FALSE(pinched.schur.solve(b, p));
-  EXPECT_TRUE(pinched.schur.solveOn(b, p));
-  const Eigen::VectorXd w = b + pinched.schur.matrix() * p;
-  for (int i = 0; i < 6; i += 3) {
-    EXPECT_GT(p[i], 0);
-    EXPECT_NEAR(w[i], 0, 1e-6);
-    const Eigen::Vector2d pull = p.segment<2>(i + 1), slip = w.segment<2>(i + 1);
-    const double spare = kMu * p[i] - pull.norm();
-    EXPECT_GT(spare, -1e-12);
-    if (spare > 1e-9)
-      EXPECT_LT(slip.norm(), 1e-6) << i;  // sticks
-    else
-      EXPECT_LT((slip / slip.norm() + pull / pull.norm()).norm(), 1e-3) << i;  // against the slip
-  }
-}
-
-TEST(Schur, SaysSoWhereNothingCanOpen) {
-  Pinched pinched(0, 0);  // pressed down right above the floor
-  const Eigen::Vector2d b(-1e-4, -1e-4);
-  Eigen::VectorXd p = Eigen::VectorXd::Zero(2);
-  EXPECT_FALSE(pinched.schur.solve(b, p));
-  const double before = p.norm();
-  EXPECT_FALSE(pinched.schur.solveOn(b, p));
-  EXPECT_LE(p.norm(), 1e4 * before);
-}
-
 TEST(Schur, ForgetsTheMatrixOfAnotherBodyInTheSamePose) {
   const Model light = buildModel(sceneOf(oneStick())), heavy = buildModel(sceneOf(oneStick(2, 2)));
   Contact floor;
