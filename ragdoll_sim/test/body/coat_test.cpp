@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "body/rigid_coat.h"
 #include "human_model.h"
-#include "ragdoll_sim/body/rigid_coat.h"
 #include "ragdoll_sim/core/error.h"
 
 namespace ragdoll::test {
