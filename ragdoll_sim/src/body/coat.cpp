@@ -1,6 +1,6 @@
 #include "ragdoll_sim/body/coat.h"
 
-#include "ragdoll_sim/body/rigid_coat.h"
+#include "body/rigid_coat.h"
 #include "ragdoll_sim/body/skin.h"
 #include "ragdoll_sim/core/error.h"
 

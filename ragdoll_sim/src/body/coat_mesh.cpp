@@ -1,7 +1,7 @@
 #include "ragdoll_sim/body/coat_mesh.h"
 
+#include "body/rigid_coat.h"
 #include "ragdoll_sim/body/part_motion.h"
-#include "ragdoll_sim/body/rigid_coat.h"
 #include "ragdoll_sim/body/skin.h"
 
 namespace ragdoll {

@@ -10,8 +10,8 @@
 #include <iterator>
 
 #include "body/human_measures.h"
+#include "body/rigid_coat.h"
 #include "body/smoothstep.h"
-#include "ragdoll_sim/body/rigid_coat.h"
 #include "ragdoll_sim/body/skin.h"
 
 namespace ragdoll {

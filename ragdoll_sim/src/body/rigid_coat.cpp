@@ -1,4 +1,4 @@
-#include "ragdoll_sim/body/rigid_coat.h"
+#include "body/rigid_coat.h"
 
 #include <algorithm>
 

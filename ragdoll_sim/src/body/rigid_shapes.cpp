@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "body/human_measures.h"
-#include "ragdoll_sim/body/rigid_coat.h"
+#include "body/rigid_coat.h"
 
 namespace ragdoll {
 namespace {

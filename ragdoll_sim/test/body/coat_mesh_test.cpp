@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "body/rigid_coat.h"
 #include "human_model.h"
-#include "ragdoll_sim/body/rigid_coat.h"
 
 namespace ragdoll::test {
 namespace {

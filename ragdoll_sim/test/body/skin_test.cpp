@@ -7,6 +7,7 @@
 
 #include "human_model.h"
 #include "ragdoll_sim/body/coat.h"
+#include "slice.h"
 
 namespace ragdoll::test {
 namespace {
@@ -30,15 +31,9 @@ struct HumanInASkin {
     return mesh;
   }
 
-  /// Vertices of the rest pose within 1 mm of the plane through p across the direction, near p, in
-  /// the order in which they were made, that is around the ring.
+  /// The ring of the skin at p, across the direction.
   std::vector<int> ring(const Vec3& p, const Vec3& across, double reach) const {
-    std::vector<int> found;
-    for (int i = 0; i < bound.mesh.vertices.cols(); ++i) {
-      const Vec3 d = bound.mesh.vertices.col(i) - p;
-      if (std::abs(d.dot(across.normalized())) < 1e-3 && d.norm() < reach) found.push_back(i);
-    }
-    return found;
+    return slice(bound.mesh, p, across, reach, 1e-3);
   }
 };
 
@@ -49,73 +44,6 @@ double area(const Mesh& mesh, const std::vector<int>& ring) {
     sum += Vec3(mesh.vertices.col(ring[j]))
                .cross(Vec3(mesh.vertices.col(ring[(j + 1) % ring.size()])));
   return sum.norm() / 2;
-}
-
-/// How often the mesh goes around p: sum of the triangles' solid angles [VanOosterom1983] / 4 pi.
-double winding(const Mesh& mesh, const Vec3& p) {
-  double sum = 0;
-  for (const Triangle& t : mesh.triangles) {
-    const Vec3 a = mesh.vertices.col(t[0]) - p, b = mesh.vertices.col(t[1]) - p,
-               c = mesh.vertices.col(t[2]) - p;
-    sum += 2 * std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
-                                                 b.dot(c) * a.norm() + c.dot(a) * b.norm());
-  }
-  return sum / (4 * M_PI);
-}
-
-TEST(Skin, IsOneClosedSurfaceFacingOutward) {
-  HumanInASkin human;
-  const Mesh& mesh = human.bound.mesh;
-  EXPECT_TRUE(isClosed(mesh));
-  EXPECT_GT(smallestArea(mesh), 4e-6);
-  // Euler's formula: one surface without handles.
-  const int v = static_cast<int>(mesh.vertices.cols()), t = static_cast<int>(mesh.triangles.size());
-  EXPECT_EQ(v - t / 2, 2);
-  // Once around every point of the bones, not at all around points outside: no overlap, no fold.
-  for (const Part& part : human.tree.parts) {
-    if (part.group) continue;
-    const Vec3 p = human.skeleton.rest.col(part.particles[0]);
-    const Vec3 q = human.skeleton.rest.col(part.particles[1]);
-    for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0})
-      EXPECT_NEAR(winding(mesh, p + t * (q - p)), 1, 1e-9) << (p + t * (q - p)).transpose();
-  }
-  for (const Vec3& p : {Vec3(0, 0, 1), Vec3(0, 0, -0.4), Vec3(0, 0.22, 0.1), Vec3(0.2, 0, 0.2)})
-    EXPECT_NEAR(winding(mesh, p), 0, 1e-9) << p.transpose();
-}
-
-TEST(Skin, HasTheVolumeOfItsMass) {
-  // 75 kg at 985 kg/m^3 [Durnin1974, mid-range]; within 15 %.
-  HumanInASkin human;
-  EXPECT_NEAR(volume(human.bound.mesh), 0.075, 0.15 * 0.075);
-}
-
-TEST(Skin, IsMirrorSymmetric) {
-  HumanInASkin human;
-  const Points& v = human.bound.mesh.vertices;
-  for (int i = 0; i < v.cols(); ++i) {
-    const Vec3 mirrored = v.col(i).cwiseProduct(Vec3(1, -1, 1));
-    EXPECT_LT((v.colwise() - mirrored).colwise().norm().minCoeff(), 1e-9);
-  }
-}
-
-TEST(Skin, StandsWhereTheFeetStand) {
-  HumanInASkin human;
-  const Points& v = human.bound.mesh.vertices;
-  const double floor = human.rest("left_foot").z() - 0.040;
-  EXPECT_NEAR(v.row(2).minCoeff(), floor, 1e-9);
-  EXPECT_NEAR(v.row(2).maxCoeff() - floor, 1.77, 0.03);
-}
-
-TEST(Skin, WeightsSumToOne) {
-  HumanInASkin human;
-  for (const Weights& w : human.bound.weights) {
-    float sum = 0;
-    for (int n = 0; n < w.count; ++n) {
-      EXPECT_GT(w.weight[n], 0);
-      sum += w.weight[n];
-    }
-    EXPECT_NEAR(sum, 1, 1e-6);
-  }
 }
 
 TEST(Skin, RestAndRigidMotionsAreExact) {

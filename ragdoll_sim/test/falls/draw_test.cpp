@@ -4,21 +4,21 @@
 #include <map>
 #include <set>
 
-#include "ragdoll_sim/core/error.h"
+#include "human.h"
 #include "ragdoll_sim/falls/fall.h"
-#include "ragdoll_sim/io/model_yaml.h"
 #include "ragdoll_sim/io/scene_yaml.h"
-#include "ragdoll_sim/io/share.h"
+#include "support/error_of.h"
 
 namespace ragdoll::falls {
 namespace {
+
+using test::errorOf;
 
 constexpr double kStep = 1.0 / 200;
 
 std::string textOf(std::uint64_t seed) {
   const Fall fall = drawFall(seed);
-  const auto human = loadModel(findModel("human", ".", "model"));
-  return toYaml(fallScene(fall, scaledModel(*human, fall.scale), kStep).scene);
+  return toYaml(fallScene(fall, scaledModel(*human(), fall.scale), kStep).scene);
 }
 
 TEST(DrawFall, TheSameSeedIsTheSameFallAndAnotherIsNot) {
@@ -76,14 +76,14 @@ TEST(DrawFall, HeightsAreThoseOfAdults) {
 }
 
 TEST(DrawFall, PushesTripsSlipsAndFaintsAreWhatTheyAreCalled) {
-  const auto human = loadModel(findModel("human", ".", "model"));
+  const auto model = human();
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
     const Fall fall = drawFall(seed);
-    const FallScene made = fallScene(fall, human, kStep);
+    const FallScene made = fallScene(fall, model, kStep);
     EXPECT_EQ(fall.kind == "push", made.scene.pokes.size() == 1) << seed;
     EXPECT_EQ(fall.kind == "trip", made.held() == std::vector<std::string>{fall.foot}) << seed;
     EXPECT_EQ(fall.kind == "trip" ? fall.hold : 0, made.release) << seed;
-    EXPECT_EQ(fall.kind == "faint", made.held().size() == human->particles.size()) << seed;
+    EXPECT_EQ(fall.kind == "faint", made.held().size() == model->particles.size()) << seed;
     EXPECT_EQ(fall.kind == "slip", fall.foot_friction > 0) << seed;
     EXPECT_EQ(fall.kind == "slip", made.floors == 2) << seed;
     EXPECT_EQ(fall.kind == "trip" || fall.kind == "slip", fall.speed > 0) << seed;
@@ -96,24 +96,17 @@ TEST(DrawFall, PushesTripsSlipsAndFaintsAreWhatTheyAreCalled) {
 
 TEST(DrawFall, RefusesSeedsBeyondTheLast) {
   EXPECT_NO_THROW(drawFall(kLastSeed));
-  try {
-    drawFall(kLastSeed + 1);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("99999999"), std::string::npos) << error.what();
-  }
+  const std::string error = errorOf([] { drawFall(kLastSeed + 1); });
+  EXPECT_NE(error.find("99999999"), std::string::npos) << error;
 }
 
 TEST(DrawFall, RefusesAModelWithoutWhatAFallNeeds) {
-  SkeletonSpec model = *loadModel(findModel("human", ".", "model"));
+  SkeletonSpec model = *human();
   for (ParticleSpec& p : model.particles)
     if (p.name == "left_foot") p.name = "left_hoof";
-  try {
-    fallScene(drawFall(1), std::make_shared<SkeletonSpec>(model), kStep);
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_NE(std::string(error.what()).find("left_foot"), std::string::npos) << error.what();
-  }
+  const std::string error =
+      errorOf([&] { fallScene(drawFall(1), std::make_shared<SkeletonSpec>(model), kStep); });
+  EXPECT_NE(error.find("left_foot"), std::string::npos) << error;
 }
 
 TEST(StepsPerSample, AreWholeOrNameTheRatesThatAre) {
@@ -121,15 +114,10 @@ TEST(StepsPerSample, AreWholeOrNameTheRatesThatAre) {
   EXPECT_EQ(stepsPerSample(200, kStep), 1);
   EXPECT_EQ(stepsPerSample(1, kStep), 200);
   for (const double rate : {60.0, 300.0, -1.0, 0.0, std::nan("")}) {
-    try {
-      stepsPerSample(rate, kStep);
-      FAIL() << rate;
-    } catch (const Error& error) {
-      const std::string text = error.what();
-      EXPECT_NE(text.find("--rate"), std::string::npos) << text;
-      const char* fit = rate == 60 ? "50 or 66.6667 Hz" : rate == 300 ? "be 200 Hz" : "(0, 10000] Hz";
-      EXPECT_NE(text.find(fit), std::string::npos) << text;
-    }
+    const std::string text = errorOf([&] { stepsPerSample(rate, kStep); });
+    EXPECT_NE(text.find("--rate"), std::string::npos) << text;
+    const char* fit = rate == 60 ? "50 or 66.6667 Hz" : rate == 300 ? "be 200 Hz" : "(0, 10000] Hz";
+    EXPECT_NE(text.find(fit), std::string::npos) << text;
   }
 }
 

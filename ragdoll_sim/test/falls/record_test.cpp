@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ragdoll_sim/core/error.h"
+#include "support/error_of.h"
 
 namespace ragdoll::falls {
 namespace {
@@ -142,13 +142,8 @@ TEST_F(Labels, ThePoseIsWhereTheBodysPartsLieAmongEachOther) {
 }
 
 TEST(Recorder, RefusesOptionsThatCannotBe) {
-  const auto refusal = [](const Options& options) -> std::string {
-    try {
-      Recorder recorder(options);
-    } catch (const Error& error) {
-      return error.what();
-    }
-    return "";
+  const auto refusal = [](const Options& options) {
+    return test::errorOf([&] { Recorder recorder(options); });
   };
   Options o;
   o.rate = 60;

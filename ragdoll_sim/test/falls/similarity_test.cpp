@@ -4,16 +4,13 @@
 
 #include <cmath>
 
+#include "human.h"
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/falls/fall.h"
-#include "ragdoll_sim/io/model_yaml.h"
-#include "ragdoll_sim/io/share.h"
 #include "ragdoll_sim/world/batch.h"
 
 namespace ragdoll::falls {
 namespace {
-
-std::shared_ptr<const SkeletonSpec> human() { return loadModel(findModel("human", ".", "model")); }
 
 /// A body pushed at the shoulder, far from any floor.
 Scene thrown(const std::shared_ptr<const SkeletonSpec>& model, double scale, double step) {

@@ -9,7 +9,7 @@
 #include <set>
 #include <sstream>
 
-#include "error_of.h"
+#include "errors_of_text.h"
 
 namespace ragdoll {
 namespace {

@@ -6,7 +6,7 @@
 #include <fstream>
 #include <random>
 
-#include "error_of.h"
+#include "errors_of_text.h"
 
 namespace ragdoll {
 namespace {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "error_of.h"
+#include "errors_of_text.h"
 #include "ragdoll_sim/core/build_model.h"
 
 namespace ragdoll {

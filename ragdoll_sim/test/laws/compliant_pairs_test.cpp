@@ -85,9 +85,7 @@ TEST(CompliantPairs, ABarThatIsHeldIsACapsule) {
       "name: falls, position: [0.1, -0.13, 0.15], rpy_deg: [0, 0, 70], velocity: [0.3, 0, -1]";
   Scene held = sceneOfText(softBar(kBelow) + softBar(falls), 500);
   for (const char* end : {"a", "b"}) {
-    PinSpec pin;
-    pin.particle = std::string("below/") + end;
-    held.pins.push_back(pin);
+    held.pins.push_back(pinOf(std::string("below/") + end));
   }
   Scene capsule = parseScene(
       "gravity: [0, 0, 0]\nragdolls:\n" + softBar(falls) +
@@ -195,9 +193,7 @@ TEST(CompliantPairs, ABarRestsOnTwoByItsWeight) {
   Scene scene = sceneOfText(
       softBar(left, 200) + softBar(right, 200) + softBar("position: [0, 0, 0.1]", 200), 500, 9.81);
   for (const char* particle : {"left/a", "left/b", "right/a", "right/b"}) {
-    PinSpec pin;
-    pin.particle = particle;
-    scene.pins.push_back(pin);
+    scene.pins.push_back(pinOf(particle));
   }
   World world(scene);
   Contacts contacts(world.model);

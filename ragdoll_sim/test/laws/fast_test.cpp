@@ -243,9 +243,7 @@ World inOnePlace(int bodies, bool pinned) {
     scene.ragdolls[i].name = "human" + std::to_string(i);
   }
   if (pinned) {
-    PinSpec pin;
-    pin.particle = "human0/left_hand";
-    scene.pins = {pin};
+    scene.pins = {pinOf("human0/left_hand")};
   }
   return World(scene);
 }

@@ -69,9 +69,7 @@ TEST(Weightless, PokeGivesItsImpulseAndNothingElseChangesMomentum) {
 
 TEST(Pin, HoldsItsParticleToTheBitAndTheRestHangsBelow) {
   Scene scene = sceneOf(oneStick(1, 2), Vec3(0.1, 0.2, 0.3));
-  PinSpec pin;
-  pin.particle = "ragdoll/a";
-  scene.pins = {pin};
+  scene.pins = {pinOf("ragdoll/a")};
   scene.solver.damping = 2;
   scene.solver.sweeps = 50;
   World world(scene);

@@ -146,9 +146,7 @@ TEST_P(HeldApart, DampingDoesNotHoldALeadBack) {
   Scene scene = loadScene("hang");
   scene.pins.clear();
   for (const char* name : {"ragdoll/left_hand", "ragdoll/right_hand"}) {
-    PinSpec pin;
-    pin.particle = name;
-    scene.pins.push_back(pin);
+    scene.pins.push_back(pinOf(name));
   }
   scene.solver.method = GetParam();
   scene.solver.damping = scene.solver.joint_damping = 2;

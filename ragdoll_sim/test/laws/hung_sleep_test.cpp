@@ -20,9 +20,7 @@ class HungSleep : public testing::TestWithParam<Method> {
     SkeletonSpec stick = oneStick();
     stick.particles[1].position = Vec3(aside, 0, -std::sqrt(1 - aside * aside));
     Scene scene = sceneOf(stick, Vec3(0, 0, 3));
-    PinSpec pin;
-    pin.particle = "a";
-    scene.pins = {pin};
+    scene.pins = {pinOf("a")};
     scene.solver.method = GetParam();
     scene.solver.step = 0.01;
     return scene;
@@ -165,9 +163,7 @@ TEST_P(HungSleep, AHumanThatHangsUprightComesToRest) {
     Scene scene = loadScene("hang");
     scene.pins.clear();
     for (const char* side : {"left_", "right_"}) {
-      PinSpec pin;
-      pin.particle = std::string("ragdoll/") + side + part;
-      scene.pins.push_back(pin);
+      scene.pins.push_back(pinOf(std::string("ragdoll/") + side + part));
     }
     scene.ragdolls[0].pose.orientation = Quat::Identity();
     scene.solver.method = GetParam();

@@ -132,9 +132,7 @@ Scene rodPendulum(Method method, double com, double gyration, double step) {
   body.segments[0].com = com;
   body.segments[0].gyration = gyration;
   Scene scene = sceneOf(body);
-  PinSpec pin;
-  pin.particle = "a";
-  scene.pins = {pin};
+  scene.pins = {pinOf("a")};
   scene.solver.method = method;
   scene.solver.step = step;
   return scene;

@@ -40,9 +40,7 @@ class SoftLimit : public testing::TestWithParam<Method> {
   Scene scene(double stiffness, double damping, double step = kLeverStep) const {
     Scene scene = sceneOf(lever(stiffness, damping));
     for (const char* name : {"a", "b", "c"}) {
-      PinSpec pin;
-      pin.particle = name;
-      scene.pins.push_back(pin);
+      scene.pins.push_back(pinOf(name));
     }
     scene.gravity = Vec3(0, 0, -kWeakGravity);
     scene.solver.method = GetParam();

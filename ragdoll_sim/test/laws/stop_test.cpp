@@ -139,9 +139,7 @@ double chainError(Method method, int rate) {
   }
   s.joints = {cone("stop", "rod_a", "rod_b", x.col(1), deg(kStop))};
   Scene scene = sceneOf(s);
-  PinSpec pin;
-  pin.particle = "a";
-  scene.pins = {pin};
+  scene.pins = {pinOf("a")};
   scene.solver.method = method;
   scene.solver.events = true;  // of rk
   scene.solver.step = kChainSeconds / steps;

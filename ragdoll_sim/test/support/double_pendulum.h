@@ -80,9 +80,7 @@ inline Scene pendulum(Method method, double step, bool lumped = false) {
     }
   }
   Scene scene = sceneOf(s);
-  PinSpec pin;
-  pin.particle = "top";
-  scene.pins = {pin};
+  scene.pins = {pinOf("top")};
   scene.solver.method = method;
   scene.solver.step = step;
   return scene;

@@ -48,6 +48,13 @@ inline ObstacleSpec floorPlane(double friction = 0, double restitution = 0) {
   return o;
 }
 
+/// Holds the particle where it starts.
+inline PinSpec pinOf(const std::string& particle) {
+  PinSpec pin;
+  pin.particle = particle;
+  return pin;
+}
+
 /// One ragdoll named "ragdoll" with its model's origin at `position`.
 inline Scene sceneOf(SkeletonSpec skeleton, const Vec3& position = Vec3::Zero()) {
   Scene scene;

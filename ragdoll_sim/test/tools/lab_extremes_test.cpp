@@ -8,8 +8,8 @@
 #include "extreme_text.h"
 #include "extreme_verdict.h"
 #include "ragdoll_sim/core/build_model.h"
-#include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/solver_presets.h"
+#include "support/error_of.h"
 #include "support/lab_program.h"
 
 namespace ragdoll::lab {
@@ -102,12 +102,8 @@ TEST(ExtremeText, TablesStandBetweenTheirMarks) {
   EXPECT_EQ(
       withTables("a\n<!-- extremes -->\nold\n<!-- /extremes -->\nb\n", "extremes", "new\n", "f.md"),
       "a\n<!-- extremes -->\nnew\n\n<!-- /extremes -->\nb\n");
-  try {
-    withTables("no marks", "extremes", "new", "f.md");
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_THAT(error.what(), AllOf(StartsWith("f.md"), HasSubstr("<!-- extremes -->")));
-  }
+  EXPECT_THAT(test::errorOf([] { withTables("no marks", "extremes", "new", "f.md"); }),
+              AllOf(StartsWith("f.md"), HasSubstr("<!-- extremes -->")));
 }
 
 #ifdef RAGDOLL_LAB

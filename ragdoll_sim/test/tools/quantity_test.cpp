@@ -3,11 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "io/error_of.h"
+#include "support/error_of.h"
 
 namespace ragdoll::lab {
 namespace {
 
+using test::errorOf;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 

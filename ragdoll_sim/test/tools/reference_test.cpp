@@ -6,16 +6,17 @@
 
 #include <cmath>
 
-#include "io/error_of.h"
 #include "measurement.h"
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/solver_presets.h"
+#include "support/error_of.h"
 #include "support/worlds.h"
 #include "survey.h"
 
 namespace ragdoll::lab {
 namespace {
 
+using test::errorOf;
 using ::testing::HasSubstr;
 
 constexpr double kG = 9.81;

@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "particles.h"
+#include "pokes.h"
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 
@@ -28,9 +28,7 @@ constexpr std::size_t kMostPokes = 100000;  ///< docs/ros_api.md
 Event push(const World& world, std::uint64_t step, double force) {
   Event event;
   event.step = step;
-  event.poke.body_name = "ragdoll/p";
-  event.poke.body = ragdoll::findBody(*world.model(), event.poke.body_name);
-  event.poke.force = Vec3(force, 0, 0);
+  event.poke = ragdoll::test::pokeOf(world, 0, 0, force);
   return event;
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ragdoll_sim/core/error.h"
+#include "support/error_of.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -22,15 +22,9 @@ TEST(BuildModel, SharesWhatIsEqual) {
 
 TEST(BuildModel, NamesAPinThatIsNone) {
   Scene scene = sceneOf(oneStick());
-  PinSpec pin;
-  pin.particle = "elbow";
-  scene.pins = {pin};
-  try {
-    buildModel(scene);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_NE(std::string(e.what()).find("elbow"), std::string::npos);
-  }
+  scene.pins = {pinOf("elbow")};
+  const std::string error = errorOf([&] { buildModel(scene); });
+  EXPECT_NE(error.find("elbow"), std::string::npos) << error;
 }
 
 TEST(BuildModel, PinsCanBeSetAnew) {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "ragdoll_sim/core/build_model.h"
-#include "ragdoll_sim/core/error.h"
+#include "support/error_of.h"
 #include "support/limbs.h"
 
 namespace ragdoll {
@@ -13,12 +13,7 @@ namespace {
 using namespace test;
 
 std::string faultOf(const SkeletonSpec& s) {
-  try {
-    buildModel(sceneOf(s));
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+  return errorOf([&] { buildModel(sceneOf(s)); });
 }
 
 std::string faultOf(const JointSpec& joint) {

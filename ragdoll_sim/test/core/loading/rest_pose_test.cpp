@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "core/loading/skeleton.h"
-#include "ragdoll_sim/core/error.h"
+#include "support/error_of.h"
 #include "support/limbs.h"
 
 namespace ragdoll {
@@ -36,12 +36,7 @@ SkeletonSpec ring(const std::vector<Vec3>& points, const std::vector<double>& le
 }
 
 std::string refusal(const SkeletonSpec& spec) {
-  try {
-    buildSkeleton(spec);
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "accepted";
+  return errorOf([&] { buildSkeleton(spec); });
 }
 
 double largestError(const Skeleton& s) {

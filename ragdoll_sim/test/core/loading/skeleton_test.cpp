@@ -2,22 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "ragdoll_sim/core/error.h"
+#include "support/error_of.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
 namespace {
 
 using namespace test;
-
-std::string errorOf(const SkeletonSpec& spec) {
-  try {
-    buildSkeleton(spec);
-    return "";
-  } catch (const Error& e) {
-    return e.what();
-  }
-}
 
 TEST(Skeleton, ResolvesNames) {
   SkeletonSpec spec = oneStick();
@@ -44,10 +35,10 @@ TEST(Skeleton, NeighboursAreRelaxedApart) {
 TEST(Skeleton, NamesWhatIsWrong) {
   SkeletonSpec unknown = oneStick();
   unknown.sticks[0].b = "elbow";
-  EXPECT_NE(errorOf(unknown).find("elbow"), std::string::npos);
+  EXPECT_NE(errorOf([&] { buildSkeleton(unknown); }).find("elbow"), std::string::npos);
   SkeletonSpec twice = oneStick();
   twice.particles[1].name = "a";
-  EXPECT_NE(errorOf(twice).find("'a'"), std::string::npos);
+  EXPECT_NE(errorOf([&] { buildSkeleton(twice); }).find("'a'"), std::string::npos);
 }
 
 }  // namespace

@@ -4,9 +4,9 @@
 #include <limits>
 
 #include "ragdoll_sim/core/build_model.h"
-#include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/snapshot.h"
 #include "ragdoll_sim/core/start_state.h"
+#include "support/error_of.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -18,18 +18,11 @@ using namespace test;
 std::string refusal(const std::function<void(Moment&)>& change) {
   Scene scene = sceneOf(oneStick());
   scene.obstacles.push_back(floorPlane());
-  PinSpec pin;
-  pin.particle = "ragdoll/a";
-  scene.pins.push_back(pin);
+  scene.pins.push_back(pinOf("ragdoll/a"));
   const Model model = buildModel(scene);
   Moment moment{startState(model), {}, model.pins, model.gravity, model.solver};
   change(moment);
-  try {
-    checkFits(model, moment);
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
+  return errorOf([&] { checkFits(model, moment); });
 }
 
 TEST(SnapshotChecks, TakeWhatAStepMakes) {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "ragdoll_sim/core/error.h"
+#include "support/error_of.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -17,16 +18,11 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 TEST(Bounds, AToleranceIsNoneOrMoreThanRounding) {
   for (const double good : {0.0, 1e-12, 1e-4, 1.0}) EXPECT_NO_THROW(checkTolerance("t", good));
   for (const double bad : {-1e-3, 1e-13, 5e-324, kNone, std::numeric_limits<double>::infinity()}) {
-    try {
-      checkTolerance("solver.tolerance", bad);
-      FAIL() << bad;
-    } catch (const Error& e) {
-      const std::string text = e.what();
-      EXPECT_EQ(text.rfind("solver.tolerance", 0), 0u) << text;
-      EXPECT_NE(text.find("it must be 0 (a fixed step), or at least 1e-12 m"), text.npos) << text;
-      if (bad == 1e-13) {
-        EXPECT_NE(text.find("rounded"), text.npos) << text;
-      }
+    const std::string text = errorOf([&] { checkTolerance("solver.tolerance", bad); });
+    EXPECT_EQ(text.rfind("solver.tolerance", 0), 0u) << text;
+    EXPECT_NE(text.find("it must be 0 (a fixed step), or at least 1e-12 m"), text.npos) << text;
+    if (bad == 1e-13) {
+      EXPECT_NE(text.find("rounded"), text.npos) << text;
     }
   }
 }

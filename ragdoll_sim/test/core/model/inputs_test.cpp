@@ -11,6 +11,7 @@
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/measures.h"
+#include "support/error_of.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -155,12 +156,8 @@ TEST(Poke, ThatNumbersCannotFollowIsRefusedWithTheLargestAllowed) {
   spec.where = "pokes[0]";
   spec.force = Vec3(0, 0, 1.1e10 * 4 / scene.solver.step);  // 4 kg at 1e10 m/s after a step
   scene.pokes = {spec};
-  try {
-    buildModel(scene);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_THAT(e.what(), AllOf(StartsWith("pokes[0]: force: "), HasSubstr("at most")));
-  }
+  EXPECT_THAT(errorOf([&] { buildModel(scene); }),
+              AllOf(StartsWith("pokes[0]: force: "), HasSubstr("at most")));
   scene.pokes[0].force *= 0.8;
   World world(scene);
   world.steps(1);
@@ -178,12 +175,7 @@ TEST(Poke, WhoseSquareOverflowsIsRefusedWithTheLargestAllowed) {
   scene.pokes = {spec};
   char most[40];  // 4 kg at 1e10 m/s after a step
   std::snprintf(most, sizeof most, "at most %.3g N", 1e10 * 4 / scene.solver.step);
-  try {
-    buildModel(scene);
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_THAT(e.what(), HasSubstr(most));
-  }
+  EXPECT_THAT(errorOf([&] { buildModel(scene); }), HasSubstr(most));
 }
 
 TEST(FindBody, ListsWhatThereIs) {

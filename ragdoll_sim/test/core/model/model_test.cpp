@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "ragdoll_sim/core/error.h"
 #include "support/direct_island.h"
+#include "support/error_of.h"
 
 namespace ragdoll {
 namespace {
@@ -21,12 +21,7 @@ Model twoChains() {
 }
 
 std::string refusal(const Model& model, const std::string& name) {
-  try {
-    findBody(model, name);
-  } catch (const Error& e) {
-    return e.what();
-  }
-  return "";
+  return errorOf([&] { findBody(model, name); });
 }
 
 TEST(FindBody, TakesTheFirstThatHasItOrTheOneNamed) {

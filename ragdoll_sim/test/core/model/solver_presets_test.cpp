@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "ragdoll_sim/core/error.h"
+#include "support/error_of.h"
 
 namespace ragdoll {
 namespace {
@@ -18,16 +18,19 @@ TEST(SolverPresets, HaveTheirNameAndAnErrorUntilAKnobIsTurned) {
   }
 }
 
+TEST(SolverPresets, OfTheThesisIsTheThesis) {
+  const SolverSpec thesis = preset("thesis");
+  EXPECT_EQ(thesis.method, Method::kJakobsen);
+  EXPECT_EQ(thesis.integrator, Integrator::kVerlet);
+  EXPECT_EQ(thesis.step, 1.0 / 60);
+  EXPECT_EQ(thesis.sweeps, 10);
+}
+
 TEST(SolverPresets, AnUnknownNameIsToldWithTheKnownOnes) {
-  try {
-    preset("best");
-    FAIL();
-  } catch (const Error& e) {
-    const std::string what = e.what();
-    EXPECT_NE(what.find("'best'"), std::string::npos) << what;
-    for (const std::string& name : presetNames())
-      EXPECT_NE(what.find(name), std::string::npos) << what;
-  }
+  const std::string what = test::errorOf([] { preset("best"); });
+  EXPECT_NE(what.find("'best'"), std::string::npos) << what;
+  for (const std::string& name : presetNames())
+    EXPECT_NE(what.find(name), std::string::npos) << what;
 }
 
 }  // namespace

@@ -13,9 +13,7 @@ using namespace test;
 TEST(StartState, TellsTheEnergyThatPinsTake) {
   Scene scene = sceneOf(oneStick(1, 1));
   scene.ragdolls[0].velocity = Vec3(0, 3, 0);
-  PinSpec pin;
-  pin.particle = "a";
-  scene.pins = {pin};
+  scene.pins = {pinOf("a")};
   double taken = 0;
   const State state = startState(buildModel(scene), &taken);
   EXPECT_EQ(Vec3(state.v.col(0)), Vec3::Zero());

@@ -1,24 +1,16 @@
-// The message of the Error that a call throws; "" if it throws none.
+// What a user is told of a text that is no scene.
 #pragma once
 
 #include <string>
 
 #include "ragdoll_sim/core/build_model.h"
-#include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/error_of.h"
 
 namespace ragdoll {
 
-template <class Call>
-std::string errorOf(Call call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
+using test::errorOf;
 
 /// What a user is told who loads this text under the name scene.yaml.
 inline std::string errorOfText(const std::string& text) {
