@@ -64,11 +64,11 @@ void turn(const std::vector<Body*>& bodies, const RigidMotion& common, const Vec
 }
 
 /// [J] that a spin may give: what the motion has lost, and what is taken out again of one that is
-/// not smooth.
-double energyToGive(Island& island, const std::vector<Body*>& bodies, bool smooth) {
+/// not smooth. took: [s] by the trial.
+double energyToGive(Island& island, const std::vector<Body*>& bodies, bool smooth, double took) {
   double energy = 0;
   for (Body* body : bodies) energy += kineticEnergy(*body);
-  return std::max(0.0, -gainedEnergy(island, bodies, 0)) + (smooth ? 0 : kMostGiven * energy);
+  return std::max(0.0, -gainedEnergy(island, bodies, took, 0)) + (smooth ? 0 : kMostGiven * energy);
 }
 
 /// Gives a spin. What energy that needs beyond is taken out of the motion within the bodies. Only a
@@ -77,11 +77,11 @@ double energyToGive(Island& island, const std::vector<Body*>& bodies, bool smoot
 /// be taken out: of smooth motions, and beside springs, whose next substeps give back what this one
 /// took.
 void giveSpin(Island& island, const std::vector<Body*>& bodies, const Vec3& centre,
-              const Vec3& spin, const Rotation& now) {
+              const Vec3& spin, const Rotation& now, double took) {
   const double given = spin.dot(now.angular), square = spin.dot(now.inertia * spin);
   const double needed = given + 0.5 * square;
   const bool smooth = needed > 0 && isSmooth(island);
-  const double spare = needed > 0 ? energyToGive(island, bodies, smooth) : 0;
+  const double spare = needed > 0 ? energyToGive(island, bodies, smooth, took) : 0;
   addSpin(bodies, centre, spin);
   const double excess = needed - spare;
   if (!(excess > 0)) return;
@@ -112,7 +112,7 @@ void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took)
     turn(bodies, after, 0.5 * took * spinFor(now, wanted));
     now = rotationOf(bodies, after, x1, v1);
   }
-  giveSpin(island, bodies, after.centre, spinFor(now, wanted), now);
+  giveSpin(island, bodies, after.centre, spinFor(now, wanted), now, took);
 }
 
 /// Joins the groups of two ragdolls; a sleeper's does not move.
@@ -203,16 +203,16 @@ bool pressesOnSleeper(const Island& island, const std::vector<Contact>& contacts
 
 /// Of bodies that press on each other.
 Vec3 turnOf(const std::vector<Body*>& bodies, TurnOf of) {
-  const auto spin = [&](const auto& x, const auto& v) {
-    const Rotation all = rotationOf(bodies, driftOf(bodies, x, v), x, v);
-    return spinOf(all.inertia, all.angular, true);
-  };
   if (of == TurnOf::kVelocity)
-    return spin([](const Body& body) { return body.x(); },
-                [](const Body& body) { return body.v(); });
+    return spinOfGroup(
+               bodies, [](const Body& body) { return body.x(); },
+               [](const Body& body) { return body.v(); })
+        .rate;
   for (Body* body : bodies) body->moved = body->x() + 0.5 * body->motion.dx;
-  return spin([](const Body& body) -> const Points& { return body.moved; },
-              [](const Body& body) -> const Points& { return body.motion.dx; });
+  return spinOfGroup(
+             bodies, [](const Body& body) -> const Points& { return body.moved; },
+             [](const Body& body) -> const Points& { return body.motion.dx; })
+      .rate;
 }
 
 /// Whether something rubs on another body, or on its own.
@@ -228,14 +228,13 @@ bool anyRubs(const Island& island, const std::vector<Contact>& pairs, TurnOf of)
 
 }  // namespace
 
-void findTurns(Island& island, TurnOf of) {
+const CommonTurns& findTurns(Island& island, TurnOf of) {
   const std::vector<Contact>& pairs =
       of == TurnOf::kMotion ? island.pairs.contacts : island.pairs.touching.contacts;
-  for (Body* body : island.bodies) {
-    body->turn.setZero();
-    body->turns_with = body;
-  }
-  if (!anyRubs(island, pairs, of)) return;
+  CommonTurns& turns = island.s.turns;
+  turns.turn.assign(island.bodies.size(), Vec3::Zero());
+  startGroups(island, turns.first);
+  if (!anyRubs(island, pairs, of)) return turns;
   std::vector<int>& group_of = island.s.group;
   startGroups(island, group_of);
   for (std::size_t i = 0; i < pairs.size(); ++i)
@@ -243,23 +242,20 @@ void findTurns(Island& island, TurnOf of) {
   forEachGroup(island, group_of, [&](const std::vector<Body*>& bodies) {
     if (isHeld(island, bodies) || pressesOnSleeper(island, pairs, of, bodies)) return;
     const Vec3 turn = turnOf(bodies, of);
-    for (Body* body : bodies) {
-      body->turn = turn;
-      body->turns_with = bodies[0];
+    const int first = island.placeOf(bodies[0]->index);
+    for (const Body* body : bodies) {
+      const int place = island.placeOf(body->index);
+      turns.turn[place] = turn;
+      turns.first[place] = first;
     }
   });
+  return turns;
 }
 
-Vec3 commonTurn(const Island& island, const Contact& pair) {
+Vec3 commonTurn(const Island& island, const CommonTurns& turns, const Contact& pair) {
   const int a = island.placeOf(pair.ragdoll), b = island.placeOf(pair.other);
-  if (a < 0 || b < 0) return Vec3::Zero();
-  const Body &first = *island.bodies[a], &second = *island.bodies[b];
-  return first.turns_with == second.turns_with ? first.turn : Vec3(Vec3::Zero());
-}
-
-bool turnTogether(const Island& island) {
-  return std::any_of(island.bodies.begin(), island.bodies.end(),
-                     [](const Body* body) { return !body->turn.isZero(0); });
+  if (a < 0 || b < 0 || turns.first[a] != turns.first[b]) return Vec3::Zero();
+  return turns.turn[a];
 }
 
 bool pressesItself(const Island& island) {
@@ -278,7 +274,7 @@ void restoreAngularMomentum(Island& island, double took) {
                [&](const std::vector<Body*>& bodies) { restoreGroup(island, bodies, took); });
 }
 
-void restoreAfterImpact(Island& island, VelocityImpulses impulses) {
+void restoreAfterImpact(Island& island, VelocityImpulses impulses, double took) {
   if (!impulses) return;
   std::vector<int>& group_of = island.s.group;
   startGroups(island, group_of);
@@ -292,7 +288,7 @@ void restoreAfterImpact(Island& island, VelocityImpulses impulses) {
     const auto v = [](const Body& body) { return body.v(); };
     const RigidMotion drift = driftOf(bodies, x, v);
     const Rotation now = rotationOf(bodies, drift, x, v);
-    giveSpin(island, bodies, drift.centre, spinOf(now.inertia, -pushed.couple, true), now);
+    giveSpin(island, bodies, drift.centre, spinOf(now.inertia, -pushed.couple, true), now, took);
   });
 }
 

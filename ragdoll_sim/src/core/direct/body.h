@@ -9,6 +9,7 @@
 #include "core/direct/constraint_set.h"
 #include "core/direct/impulse_cache.h"
 #include "core/direct/runge_kutta.h"
+#include "core/direct/saved_motion.h"
 #include "core/direct/step_context.h"
 #include "core/limits/limit_angles.h"
 #include "core/linear/body_response.h"
@@ -35,9 +36,7 @@ struct Motion {
 };
 
 /// What a substep that is done again starts from.
-struct SavedBody {
-  Points x, v;
-  std::vector<double> multipliers;
+struct SavedBody : SavedMotion {
   ImpulseCache cache;
   int located = 0;
 };
@@ -61,8 +60,7 @@ struct Body {
   StickLengths lengths;  ///< that sticks keep in this step
   double pin_speed = 0;  ///< [m/s] of pins that move
   bool driven = false;   ///< something moves that gives energy: obstacles, pins
-  double from = 0;       ///< [s] of the step when the present trial began
-  double took = 0;       ///< [s] that the trial took
+  double time = 0;       ///< [s] of the step at which the present trial begins
   int located = 0;       ///< impacts found in time in this step
   OverlapPolicy overlaps = OverlapPolicy::kResolve;
   // Forces that follow the motion (driving.h).
@@ -87,17 +85,14 @@ struct Body {
   TouchingSet touching;
   ImpulseCache cache;
   SavedBody saved;
-  Points acceleration;     ///< [m/s^2] of gravity and pokes, without sticks
-  Points v1, moved, kept;  ///< scratch of single stages
-  /// [rad] of the motion, or [rad/s]: as one with all that press on each other, nothing outside on
-  /// them; else none. Slip between and within bodies is measured against it (angular_momentum.h).
-  Vec3 turn = Vec3::Zero();
-  const Body* turns_with = nullptr;  ///< the first of them
+  Points acceleration;  ///< [m/s^2] of gravity and pokes, without sticks
+  /// Scratch of single functions: to another it goes by argument, or as what is returned.
+  Points v1, moved, kept;
   EnergyScratch energy;
   PairDetector detector;  ///< of the body with itself
   RungeKuttaScratch stages;
   ImplicitSticks implicit;
-  RowValues b, total;  ///< of the Schur complement's rows: gaps or rates, impulses
+  RowValues total;  ///< [kg m] what the position stage's rows have pressed with in the motion
   Eigen::VectorXd tension, row_sums;
   Eigen::VectorXd lengths2, inverse_lengths2;  ///< of sticks that recover their lengths
 

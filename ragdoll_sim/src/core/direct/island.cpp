@@ -20,6 +20,16 @@ bool Island::opensOverlaps() const {
                      [](const Body* body) { return body->overlaps == OverlapPolicy::kResolve; });
 }
 
+void placeSleepers(const Island& island, Points& poses) {
+  const StepContext& step = island.context;
+  for (const int i : island.s.all) {
+    if (island.placeOf(i) >= 0) continue;
+    const Ragdoll& r = step.model.ragdolls[i];
+    const int n = step.model.skeletonOf(r).size();
+    poses.middleCols(r.first, n) = step.state.x.middleCols(r.first, n);
+  }
+}
+
 void makeRoom(const Model& model, IslandScratch& s) {
   if (!s.places.empty()) return;
   const int most = model.ragdoll_collision
@@ -83,9 +93,7 @@ void save(Island& island) {
     SavedBody& saved = body->saved;
     saved.located = body->located;
     body->given = body->damped = 0;
-    saved.x = body->x();
-    saved.v = body->v();
-    saved.multipliers.assign(body->multipliers(), body->multipliers() + 2 * body->rows->s);
+    save(island.context, body->index, saved);
     saved.cache = body->cache;
   }
   island.pairs.saved = island.pairs.cache;
@@ -95,12 +103,9 @@ void save(Island& island) {
 
 void restore(Island& island) {
   for (Body* body : island.bodies) {
-    const SavedBody& saved = body->saved;
-    body->x() = saved.x;
-    body->v() = saved.v;
+    restore(island.context, body->index, body->saved);
     driveAt(*body, body->xData());
-    std::copy(saved.multipliers.begin(), saved.multipliers.end(), body->multipliers());
-    body->cache = saved.cache;
+    body->cache = body->saved.cache;
   }
   island.pairs.cache = island.pairs.saved;
   cutLog(island, island.s.logged);

@@ -32,11 +32,11 @@ struct ModeRow {
   double friction = 0, restitution = 0;
   Compliance give;  ///< limits: [rad/(N m)], [N m s/rad]
   // Of the present mode.
-  bool closed = false;   ///< gap and rate are zero; of what gives way: it presses
-  bool presses = false;  ///< an equality; of what gives way: by its spring and damper
-  bool sticks = false;   ///< presses: so are its tangents
-  bool held = false;     ///< does not stick, but others hold it (ModeBlock::held)
-  bool moves = false;    ///< slips, in the direction:
+  bool closed = false;     ///< gap and rate are zero; of what gives way: it presses
+  bool presses = false;    ///< an equality; of what gives way: by its spring and damper
+  bool sticks = false;     ///< presses: so are its tangents
+  bool impending = false;  ///< slip is impending (ModeBlock::impending)
+  bool moves = false;      ///< slips, in the direction:
   Vec3 slip = Vec3::Zero();
   std::array<int, 3> feature{};  ///< where it touches, as RowPlace::feature
   double gap_start = 0;          ///< [m], [rad] at the start of the present piece
@@ -79,9 +79,17 @@ struct ModePoint {
   double power = 0;  ///< [W] of what is counted in Body::given
 };
 
-/// Bodies that press on each other, and nothing outside on them: friction between two axes, which
-/// are apart, is a couple; as angular momentum stays, it comes back as a spin of them all.
-struct ModeSpin {
+/// What the stages of a piece of motion came to (mode_piece.h).
+struct ModePiece {
+  Growing<PaddedRows> slopes;  ///< of each: velocities, then accelerations
+  std::array<ModeForces, dormand_prince::kStages> forces;
+  double work = 0;  ///< [J] of what is counted in Body::given
+};
+
+/// How bodies turn as one (group_motion.h). Where they press on each other, and nothing outside on
+/// them: friction between two axes, which are apart, is a couple; as angular momentum stays, it
+/// comes back as a spin of them all.
+struct GroupSpin {
   Vec3 centre = Vec3::Zero();                         ///< [m]
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< [kg m^2]
   Vec3 rate = Vec3::Zero();  ///< [rad/s] of all as one; what slips is measured against it
@@ -95,18 +103,17 @@ struct Mode {
   int size = 0;            ///< of all coordinates
   double force_scale = 0;  ///< [N] below 1e-9 of which a force is none
   double longest = 0;      ///< [s] piece in which springs are followed
-  double work = 0;         ///< [J] of what is counted in Body::given, in the last motion
   // Scratch.
   Roomy<RowPlace> place;
   Roomy<int> first;  ///< of rows in the Schur complement; -1: none
   Roomy<ModeBlock> blocks;
   Roomy<int> spin_of;   ///< of each body; -1: held, or nothing presses on it
   Roomy<int> found_of;  ///< that the present forces were found with
-  Roomy<ModeSpin> spins;
-  ModePoint start, end, sample, stage;
+  Roomy<GroupSpin> spins;
+  ModePoint start, end;  ///< of the present piece
+  ModePiece piece;       ///< likewise
+  ModePoint sample, stage;
   RowValues beside;  ///< positions near those of a point
-  Growing<PaddedRows> slopes;
-  std::array<ModeForces, dormand_prince::kStages> stages;
   Roomy<double, kEventsOfRow * kRoomForRows> event, earlier;
 };
 

@@ -55,11 +55,11 @@ void logPiece(Island& island, double h) {
     LoggedImpact gave;
     double pressed = 0, late = 0;
     for (int k = 0; k < kStages; ++k) {
-      const double press = h * kB[k] * mode.stages[k].normal[i];
+      const double press = h * kB[k] * mode.piece.forces[k].normal[i];
       pressed += press;
       late += kC[k] * press;
       gave.impulse += press * (before.normal + kC[k] * (c.normal - before.normal)) +
-                      h * kB[k] * mode.stages[k].friction[i];
+                      h * kB[k] * mode.piece.forces[k].friction[i];
     }
     if (row.isSoft()) addSpring(island, row, h, gave);
     if (pressed > 0) {
@@ -101,15 +101,12 @@ void keepPressing(Island& island, int& contacts) {
   }
 }
 
-/// body.v1 <- its accelerations by all that presses on it but its sticks.
-void findAccelerations(Island& island, int k) {
+/// [m/s^2] Of a body, by all that presses on it but its sticks. In the body's scratch.
+const Points& findAccelerations(Island& island, int k) {
   Mode& mode = island.s.mode;
   Body& body = *island.bodies[k];
   Points& free = body.v1;
-  if (forcesFollow(body))
-    drive(body, mode.start.x.data() + mode.offset[k], mode.start.v.data() + mode.offset[k], free);
-  else
-    free = body.acceleration;
+  drive(body, mode.start.x.data() + mode.offset[k], mode.start.v.data() + mode.offset[k], free);
   const auto push = [&](int particle, const Vec3& force) {
     const int own = particle - body.first;
     if (own >= 0 && own < body.n) body.memory->response.push(own, force, free);
@@ -127,6 +124,7 @@ void findAccelerations(Island& island, int k) {
              place.contact.weight[j] * (mode.start.forces.normal[i] * place.contact.normal +
                                         mode.start.forces.friction[i]));
   }
+  return free;
 }
 
 /// The sticks' multipliers under all that presses, for the guard and the next free motion.
@@ -135,9 +133,8 @@ void keepMultipliers(Island& island) {
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Body& body = *island.bodies[k];
     const int offset = mode.offset[k];
-    findAccelerations(island, static_cast<int>(k));
     BodyResponse& response = body.memory->response;
-    response.setFree(body.v1);
+    response.setFree(findAccelerations(island, static_cast<int>(k)));
     response.setEnd(mode.start.x.data() + offset);
     const Eigen::VectorXd& lambda =
         response.accelerate(true, mode.start.v.data() + offset, mode.start.a.data() + offset);
@@ -165,11 +162,12 @@ double shareOf(double error) {
 /// about when: it is looked for again in a shorter piece. pieces: how many may be tried. next: [s]
 /// what the one after it may be.
 bool takePiece(Island& island, double most, int& pieces, double& took, double& next, bool& event) {
+  Mode& mode = island.s.mode;
   double piece = most;
   for (int k = 0; k < kShorterPieces && pieces > 0; ++k, --pieces) {
     ModeEvent found;
     const bool known =
-        moveInMode(island, piece, island.s.mode.end) && findModeEvent(island, piece, found);
+        moveInMode(island, piece, mode.end, mode.piece) && findModeEvent(island, piece, found);
     took = piece;
     event = found.any;
     const bool early = known && event && found.share <= kEarly && !(piece < kEventNear);
@@ -177,7 +175,7 @@ bool takePiece(Island& island, double most, int& pieces, double& took, double& n
     if (early) {
       shorter = std::clamp(3 * found.share, kShorterPiece * kShorterPiece, kShorterPiece);
     } else if (known && (!event || moveToModeEvent(island, piece, found, took))) {
-      const double share = shareOf(errorOfPiece(island, took));
+      const double share = shareOf(errorOfPiece(island, took, mode.piece));
       next = std::min(share, kGrowth) * took;
       if (share >= kPieceAim || piece < kEventNear) return true;
       shorter = std::clamp(share * took / piece, kShorterPiece, kHalfPiece);
@@ -193,7 +191,8 @@ void startPiece(Island& island) {
   const double *x = mode.start.x.data(), *v = mode.start.v.data();
   for (ModeRow& row : mode.rows) {
     row.gap_start = openingOf(island, row, x, v);
-    if (!row.presses || row.sticks || row.held || !row.isContact() || !(row.friction > 0)) continue;
+    if (!row.presses || row.sticks || row.impending || !row.isContact() || !(row.friction > 0))
+      continue;
     const Vec3 slip = slipOf(island, row, placeOf(island, row, x, v, false), x, v);
     if (slip.norm() > kStill) row.slip = slip.normalized();
   }
@@ -213,7 +212,7 @@ bool takePieces(Island& island, double h) {
     if (!takePiece(island, std::min({left, most, mode.longest}), pieces, took, next, event))
       return false;
     logPiece(island, took);
-    island.bodies[0]->given += mode.work;
+    island.bodies[0]->given += mode.piece.work;
     std::swap(mode.start, mode.end);
     most = event ? h : next;
     left -= took;
