@@ -4,8 +4,7 @@ namespace ragdoll {
 
 Vec3 Contact::slipOf(const Vec3& moved) const {
   if (!isSoft() || !touches_at_start) return moved;
-  const Vec3 middle = (start_normal + normal).normalized();
-  return moved - middle.dot(moved) * middle;
+  return tangentialPart(moved, (start_normal + normal).normalized());
 }
 
 Vec3 Contact::turned(const Vec3& at_start) const {

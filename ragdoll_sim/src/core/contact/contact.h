@@ -91,6 +91,9 @@ struct Contact {
   }
 };
 
+/// What a vector has along the plane with this unit normal.
+inline Vec3 tangentialPart(const Vec3& v, const Vec3& normal) { return v - v.dot(normal) * normal; }
+
 /// Two bodies that press on each other.
 struct BodyPair {
   int first = 0, second = 0;  ///< ragdolls

@@ -203,16 +203,16 @@ bool pressesOnSleeper(const Island& island, const std::vector<Contact>& contacts
 
 /// Of bodies that press on each other.
 Vec3 turnOf(const std::vector<Body*>& bodies, TurnOf of) {
-  const auto spin = [&](const auto& x, const auto& v) {
-    const Rotation all = rotationOf(bodies, driftOf(bodies, x, v), x, v);
-    return spinOf(all.inertia, all.angular, true);
-  };
   if (of == TurnOf::kVelocity)
-    return spin([](const Body& body) { return body.x(); },
-                [](const Body& body) { return body.v(); });
+    return spinOfGroup(
+               bodies, [](const Body& body) { return body.x(); },
+               [](const Body& body) { return body.v(); })
+        .rate;
   for (Body* body : bodies) body->moved = body->x() + 0.5 * body->motion.dx;
-  return spin([](const Body& body) -> const Points& { return body.moved; },
-              [](const Body& body) -> const Points& { return body.motion.dx; });
+  return spinOfGroup(
+             bodies, [](const Body& body) -> const Points& { return body.moved; },
+             [](const Body& body) -> const Points& { return body.motion.dx; })
+      .rate;
 }
 
 /// Whether something rubs on another body, or on its own.

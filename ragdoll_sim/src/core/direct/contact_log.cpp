@@ -42,11 +42,6 @@ ContactImpulse entryOf(const Model& model, const State& state, const Contact& c)
   return e;
 }
 
-double slipOf(const StepContext& step, const Contact& c) {
-  const Vec3 rate = rateOf(step, c);
-  return (rate - rate.dot(c.normal) * c.normal).norm();
-}
-
 /// The contact's first body alone.
 Contact ownOf(const Contact& c) {
   Contact own = c;
@@ -140,8 +135,7 @@ Vec3 lockedFriction(const StepContext& step, const Body& body, const Contact& c,
       schur.row(row + 1).kind != Kind::kTangent)
     return Vec3::Zero();
   const double normal = impulse.dot(c.normal);
-  Vec3 slip = rateOf(step, c);
-  slip -= slip.dot(c.normal) * c.normal;
+  Vec3 slip = slipOf(step, c);
   const double speed = slip.norm();
   if (!(normal > 0) || !(speed > kLeastSlip)) return Vec3::Zero();
   slip /= speed;
@@ -228,8 +222,7 @@ void logImpulse(const Island& island, const Contact& c, const LoggedImpact& impa
   e.impulse = impact.impulse;
   e.approach = impact.approach;
   e.peak = withFriction(c, impact.impulse) * impact.peak;
-  const Vec3 rate = motionOf(island, c, v);
-  e.slip = (rate - rate.dot(c.normal) * c.normal).norm();
+  e.slip = tangentialPart(motionOf(island, c, v), c.normal).norm();
   e.effective_mass = impact.answer > 0 ? 1 / impact.answer : 0;
   e.normal = (c.normal + impact.turn).normalized();
   e.normal = turnedIntoCone(e);
@@ -238,9 +231,9 @@ void logImpulse(const Island& island, const Contact& c, const LoggedImpact& impa
 
 Vec3 turnedIntoCone(const ContactImpulse& c) {
   const double normal = c.impulse.dot(c.normal), size = c.impulse.norm();
-  const Vec3 tangential = c.impulse - normal * c.normal;
-  if (!(size > 0) || tangential.norm() <= c.friction * normal) return c.normal;
-  const Vec3 along = c.impulse / size, across = c.normal - c.normal.dot(along) * along;
+  if (!(size > 0) || tangentialPart(c.impulse, c.normal).norm() <= c.friction * normal)
+    return c.normal;
+  const Vec3 along = c.impulse / size, across = tangentialPart(c.normal, along);
   if (!(across.norm() > 0)) return along;
   return (along + c.friction * across.normalized()).normalized();
 }
@@ -291,7 +284,7 @@ void logVelocities(Island& island, const RowValues& p, const RowValues& rates,
     if (body) impulse += lockedFriction(island.context, *body, c, place, impulse);
     ContactImpulse e = entryOf(island.context.model, island.context.state, c);
     e.impulse = impulse;
-    e.slip = slipOf(island.context, c);
+    e.slip = slipOf(island.context, c).norm();
     if (at.impact) e.approach = std::max(0.0, -rates[first]);
     const double answer =
         body ? body->memory->schur.matrix()(place, place) : pairAnswer(island, place);
@@ -361,7 +354,7 @@ void appendPressing(const Model& model, const State& state, const std::vector<st
     if (!wanted[i]) continue;
     contacts.clear();
     appendNear(model, state, static_cast<int>(i), obstacles, detector, contacts);
-    contacts.insert(contacts.end(), between[i].begin(), between[i].end());
+    append(between[i], contacts);
     cache.clear();
     for (const CachedImpulse& impulse : kept[i]) cache.add(impulse);
     cache.startHandingOut();

@@ -48,9 +48,13 @@ Vec3 slipAfter(const Owner& owner, const Contact& c) {
   return slip - commonTurn(owner, c).cross(apart);
 }
 
-/// [m/s] of the contact's point against the other surface; and at which the gap opens now.
+/// [m/s] of the contact's point against the other surface; along that; and at which the gap opens
+/// now.
 inline Vec3 rateOf(const StepContext& step, const Contact& c) {
   return c.of(step.state.v) - c.surface_motion / step.h;
+}
+inline Vec3 slipOf(const StepContext& step, const Contact& c) {
+  return tangentialPart(rateOf(step, c), c.normal);
 }
 inline double openingRate(const StepContext& step, const Contact& c) {
   return c.normal.dot(rateOf(step, c));

@@ -53,4 +53,12 @@ Rotation rotationOf(const std::vector<Body*>& bodies, const RigidMotion& drift, 
   return all;
 }
 
+/// Of the bodies as one, at x, v of each.
+template <class OfX, class OfV>
+GroupSpin spinOfGroup(const std::vector<Body*>& bodies, const OfX& x, const OfV& v) {
+  const RigidMotion drift = driftOf(bodies, x, v);
+  const Rotation all = rotationOf(bodies, drift, x, v);
+  return {drift.centre, all.inertia, spinOf(all.inertia, all.angular, true)};
+}
+
 }  // namespace ragdoll

@@ -79,9 +79,10 @@ struct ModePoint {
   double power = 0;  ///< [W] of what is counted in Body::given
 };
 
-/// Bodies that press on each other, and nothing outside on them: friction between two axes, which
-/// are apart, is a couple; as angular momentum stays, it comes back as a spin of them all.
-struct ModeSpin {
+/// How bodies turn as one (group_motion.h). Where they press on each other, and nothing outside on
+/// them: friction between two axes, which are apart, is a couple; as angular momentum stays, it
+/// comes back as a spin of them all.
+struct GroupSpin {
   Vec3 centre = Vec3::Zero();                         ///< [m]
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< [kg m^2]
   Vec3 rate = Vec3::Zero();  ///< [rad/s] of all as one; what slips is measured against it
@@ -102,7 +103,7 @@ struct Mode {
   Roomy<ModeBlock> blocks;
   Roomy<int> spin_of;   ///< of each body; -1: held, or nothing presses on it
   Roomy<int> found_of;  ///< that the present forces were found with
-  Roomy<ModeSpin> spins;
+  Roomy<GroupSpin> spins;
   ModePoint start, end, sample, stage;
   RowValues beside;  ///< positions near those of a point
   Growing<PaddedRows> slopes;

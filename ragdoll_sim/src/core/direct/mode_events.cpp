@@ -106,10 +106,7 @@ void findAccelerations(Island& island, int k) {
   Mode& mode = island.s.mode;
   Body& body = *island.bodies[k];
   Points& free = body.v1;
-  if (forcesFollow(body))
-    drive(body, mode.start.x.data() + mode.offset[k], mode.start.v.data() + mode.offset[k], free);
-  else
-    free = body.acceleration;
+  drive(body, mode.start.x.data() + mode.offset[k], mode.start.v.data() + mode.offset[k], free);
   const auto push = [&](int particle, const Vec3& force) {
     const int own = particle - body.first;
     if (own >= 0 && own < body.n) body.memory->response.push(own, force, free);

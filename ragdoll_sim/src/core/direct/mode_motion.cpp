@@ -65,10 +65,7 @@ void accelerateFreely(Island& island, ModePoint& point) {
     const int offset = island.s.mode.offset[k];
     const double *x = point.x.data() + offset, *v = point.v.data() + offset;
     Points& free = body.v1;
-    if (forcesFollow(body))
-      point.power += drive(body, x, v, free);
-    else
-      free = body.acceleration;
+    point.power += drive(body, x, v, free);
     BodyResponse& response = body.memory->response;
     response.setFree(free);
     response.setEnd(x);
@@ -221,8 +218,8 @@ void push(Island& island, const ModeVector& p, const double* x, double* out) {
 
 Vec3 slipOf(const Island& island, const ModeRow& row, const RowPlace& place, const double* x,
             const double* v) {
-  const Vec3 rate = motionOf(island, place.contact, v) - spinMotion(island, row, place, x, v);
-  return rate - rate.dot(place.contact.normal) * place.contact.normal;
+  return tangentialPart(motionOf(island, place.contact, v) - spinMotion(island, row, place, x, v),
+                        place.contact.normal);
 }
 
 bool buildModeSystem(Island& island, const double* x, const double* v, bool curvature,

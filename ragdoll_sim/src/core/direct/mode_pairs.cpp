@@ -197,7 +197,7 @@ void curve(const ModeRow& row, const Ends& x, const Ends& v, const AxisPoints& a
   place.moves = rate + shift[0] * along.axis[0] + shift[1] * along.axis[1];
   if (!row.isSoft()) return;
   // What the turn of the normal takes, as the gap changes.
-  place.turn -= n.dot(rate) / along.distance * (place.moves - n.dot(place.moves) * n);
+  place.turn -= n.dot(rate) / along.distance * tangentialPart(place.moves, n);
 }
 
 /// Whether two sticks along each other cross in between, so that one of their two springs is at

@@ -265,7 +265,7 @@ void placeLimit(Body& body, const ModeRow& row, const double* x, const double* v
 Vec3 normalTurn(const ModeRow& row, const SweptObstacle& m, const Near& near, const Vec3& rate) {
   if (!row.isSoft()) return Vec3::Zero();
   const double opens = near.normal.dot(rate);
-  return m.R0 * (-opens / near.distance * (rate - opens * near.normal));
+  return m.R0 * (-opens / near.distance * tangentialPart(rate, near.normal));
 }
 
 /// How the place of a stick that gives way moves along it.

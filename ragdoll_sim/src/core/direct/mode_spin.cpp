@@ -31,7 +31,7 @@ std::array<Vec3, 2> armsOf(const Mode& mode, std::size_t i) {
 }
 
 /// [rad/s] That has an angular momentum.
-Vec3 turnBy(const ModeSpin& spin, const Vec3& angular) {
+Vec3 turnBy(const GroupSpin& spin, const Vec3& angular) {
   return spinOf(spin.inertia, angular, true);
 }
 
@@ -58,7 +58,7 @@ void findGroups(const Island& island, SpinOf which, std::vector<int>& group) {
 }
 
 /// Of the bodies of one group at x, as they move by v.
-ModeSpin spinOfGroup(const Island& island, const double* x, const double* v, int group) {
+GroupSpin spinOfGroup(const Island& island, const double* x, const double* v, int group) {
   const Mode& mode = island.s.mode;
   const auto of = [&](const double* values) {
     return [&, values](const Body& body) {
@@ -66,10 +66,7 @@ ModeSpin spinOfGroup(const Island& island, const double* x, const double* v, int
       return Eigen::Map<const Points>(values + offset, 3, body.n);
     };
   };
-  const std::vector<Body*>& bodies = membersOf(island, mode.spin_of, group);
-  const RigidMotion drift = driftOf(bodies, of(x), of(v));
-  const Rotation all = rotationOf(bodies, drift, of(x), of(v));
-  return {drift.centre, all.inertia, spinOf(all.inertia, all.angular, true)};
+  return spinOfGroup(membersOf(island, mode.spin_of, group), of(x), of(v));
 }
 
 /// [rad/s^2] How the spin changes as its bodies move by point.v and accelerate by point.a: by what
@@ -153,7 +150,7 @@ void addSpins(const Island& island, const ModeVector& p, const double* x, double
   const Mode& mode = island.s.mode;
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
     if (!spins(mode, i)) continue;
-    const ModeSpin& spin = mode.spins[mode.spin_of[mode.rows[i].body]];
+    const GroupSpin& spin = mode.spins[mode.spin_of[mode.rows[i].body]];
     const std::array<Vec3, 2> arms = armsOf(mode, i);
     const Vec3 couple = p[mode.first[i] + 1] * arms[0] + p[mode.first[i] + 2] * arms[1];
     if (couple.isZero(0)) continue;
