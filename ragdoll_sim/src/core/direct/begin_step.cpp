@@ -29,7 +29,7 @@ void movePins(Body& body) {
     const Vec3 speed = (step.inputs.pins[p] - step.state.x.col(pin.particle)) / step.h;
     body.pin_speed = std::max(body.pin_speed, speed.norm());
     const Vec3 change = speed - step.state.v.col(pin.particle);
-    body.v().noalias() += change * body.system->pin_motion.row(row);
+    addCarried(body, row, change, body.v());
   }
 }
 

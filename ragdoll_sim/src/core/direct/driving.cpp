@@ -72,8 +72,7 @@ double drive(Body& body, const double* x, const double* v, Points& free) {
   }
   Points& held = body.moved;
   held = decay;
-  for (std::size_t p = 0; p < pins.size(); ++p)
-    decay.noalias() -= held.col(pins[p]) * body.system->pin_motion.row(p);
+  addCarried(body, held, -1, decay);
   free -= decay;
   power -= velocity.lazyProduct(body.skeleton->M).cwiseProduct(decay).sum();
   return power;
@@ -83,11 +82,20 @@ void addWork(Body& body, double part) {
   if (body.pushed) body.given += part * body.force.cwiseProduct(body.motion.dx).sum();
 }
 
+void addCarried(const Body& body, std::size_t p, const Vec3& velocity, Eigen::Ref<Points> v) {
+  v.noalias() += velocity * body.system->pin_motion.row(static_cast<Eigen::Index>(p));
+}
+
+void addCarried(const Body& body, const Points& of, double share, Eigen::Ref<Points> v) {
+  const std::vector<int>& pins = body.pinned->pins;
+  for (std::size_t p = 0; p < pins.size(); ++p) addCarried(body, p, share * of.col(pins[p]), v);
+}
+
 void restorePins(Body& body, const Points& before) {
   const std::vector<int>& pins = body.pinned->pins;
   for (std::size_t p = 0; p < pins.size(); ++p) {
     const Vec3 lost = before.col(pins[p]) - body.v().col(pins[p]);
-    if (!lost.isZero(0)) body.v() += lost * body.system->pin_motion.row(p);
+    if (!lost.isZero(0)) addCarried(body, p, lost, body.v());
   }
 }
 

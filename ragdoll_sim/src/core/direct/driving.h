@@ -28,6 +28,11 @@ double drive(Body& body, const double* x, const double* v, Points& free);
 /// 1, by the forces as they are now.
 void addWork(Body& body, double part);
 
+/// Adds to velocities v (3 x n) that of a pin, the body's p-th, and what it carries along with it.
+void addCarried(const Body& body, std::size_t p, const Vec3& velocity, Eigen::Ref<Points> v);
+/// The same of all pins as they are in `of` (3 x n), times a share.
+void addCarried(const Body& body, const Points& of, double share, Eigen::Ref<Points> v);
+
 /// Gives pins the velocities that they had `before` (3 x n), and what they carry along.
 void restorePins(Body& body, const Points& before);
 

@@ -89,6 +89,14 @@ bool reachesLimit(const Body& body) {
   return false;
 }
 
+/// [s] When a contact, or a limit, is reached by a motion over h that ends beyond it, at `end`.
+double timeOfTouch(const StepContext& step, const Contact& c, double end, double h) {
+  return timeOfZero(c.before, rateAtStart(step, c), end, h);
+}
+double timeOfTouch(const Body& body, const LimitRow& limit, double end, double h) {
+  return timeOfZero(limit.before, rateAtStart(body, limit), end, h);
+}
+
 /// Keeps the earlier of the two.
 void consider(double time, Role& role, double h, Impact& first) {
   if (time < first.time) first = {std::clamp(time, 0.0, h), &role};
@@ -103,7 +111,7 @@ void considerContacts(const Owner& owner, const StepContext& step, ContactSet& s
     if (set.role[i] != Role::kComing) continue;
     const double end = gapAfter(owner, c);
     if (end < -step.tolerances.contact)
-      consider(timeOfZero(c.before, rateAtStart(step, c), end, h), set.role[i], h, first);
+      consider(timeOfTouch(step, c, end, h), set.role[i], h, first);
   }
 }
 
@@ -114,9 +122,7 @@ void considerLimits(Body& body, double h, Impact& first) {
     if (set.limit_role[i] != Role::kComing) continue;
     const LimitRow& limit = set.limits[i];
     const double end = anglesAfter(body)[limit.limit];
-    if (end < 0)
-      consider(timeOfZero(limit.before, rateAtStart(body, limit), end, h), set.limit_role[i], h,
-               first);
+    if (end < 0) consider(timeOfTouch(body, limit, end, h), set.limit_role[i], h, first);
   }
 }
 
@@ -188,32 +194,14 @@ void takeImpact(Island& island, const Impact& impact) {
   takeEdge(island);
 }
 
-bool touchesOther(const Body& body) {
-  const ConstraintSet& set = body.constraints;
-  for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    if (set.role[i] != Role::kComing &&
-        (set.contacts[i].before <= body.context->tolerances.touching ||
-         gapAfter(body, set.contacts[i]) <= body.context->tolerances.touching))
-      return true;
-  for (std::size_t i = 0; i < set.limits.size(); ++i)
-    if (set.limit_role[i] != Role::kComing &&
-        (set.limits[i].value <= 0 || set.limits[i].start != 0))
-      return true;
-  return false;
-}
-
 double impactAgain(const Body& body, double h) {
   const ConstraintSet& set = body.constraints;
   for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    if (set.role[i] == Role::kHit) {
-      const Contact& c = set.contacts[i];
-      return timeOfZero(c.before, rateAtStart(*body.context, c), gapAfter(body, c), h);
-    }
+    if (set.role[i] == Role::kHit)
+      return timeOfTouch(*body.context, set.contacts[i], gapAfter(body, set.contacts[i]), h);
   for (std::size_t i = 0; i < set.limits.size(); ++i)
-    if (set.limit_role[i] == Role::kHit) {
-      const LimitRow& limit = set.limits[i];
-      return timeOfZero(limit.before, rateAtStart(body, limit), anglesAfter(body)[limit.limit], h);
-    }
+    if (set.limit_role[i] == Role::kHit)
+      return timeOfTouch(body, set.limits[i], anglesAfter(body)[set.limits[i].limit], h);
   return h;
 }
 

@@ -36,9 +36,8 @@ Impact firstImpact(Island& island, double h);
 void takeImpact(Island& island, const Impact& impact);
 void takeEdge(Island& island);
 
-/// What rk has to ask of a lone body: whether something else than what is coming touches; and the
-/// time again at which what is hit is reached, by a motion over h that should have ended there.
-bool touchesOther(const Body& body);
+/// The time again at which what is hit is reached, by a motion of a lone body over h that should
+/// have ended there.
 double impactAgain(const Body& body, double h);
 
 }  // namespace ragdoll

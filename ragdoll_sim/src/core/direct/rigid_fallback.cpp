@@ -5,6 +5,7 @@
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/contact_motion.h"
+#include "core/direct/driving.h"
 #include "core/direct/energy.h"
 #include "core/direct/velocity_solver.h"
 #include "core/linear/constants.h"
@@ -18,9 +19,7 @@ void findCarried(Body& body) {
   const std::vector<int>& pins = body.pinned->pins;
   Points& carried = body.moved;
   carried.setZero(3, body.n);
-  if (pins.size() > 1)
-    for (std::size_t p = 0; p < pins.size(); ++p)
-      carried.noalias() += body.saved.v.col(pins[p]) * body.system->pin_motion.row(p);
+  if (pins.size() > 1) addCarried(body, body.saved.v, 1, carried);
 }
 
 /// The motion dx over t from where the body is; motion.spin is shortened to what one motion can

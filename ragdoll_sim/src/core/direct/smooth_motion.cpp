@@ -38,15 +38,26 @@ bool integrate(Body& body, double h) {
   return satisfySticks(body);
 }
 
+/// Whether something touches at either end of the motion, but for what is coming. gap: [m] of a
+/// contact at the start.
+template <class Gap>
+bool touchesOnTheWay(const Body& body, const Gap& gap) {
+  const double touching = body.context->tolerances.touching;
+  const ConstraintSet& set = body.constraints;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i)
+    if (set.role[i] != Role::kComing &&
+        (gap(set.contacts[i]) <= touching || gapAfter(body, set.contacts[i]) <= touching))
+      return true;
+  for (std::size_t i = 0; i < set.limits.size(); ++i)
+    if (set.limit_role[i] != Role::kComing &&
+        (set.limits[i].value <= 0 || set.limits[i].start != 0))
+      return true;
+  return false;
+}
+
 /// Whether nothing touches on the way.
 bool isFree(const Body& body) {
-  for (const Contact& c : body.constraints.contacts)
-    if (gapAfter(body, c) <= body.context->tolerances.touching ||
-        c.gap_start <= body.context->tolerances.touching)
-      return false;
-  for (const LimitRow& l : body.constraints.limits)
-    if (l.value <= 0 || l.start != 0) return false;
-  return true;
+  return !touchesOnTheWay(body, [](const Contact& c) { return c.gap_start; });
 }
 
 /// Whether something pressed at the end of a motion from event to event. That sees a stick as near
@@ -71,7 +82,8 @@ void take(Body& body) {
 SmoothTrial stopAtImpact(Island& island, double h) {
   Body& body = *island.bodies[0];
   findComing(body, h);
-  if (touchesOther(body)) return {};
+  // What comes has its time by the plane that it reaches: so has what else touches.
+  if (touchesOnTheWay(body, [](const Contact& c) { return c.before; })) return {};
   const Impact impact = firstImpact(island, h);
   if (impact.time > h) return {};
   takeImpact(island, impact);

@@ -7,6 +7,7 @@
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/direct_step.h"
+#include "core/direct/driving.h"
 #include "core/direct/velocity_solver.h"
 #include "core/direct/workspace.h"
 #include "ragdoll_sim/core/measures.h"
@@ -21,8 +22,7 @@ constexpr double kNoFriction = 1e-30;  ///< [-] of pairs, whose contacts are thr
 void stopPins(Body& body) {
   const std::vector<int>& pins = body.pinned->pins;
   body.kept = body.v();
-  for (std::size_t p = 0; p < pins.size(); ++p)
-    body.v().noalias() -= body.kept.col(pins[p]) * body.system->pin_motion.row(p);
+  addCarried(body, body.kept, -1, body.v());
   for (const int pin : pins) body.v().col(pin).setZero();
 }
 
