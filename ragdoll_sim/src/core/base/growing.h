@@ -33,6 +33,11 @@ class Roomy : public std::vector<T> {
   }
 };
 
+template <class T>
+void append(const std::vector<T>& part, std::vector<T>& all) {
+  all.insert(all.end(), part.begin(), part.end());
+}
+
 /// A map of the first values of a buffer that never shrinks; in expressions it is a Map. M: a
 /// vector or a matrix of doubles with dynamic sizes. Eigen's own free their memory at each change
 /// of size.

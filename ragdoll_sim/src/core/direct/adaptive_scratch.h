@@ -11,12 +11,12 @@
 namespace ragdoll {
 
 struct AdaptiveScratch {
-  Inputs inputs;                ///< of the present part
-  std::vector<Pose> obstacles;  ///< at the step's start
-  std::vector<Vec3> pins;       ///< likewise
-  SavedMotion start;            ///< what a part begins with: of the island's bodies
-  std::size_t logged = 0;       ///< likewise
-  SavedMotion coarse;           ///< what a part in one came to
+  Inputs inputs;                    ///< of the present part
+  std::vector<Pose> obstacles;      ///< at the step's start
+  std::vector<Vec3> pins;           ///< likewise
+  std::vector<SavedMotion> start;   ///< what a part begins with: of the island's bodies, by ragdoll
+  std::size_t logged = 0;           ///< likewise
+  std::vector<SavedMotion> coarse;  ///< likewise: what a part in one came to
   /// What pressed at the end of the last part that stood, and of the one at hand: taken once, and
   /// its halves.
   Roomy<CachedImpulse> before, once, middle, after;

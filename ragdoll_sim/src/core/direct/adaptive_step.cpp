@@ -62,7 +62,7 @@ class StepParts {
             false,         whole_.state, whole_.ws, whole_.supports, whole_.log,
             whole_.worker, &before,      whole_.h};
   }
-  void saveIn(SavedMotion& saved) const;
+  void saveIn(std::vector<SavedMotion>& saved) const;
   /// Where pins and obstacles are at both ends of a part.
   void lead(double from, double part);
   /// One part: as it comes, from what pressed before it to what does so at its end. second: of the
@@ -95,9 +95,9 @@ void StepParts::lead(double from, double part) {
   sweepObstacles(whole_.model, whole_.state, s_.inputs.obstacles, whole_.ws.obstacles);
 }
 
-void StepParts::saveIn(SavedMotion& saved) const {
-  makeRoom(whole_.state, saved);
-  for (const int i : bodies_) ragdoll::save(whole_, i, saved);
+void StepParts::saveIn(std::vector<SavedMotion>& saved) const {
+  makeRoom(whole_.model, saved);
+  for (const int i : bodies_) ragdoll::save(whole_, i, saved[i]);
 }
 
 void StepParts::save() {
@@ -106,7 +106,7 @@ void StepParts::save() {
 }
 
 void StepParts::restore() {
-  for (const int i : bodies_) ragdoll::restore(whole_, i, s_.start);
+  for (const int i : bodies_) ragdoll::restore(whole_, i, s_.start[i]);
   if (whole_.log) whole_.log->impulses.resize(s_.logged);
 }
 
@@ -114,10 +114,11 @@ double StepParts::distanceFromCoarse(double swing) const {
   const State& state = whole_.state;
   double x = 0, v = 0;
   for (const int i : bodies_) {
-    const Ragdoll& r = whole_.model.ragdolls[i];
-    for (int k = r.first; k < r.first + whole_.model.skeletonOf(r).size(); ++k) {
-      x = std::max(x, (state.x.col(k) - s_.coarse.x.col(k)).squaredNorm());
-      v = std::max(v, (state.v.col(k) - s_.coarse.v.col(k)).squaredNorm());
+    const SavedMotion& coarse = s_.coarse[i];
+    const int first = whole_.model.ragdolls[i].first;
+    for (int k = 0; k < coarse.x.cols(); ++k) {
+      x = std::max(x, (state.x.col(first + k) - coarse.x.col(k)).squaredNorm());
+      v = std::max(v, (state.v.col(first + k) - coarse.v.col(k)).squaredNorm());
     }
   }
   const double distance = std::max(std::sqrt(x), swing * std::sqrt(v));
@@ -138,10 +139,11 @@ bool StepParts::isSmooth(const StepReport& part) const {
 void StepParts::refine(Island& island) {
   for (Body* body : island.bodies) {
     const double share = 1 / kDoubling;
-    body->motion.dx = share * (body->x() - s_.coarse.x.middleCols(body->first, body->n));
+    const SavedMotion& coarse = s_.coarse[body->index];
+    body->motion.dx = share * (body->x() - coarse.x);
     if (!satisfySticksAlongNew(*body)) continue;
     body->x() += body->motion.dx;
-    body->v() += share * (body->v() - s_.coarse.v.middleCols(body->first, body->n));
+    body->v() += share * (body->v() - coarse.v);
     BodyResponse& response = body->memory->response;
     response.setEnd(body->xData());
     response.projectAtEnd(body->vData());
@@ -156,10 +158,8 @@ void StepParts::take(double from, double part, const Impulses& before, Impulses&
   bindIsland(island, bodies_, sleepers_);
   stepIsland(island, report);
   after.clear();
-  for (const Body* body : island.bodies)
-    after.insert(after.end(), body->cache.impulses().begin(), body->cache.impulses().end());
-  const Impulses& shared = island.pairs.cache.impulses();
-  after.insert(after.end(), shared.begin(), shared.end());
+  for (const Body* body : island.bodies) append(body->cache.impulses(), after);
+  append(island.pairs.cache.impulses(), after);
   if (!second) return;
   const bool smooth = isSmooth(report);
   error_ = (smooth ? distanceFromCoarse(kSwingTime) : kOfJumps * distanceFromCoarse(0)) / kDoubling;

@@ -12,14 +12,13 @@ void makeRoom(const Skeleton& skeleton, const DirectSystem& system, BodyMemory& 
 
 void Body::makeRoom(const DirectSystem& of) {
   const StickRows& r = *of.rows;
-  for (Points* values :
-       {&motion.dx, &free.dx, &saved.x, &saved.v, &acceleration, &force, &v1, &moved, &kept})
+  for (Points* values : {&motion.dx, &free.dx, &acceleration, &force, &v1, &moved, &kept})
     values->resize(3, r.n);
+  ragdoll::makeRoom(r, saved);
   ragdoll::makeRoom(r, energy);
   for (Eigen::VectorXd* values :
        {&motion.lambda, &free.lambda, &tension, &row_sums, &lengths2, &inverse_lengths2})
     values->resize(r.width);
-  saved.multipliers.resize(2 * r.s);
   ragdoll::makeRoom(of, implicit);
 }
 

@@ -9,6 +9,7 @@
 #include "core/direct/constraint_set.h"
 #include "core/direct/impulse_cache.h"
 #include "core/direct/runge_kutta.h"
+#include "core/direct/saved_motion.h"
 #include "core/direct/step_context.h"
 #include "core/limits/limit_angles.h"
 #include "core/linear/body_response.h"
@@ -35,9 +36,7 @@ struct Motion {
 };
 
 /// What a substep that is done again starts from.
-struct SavedBody {
-  Points x, v;
-  std::vector<double> multipliers;
+struct SavedBody : SavedMotion {
   ImpulseCache cache;
   int located = 0;
 };

@@ -83,9 +83,7 @@ void save(Island& island) {
     SavedBody& saved = body->saved;
     saved.located = body->located;
     body->given = body->damped = 0;
-    saved.x = body->x();
-    saved.v = body->v();
-    saved.multipliers.assign(body->multipliers(), body->multipliers() + 2 * body->rows->s);
+    save(island.context, body->index, saved);
     saved.cache = body->cache;
   }
   island.pairs.saved = island.pairs.cache;
@@ -95,12 +93,9 @@ void save(Island& island) {
 
 void restore(Island& island) {
   for (Body* body : island.bodies) {
-    const SavedBody& saved = body->saved;
-    body->x() = saved.x;
-    body->v() = saved.v;
+    restore(island.context, body->index, body->saved);
     driveAt(*body, body->xData());
-    std::copy(saved.multipliers.begin(), saved.multipliers.end(), body->multipliers());
-    body->cache = saved.cache;
+    body->cache = body->saved.cache;
   }
   island.pairs.cache = island.pairs.saved;
   cutLog(island, island.s.logged);

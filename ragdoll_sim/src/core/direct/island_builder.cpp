@@ -64,8 +64,9 @@ int IslandBuilder::root(int i) {
 
 void IslandBuilder::begin(const StepContext& context) {
   const std::size_t count = context.model.ragdolls.size();
-  makeRoom(context.state, start_);
-  for (std::size_t i = 0; i < count; ++i) save(context, static_cast<int>(i), start_);
+  start_x_ = context.state.x;
+  makeRoom(context.model, start_);
+  for (std::size_t i = 0; i < count; ++i) save(context, static_cast<int>(i), start_[i]);
   parent_.resize(count);
   std::iota(parent_.begin(), parent_.end(), 0);
   outcomes_.resize(count);
@@ -79,7 +80,7 @@ void IslandBuilder::begin(const StepContext& context) {
 }
 
 void IslandBuilder::reset(const StepContext& context, int i) {
-  restore(context, i, start_);
+  restore(context, i, start_[i]);
   context.supports.pressed[i] = context.supports.gripped[i] = 0;
   outcomes_[i].clear();
 }
@@ -117,9 +118,9 @@ void IslandBuilder::findContacts(const StepContext& context, bool overlaps_only)
   for (;;) {
     contacts_.clear();
     if (!overlaps_only)
-      detector_.appendBetween(context.model, state, start_.x, state.x,
+      detector_.appendBetween(context.model, state, start_x_, state.x,
                               PairSearch::touches(kNearBody), contacts_);
-    detector_.appendBetween(context.model, state, start_.x, state.x,
+    detector_.appendBetween(context.model, state, start_x_, state.x,
                             PairSearch::overlaps(overlapOf(context)), contacts_);
     was_asleep_ = state.asleep;
     if (!wakeTouched(contacts_, state.x, state)) return;
@@ -158,8 +159,7 @@ bool IslandBuilder::stepIslands(const StepContext& context) {
     if (context.state.asleep[i]) continue;
     const int r = root(i);
     members_[r].push_back(i);
-    const std::vector<int>& near = outcomes_[i].near_sleepers;
-    sleepers_[r].insert(sleepers_[r].end(), near.begin(), near.end());
+    append(outcomes_[i].near_sleepers, sleepers_[r]);
   }
   parts_.clear();
   for (int r = 0; r < count; ++r) {

@@ -55,7 +55,8 @@ class IslandBuilder {
   int root(int ragdoll);
 
   PairDetector detector_;
-  SavedMotion start_;
+  std::vector<SavedMotion> start_;  ///< per ragdoll
+  Points start_x_;                  ///< of all
   Roomy<Contact> contacts_;
   std::vector<int> parent_;  ///< per ragdoll: disjoint sets
   std::vector<IslandOutcome> outcomes_;

@@ -26,9 +26,4 @@ struct Outcome {
   }
 };
 
-template <class T>
-void append(const std::vector<T>& part, std::vector<T>& all) {
-  all.insert(all.end(), part.begin(), part.end());
-}
-
 }  // namespace ragdoll

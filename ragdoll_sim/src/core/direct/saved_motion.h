@@ -1,19 +1,22 @@
-// What some ragdolls' steps start from, to take them back to it; the state's other columns stay.
+// What a ragdoll's step, or a part of it, starts from, to take it back to that.
 #pragma once
 
-#include "core/direct/body.h"
+#include <vector>
+
+#include "core/direct/step_context.h"
 
 namespace ragdoll {
 
+/// Of one ragdoll.
 struct SavedMotion {
-  Points x, v;                      ///< columns as the state's
-  std::vector<double> multipliers;  ///< as the state's
+  Points x, v;                      ///< 3 x n
+  std::vector<double> multipliers;  ///< all that the state has of them
 };
 
-/// Room for all ragdolls.
-void makeRoom(const State& state, SavedMotion& saved);
+void makeRoom(const StickRows& rows, SavedMotion& saved);
+/// Of each of the model's ragdolls.
+void makeRoom(const Model& model, std::vector<SavedMotion>& saved);
 
-/// Of one ragdoll.
 void save(const StepContext& step, int ragdoll, SavedMotion& saved);
 void restore(const StepContext& step, int ragdoll, const SavedMotion& saved);
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "support/direct_island.h"
 
 namespace ragdoll {
@@ -20,16 +22,15 @@ TEST(SavedMotion, TakesBackOneRagdollAlone) {
   State& state = one.world.state;
   for (std::size_t k = 0; k < state.multipliers.size(); ++k) state.multipliers[k] = 1.0 + k;
   const State before = state;
-  SavedMotion saved;
-  makeRoom(state, saved);
-  save(one.context, 0, saved);
-  save(one.context, 1, saved);
+  std::vector<SavedMotion> saved;
+  makeRoom(one.world.model, saved);
+  for (int k = 0; k < 2; ++k) save(one.context, k, saved[k]);
   state.x.array() += 1;
   state.v.array() += 2;
   for (double& multiplier : state.multipliers) multiplier += 100;
   const State moved = state;
 
-  restore(one.context, 1, saved);
+  restore(one.context, 1, saved[1]);
   EXPECT_EQ(state.x.leftCols(2), moved.x.leftCols(2));
   EXPECT_EQ(state.v.leftCols(2), moved.v.leftCols(2));
   EXPECT_EQ(state.x.rightCols(2), before.x.rightCols(2));
