@@ -87,27 +87,27 @@ void appendNear(Island& island, double, std::vector<Contact>& contacts) {
   appendBetween(island, PairSearch::touches(kNearBody), contacts);
 }
 
-bool isPassed(const Body& body, const Contact& c) {
-  const std::vector<int>& passed = body.constraints.passed;
-  return body.overlaps == OverlapPolicy::kPassThrough &&
-         std::count(passed.begin(), passed.end(), c.obstacle) > 0;
+bool isFiltered(const Body& body, const Contact& c) {
+  const std::vector<int>& filtered = body.constraints.filtered;
+  return body.overlaps == OverlapPolicy::kFilter &&
+         std::count(filtered.begin(), filtered.end(), c.obstacle) > 0;
 }
 
-/// Takes out the contacts with obstacles that the body is dragged through.
-void passThrough(const Body& body, std::vector<Contact>& contacts) {
-  if (body.overlaps != OverlapPolicy::kPassThrough) return;
+/// Collision filtering: takes out the contacts with obstacles that the body is dragged through.
+void filter(const Body& body, std::vector<Contact>& contacts) {
+  if (body.overlaps != OverlapPolicy::kFilter) return;
   contacts.erase(std::remove_if(contacts.begin(), contacts.end(),
-                                [&](const Contact& c) { return isPassed(body, c); }),
+                                [&](const Contact& c) { return isFiltered(body, c); }),
                  contacts.end());
 }
 
 /// Those that it is in.
-void findPassed(ConstraintSet& set) {
+void findFiltered(ConstraintSet& set) {
   double deepest = 0;
   for (const Contact& c : set.contacts) deepest = std::min(deepest, c.gap_start);
-  set.passed.clear();
+  set.filtered.clear();
   for (const Contact& c : set.contacts)
-    if (c.gap_start < 0.5 * deepest) set.passed.push_back(c.obstacle);
+    if (c.gap_start < kFilteredDepth * deepest) set.filtered.push_back(c.obstacle);
 }
 
 /// Whether what touches all along an obstacle at rest, or a limb, has another plane than a motion
@@ -199,8 +199,8 @@ void findCandidates(Body& body, double h) {
   if (step.ws.obstacles.empty() && body.skeleton->joints.empty() && !step.model.self_collision)
     return;
   appendNear(body, h, set.contacts);
-  if (body.overlaps == OverlapPolicy::kPassThrough) findPassed(set);
-  passThrough(body, set.contacts);
+  if (body.overlaps == OverlapPolicy::kFilter) findFiltered(set);
+  filter(body, set.contacts);
   startContacts(body, set, h);
   set.overlap = 0;
   for (const Contact& c : set.contacts)
@@ -271,7 +271,7 @@ bool findMissed(Body& body, double h) {
   if (step.model.self_collision)
     body.detector.appendSelf(step.model, step.state.x, after, body.index,
                              PairSearch::overlaps(kSlop), set.missed);
-  passThrough(body, set.missed);
+  filter(body, set.missed);
   return takeMissed(body, set, h) || any;
 }
 

@@ -77,6 +77,9 @@ constexpr double kDeepImpact = 2 * kLever;              ///< [m] for a body of h
 constexpr int kMaxDeepImpacts = 4 * kMaxLocated;        ///< of contacts that would reach so deep
 constexpr int kMaxDriven = kMaxSubsteps / 4;            ///< while obstacles or pins move
 constexpr int kMaxImplicitSubsteps = 4 * kMaxSubsteps;  ///< beyond: one rigid motion
+/// Of a failed implicit substep: kMaxImplicitSubsteps after three.
+constexpr double kImplicitRetry = 0.25;
+constexpr double kJumped = 4;  ///< of the tension, Omega^2: has doubled its frequency
 /// [s] sqrt(kLever / g): as long an error of velocities moves a limb before gravity turns it, so
 /// that it counts as one of positions.
 constexpr double kSwingTime = 0.1;
@@ -99,12 +102,17 @@ constexpr int kMaxShortenings = 30;          ///< of a rigid motion that touches
 constexpr int kRefinements = 3;              ///< of the time at which rk arrives
 constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into shape: of rounding
 
+// --- Not tuned: a choice in a last resort.
+/// Of the deepest overlap: a body that pins drag on is dragged through what it is in by more.
+constexpr double kFilteredDepth = 0.5;
+
 // --- Not tuned: rounding, in single stages.
 constexpr double kFinestShare = 1e-3;        ///< of tolerances in short steps: rounding is near
 constexpr double kPartEnd = 1e-12;           ///< of a step: nearer to its ends is there
 constexpr double kAbout = 0.01;              ///< of a substep: less longer or shorter is as long
 constexpr double kPositionRounding = 4e-15;  ///< relative, with some room
 constexpr double kWhole = 1e-6;          ///< relative error of a squared length: none to restore
+constexpr double kWholeTolerances = 10;  ///< likewise, of the tolerance far from the origin
 constexpr double kTouchDepth = 1e-7;     ///< [m] a rigid motion may end in an obstacle by that
 constexpr double kRigidGain = 1e-9;      ///< of the energy: less is no rise by a rigid motion
 constexpr double kNothingLost = 1e-15;   ///< of the angular momentum: less lost is nothing lost

@@ -32,7 +32,7 @@ enum class OverlapPolicy : std::uint8_t {
   kResolve,     ///< none
   kIgnoreDeep,  ///< those deeper than kClose
   kIgnoreAll,
-  kPassThrough,  ///< moving pins drag the body through the obstacles that it is in
+  kFilter,  ///< moving pins drag the body through the obstacles that it is in: no contacts there
 };
 
 /// Contacts that a motion may meet, of a body with obstacles and itself or between bodies.
@@ -65,7 +65,7 @@ struct ConstraintSet : ContactSet {
   Roomy<LimitRow::Softness> softness;  ///< of the limits
   int own_rows = 0;                    ///< rows of contacts with other bodies come after
   double overlap = 0;                  ///< [m] the deepest, at the motion's start
-  Roomy<int> passed;                   ///< obstacles that the body is dragged through
+  Roomy<int> filtered;                 ///< obstacles that the body is dragged through
 };
 
 /// A body's own; warm: of the contacts' rows, then of the limits'.

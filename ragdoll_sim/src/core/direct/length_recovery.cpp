@@ -43,7 +43,7 @@ bool restoreLengths(Body& body, double h) {
       kPositionRounding *
           Eigen::Map<const Eigen::VectorXd>(body.xData(), 3 * body.n).cwiseAbs().maxCoeff() /
           rows.shortest);
-  if (lengthError(body) < std::max(kWhole, 10 * body.lengths.tolerance)) return false;
+  if (lengthError(body) < std::max(kWhole, kWholeTolerances * body.lengths.tolerance)) return false;
   spreadCollapsed(body);
   response.setStart(body.xData());
   const double keep = std::exp(-h / kRecoveryTime);

@@ -32,11 +32,11 @@ struct ModeRow {
   double friction = 0, restitution = 0;
   Compliance give;  ///< limits: [rad/(N m)], [N m s/rad]
   // Of the present mode.
-  bool closed = false;   ///< gap and rate are zero; of what gives way: it presses
-  bool presses = false;  ///< an equality; of what gives way: by its spring and damper
-  bool sticks = false;   ///< presses: so are its tangents
-  bool held = false;     ///< does not stick, but others hold it (ModeBlock::held)
-  bool moves = false;    ///< slips, in the direction:
+  bool closed = false;     ///< gap and rate are zero; of what gives way: it presses
+  bool presses = false;    ///< an equality; of what gives way: by its spring and damper
+  bool sticks = false;     ///< presses: so are its tangents
+  bool impending = false;  ///< slip is impending (ModeBlock::impending)
+  bool moves = false;      ///< slips, in the direction:
   Vec3 slip = Vec3::Zero();
   std::array<int, 3> feature{};  ///< where it touches, as RowPlace::feature
   double gap_start = 0;          ///< [m], [rad] at the start of the present piece

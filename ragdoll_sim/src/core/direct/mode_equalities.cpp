@@ -52,7 +52,7 @@ struct Equalities {
         columns.col(count) = A.col(t + k);
         list[count++] = {t + k, false, {}, tangentScale(A, block)};
       }
-    else if (block.held) {
+    else if (block.impending) {
       columns.col(count) = block.across()[0] * A.col(t) + block.across()[1] * A.col(t + 1);
       list[count++] = {t, true, block.across(), tangentScale(A, block)};
     }
@@ -71,7 +71,7 @@ void spread(const std::vector<ModeBlock>& blocks, const ModeVector& q, ModeVecto
     for (int d = 0; d < 2; ++d)
       p[block.row + 1 + d] =
           block.sticks ? next(k) : -block.friction * p[block.row] * block.slip[d];
-    if (!block.sticks && block.held) p.segment<2>(block.row + 1) += next(k) * block.across();
+    if (!block.sticks && block.impending) p.segment<2>(block.row + 1) += next(k) * block.across();
   }
 }
 

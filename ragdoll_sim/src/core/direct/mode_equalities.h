@@ -22,9 +22,9 @@ struct ModeBlock {
   bool given = false;  ///< the normal force is known, and its row no equality:
   double force = 0;
   bool slips = false;  ///< it moves already: the direction is given
-  /// Of one that would stick, were its force not at the cone: it stands still as others hold it,
-  /// and takes no more along `slip`.
-  bool held = false;
+  /// Slip is impending: it would stick, were its force not at the cone; it stands still as others
+  /// hold it, and takes no more along `slip`.
+  bool impending = false;
   Eigen::Vector2d slip = Eigen::Vector2d::Zero();  ///< unit, of the motion along the tangents
 
   /// Along the surface, across the slip.

@@ -33,15 +33,15 @@ double eventValue(Island& island, std::size_t i, Event event, const ModePoint& p
   if (event == kForce) return point.forces.normal[i] + none;
   if (event == kPlace)
     return std::min(kLasting, roomOf(island, row, point.x.data(), row.feature) + kPlaceNoise);
-  if (!(row.friction > 0) || (event == kMotion && !row.held)) return kLasting;
+  if (!(row.friction > 0) || (event == kMotion && !row.impending)) return kLasting;
   const auto slip = [&] {
     const double *x = point.x.data(), *v = point.v.data();
     return slipOf(island, row, placeOf(island, row, x, v, false), x, v).dot(row.slip);
   };
-  if (event == kMotion) return kHeldStill - slip();
+  if (event == kMotion) return kImpendingStill - slip();
   if (row.sticks)
     return row.friction * point.forces.normal[i] - point.forces.friction[i].norm() + none;
-  if (row.held) {
+  if (row.impending) {
     const Vec3& f = point.forces.friction[i];
     const double across = (f - f.dot(row.slip) * row.slip).norm();
     return kMostLean * row.friction * point.forces.normal[i] - across + none;
@@ -57,8 +57,8 @@ bool eventsAt(Island& island, ModePoint& point, std::vector<double>& values) {
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
     for (int e = 0; e < kEventsOfRow; ++e)
       values[kEventsOfRow * i + e] = eventValue(island, i, static_cast<Event>(e), point);
-  // Beyond its place, by however little, a row's forces are of another surface, or of one that is not
-  // there, and so are all that answer to them: it has left that first.
+  // Beyond its place, by however little, a row's forces are of another surface, or of one that is
+  // not there, and so are all that answer to them: it has left that first.
   bool any_left = false;
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
     any_left = any_left || values[kEventsOfRow * i + kPlace] < kPlaceNoise;
@@ -186,7 +186,7 @@ bool moveToModeEvent(Island& island, double h, const ModeEvent& found, double& t
     const bool last = k + 1 == kEventRefinements;
     if (settled || (last && std::abs(change) < kEventNear)) return !passedAnother(island);
     if (last) return false;
-    time = std::clamp(time + std::clamp(change, -0.1 * h, 0.1 * h), 0.0, h);
+    time = std::clamp(time + std::clamp(change, -kMostCorrection * h, kMostCorrection * h), 0.0, h);
     if (time == earlier) return !passedAnother(island);
   }
   return false;

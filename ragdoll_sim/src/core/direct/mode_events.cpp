@@ -190,7 +190,8 @@ void startPiece(Island& island) {
   const double *x = mode.start.x.data(), *v = mode.start.v.data();
   for (ModeRow& row : mode.rows) {
     row.gap_start = openingOf(island, row, x, v);
-    if (!row.presses || row.sticks || row.held || !row.isContact() || !(row.friction > 0)) continue;
+    if (!row.presses || row.sticks || row.impending || !row.isContact() || !(row.friction > 0))
+      continue;
     const Vec3 slip = slipOf(island, row, placeOf(island, row, x, v, false), x, v);
     if (slip.norm() > kStill) row.slip = slip.normalized();
   }

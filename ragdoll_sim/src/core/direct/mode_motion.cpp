@@ -155,7 +155,7 @@ void addRow(Island& island, std::size_t i, const double* x, const double* v) {
   block.row = mode.first[i];
   block.presses = row.presses;
   block.sticks = row.sticks;
-  block.held = row.held;
+  block.impending = row.impending;
   block.slips = row.moves;
   block.given = row.isSoft();
   if (block.given && row.presses) block.force = springForce(island, row, place, x, v);
@@ -265,7 +265,7 @@ namespace {
 /// What closed rows do at the point but press: whether they slip, and where to.
 void startModes(Island& island, const ModePoint& point) {
   for (ModeRow& row : island.s.mode.rows) {
-    row.sticks = row.held = row.moves = false;
+    row.sticks = row.impending = row.moves = false;
     if (!row.isSoft()) row.presses = false;
     if (!row.closed || !row.isContact()) continue;
     const double *x = point.x.data(), *v = point.v.data();
@@ -285,7 +285,7 @@ void keepMode(Island& island) {
     const ModeBlock& block = mode.blocks[k++];
     row.presses = block.presses;
     row.sticks = block.sticks;
-    row.held = block.presses && !block.sticks && block.held;
+    row.impending = block.presses && !block.sticks && block.impending;
     if (block.presses && row.friction > 0 && !block.sticks && !row.moves)
       row.slip = alongSurface(island, mode.first[i], block.slip);
     row.feature = mode.place[i].feature;
@@ -344,7 +344,7 @@ void holdWhatStays(Mode& mode, const ModeVector& rates) {
 bool takeModeImpact(Island& island, ModePoint& point) {
   Mode& mode = island.s.mode;
   ModeSystem system;
-  for (ModeRow& row : mode.rows) row.presses = row.sticks = row.held = row.moves = false;
+  for (ModeRow& row : mode.rows) row.presses = row.sticks = row.impending = row.moves = false;
   findSpins(island, point.x.data(), point.v.data(), SpinOf::kClosed);
   if (!buildModeSystem(island, point.x.data(), point.v.data(), false, system)) return false;
   evaluateModeRates(island, point.v.data(), system);
@@ -384,9 +384,9 @@ bool projectVelocities(Island& island, ModePoint& point, bool begins) {
   for (ModeBlock& block : island.s.mode.blocks) {
     if (begins && !block.slips) {
       block.sticks = block.friction > 0;
-      block.held = false;
+      block.impending = false;
     }
-    if (!block.sticks && !block.held && !begins) block.slip.setZero();
+    if (!block.sticks && !block.impending && !begins) block.slip.setZero();
     block.force = 0;
   }
   if (!solveEqualities(system.A, system.b, island.s.mode.blocks, system.p)) return false;
@@ -428,7 +428,7 @@ bool projectPositions(Island& island, ModePoint& point) {
     for (std::size_t i = 0; i < mode.rows.size(); ++i)
       if (mode.first[i] >= 0) system.b[mode.first[i]] = mode.place[i].gap;
     for (ModeBlock& block : mode.blocks) {
-      if (block.friction > 0) block.sticks = block.held = false, block.slip.setZero();
+      if (block.friction > 0) block.sticks = block.impending = false, block.slip.setZero();
       block.force = 0;
     }
     if (!solveEqualities(system.A, system.b, mode.blocks, system.p)) return false;

@@ -78,14 +78,14 @@ void readMode(const ModeMatrix& A, const ModeVector& b, double scale, const Mode
   const ModeVector w = b + A * p;
   for (ModeBlock& block : blocks) {
     const int i = block.row;
-    block.held = false;
+    block.impending = false;
     if (!block.given) block.presses = p[i] > kNoForce * scale;
     const bool rubs = block.presses && block.friction > 0 && !block.slips;
     const double force = rubs ? p.segment<2>(i + 1).norm() : 0;
     block.sticks = rubs && (force == 0 || force < (1 - kOnCone) * block.friction * p[i]);
     if (!rubs || block.sticks) continue;
     block.slip = -p.segment<2>(i + 1) / force;
-    block.held = w.segment<2>(i + 1).norm() < kNoRate * scale * A(i, i);
+    block.impending = w.segment<2>(i + 1).norm() < kNoRate * scale * A(i, i);
   }
 }
 
@@ -102,7 +102,7 @@ struct Contradiction {
                         double none, double scale) {
     if (of.sticks) {
       consider(of, force.norm() - bound - none, Kind::kSlip);
-    } else if (of.held) {
+    } else if (of.impending) {
       consider(of, along - kNoRate * scale, Kind::kMove);
       consider(of, -along - kNoRate * scale, Kind::kStick);
       consider(of, std::abs(of.across().dot(force)) - kMostLean * bound - none, Kind::kLean);
@@ -116,10 +116,10 @@ struct Contradiction {
     if (kind == Kind::kRelease) of.presses = of.sticks = false;
     if (kind == Kind::kClose) of.presses = true, of.sticks = of.friction > 0 && !of.slips;
     if (kind == Kind::kStick) of.sticks = true;
-    if (kind == Kind::kMove) of.held = false;
+    if (kind == Kind::kMove) of.impending = false;
     if (kind != Kind::kSlip && kind != Kind::kLean) return;
     of.sticks = false;
-    of.held = true;
+    of.impending = true;
     of.slip = -p.segment<2>(of.row + 1).normalized();
   }
 };
@@ -179,7 +179,7 @@ bool alignSlips(const ModeMatrix& A, const ModeVector& b, double scale,
   Slipping which(0);
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const ModeBlock& block = blocks[i];
-    if (!block.presses || block.sticks || block.held || block.slips || block.friction == 0)
+    if (!block.presses || block.sticks || block.impending || block.slips || block.friction == 0)
       continue;
     which.conservativeResize(which.size() + 1);
     which[which.size() - 1] = static_cast<int>(i);

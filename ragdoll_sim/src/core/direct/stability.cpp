@@ -35,7 +35,7 @@ bool swings(Body& body, double h) { return exceedsStable(body, h, kSwing); }
 
 bool tensionJumped(Body& body, double h) {
   return exceedsStable(body, h, kJump) &&
-         stiffness(body) > 4 * stiffnessOf(body, body.saved.multipliers.data());
+         stiffness(body) > kJumped * stiffnessOf(body, body.saved.multipliers.data());
 }
 
 }  // namespace ragdoll

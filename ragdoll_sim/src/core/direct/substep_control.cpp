@@ -79,7 +79,7 @@ bool SubstepControl::ignoreMore() {
   if (body.overlaps < OverlapPolicy::kIgnoreAll && body.constraints.overlap >= kTouching)
     body.overlaps = OverlapPolicy::kIgnoreAll;
   else if (body.overlaps == OverlapPolicy::kIgnoreAll && body.pin_speed > 0)
-    body.overlaps = OverlapPolicy::kPassThrough;
+    body.overlaps = OverlapPolicy::kFilter;
   else
     return false;
   return true;
@@ -97,7 +97,7 @@ void SubstepControl::retry() {
     if (isTooShort(substep_, most())) goTo(Way::kImplicit);
     return;
   }
-  substep_ *= 0.25;
+  substep_ *= kImplicitRetry;
   const int pieces = most() == kMaxSubsteps ? kMaxImplicitSubsteps : most();
   if (!isTooShort(substep_, pieces)) return;
   if (ignoreMore())

@@ -47,7 +47,11 @@ constexpr int kMostLetGo = 2;     ///< contacts, in one sharing
 constexpr std::size_t kMostShared = 256;  ///< rows: the cost of more grows with their cube
 
 // --- Not tuned: implicit steps (implicit_sticks.h); rounding, and a cap.
-constexpr double kBalance = 1e-9;       ///< of the longest stick: positions against multipliers
+constexpr double kBalance = 1e-9;          ///< of the longest stick: positions against multipliers
+constexpr double kMotionRounding = 1e-12;  ///< of the motion without sticks: likewise
+constexpr double kNoProgress = 1e-12;      ///< share of an iteration's step: less leads nowhere
+/// Of kLargestTurn: where a bound for all sticks is below, rounding leaves each of them below it.
+constexpr double kSurelyBelow = 0.98;
 constexpr int kMaxImplicitNewton = 40;  ///< iterations
 
 // --- Not tuned: the unit in which bodies are large or small.

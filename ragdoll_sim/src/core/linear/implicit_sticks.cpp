@@ -58,7 +58,8 @@ void findStep(const DirectSystem& system, ImplicitSticks& s) {
 /// How much of the step is taken, so that no stick turns too far.
 double shareOf(const DirectSystem& system, const double* length2, double reach, double shortest,
                ImplicitSticks& s) {
-  if (reach * std::sqrt(s.step.colwise().squaredNorm().maxCoeff()) < 0.98 * kLargestTurn * shortest)
+  if (reach * std::sqrt(s.step.colwise().squaredNorm().maxCoeff()) <
+      kSurelyBelow * kLargestTurn * shortest)
     return 1;
   double share = 1;
   s.turn.noalias() = s.step * system.B.transpose();
@@ -97,11 +98,11 @@ bool moveImplicitly(const DirectSystem& system, const double* length2,
     }
     const double worst = findResiduals(system, length2, s);
     if (!std::isfinite(worst) || !s.unbalanced.allFinite()) return false;
-    const double balance = kBalance * longest + 1e-12 * s.free.cwiseAbs().maxCoeff();
+    const double balance = kBalance * longest + kMotionRounding * s.free.cwiseAbs().maxCoeff();
     if (worst < kLengthTolerance && s.unbalanced.cwiseAbs().maxCoeff() < balance) return true;
     findStep(system, s);
     const double share = shareOf(system, length2, reach, shortest, s);
-    if (!(share > 1e-12)) return false;
+    if (!(share > kNoProgress)) return false;
     s.dx += share * s.step;
     s.lambda += share * s.change;
   }

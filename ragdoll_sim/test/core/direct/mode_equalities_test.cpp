@@ -12,8 +12,8 @@ namespace {
 
 using namespace test;
 
-/// One contact that sticks, one that slips, one that is held, one whose force is known and one that
-/// is open, at random: q of p = known + E q so that N^T (b + A p) = 0, by Eigen.
+/// One contact that sticks, one that slips, one whose slip is impending, one whose force is known
+/// and one that is open, at random: q of p = known + E q so that N^T (b + A p) = 0, by Eigen.
 TEST(ModeEqualities, OfAllKindsAreTheDenseSolution) {
   std::mt19937 random(6);
   std::normal_distribution<double> normal;
@@ -29,7 +29,7 @@ TEST(ModeEqualities, OfAllKindsAreTheDenseSolution) {
       blocks.back().presses = row != 12;
       blocks.back().slip = Eigen::Vector2d(normal(random), normal(random)).normalized();
     }
-    blocks[0].sticks = blocks[2].held = blocks[3].given = true;
+    blocks[0].sticks = blocks[2].impending = blocks[3].given = true;
     blocks[3].force = 2;
     const auto along = [&](int i) { return -0.3 * blocks[i].slip; };
     Eigen::VectorXd known = Eigen::VectorXd::Zero(size);

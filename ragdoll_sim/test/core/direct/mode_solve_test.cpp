@@ -159,7 +159,7 @@ TEST(ModeSolve, AFootWithoutFrictionEnoughIsHeldByAnother) {
   EXPECT_LT((block.b + block.A * p).norm(), 1e-9);
   EXPECT_NEAR(block.normals(p), block.mass * kG, 1e-12);
   EXPECT_FALSE(block.blocks[0].sticks);
-  EXPECT_TRUE(block.blocks[0].held && block.blocks[1].sticks);
+  EXPECT_TRUE(block.blocks[0].impending && block.blocks[1].sticks);
   EXPECT_NEAR(p[1], -0.1 * p[0], 1e-12);
   EXPECT_NEAR(p[1] + p[4], -block.mass * pull, 1e-9);
 }
