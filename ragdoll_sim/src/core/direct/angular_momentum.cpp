@@ -228,14 +228,13 @@ bool anyRubs(const Island& island, const std::vector<Contact>& pairs, TurnOf of)
 
 }  // namespace
 
-void findTurns(Island& island, TurnOf of) {
+const CommonTurns& findTurns(Island& island, TurnOf of) {
   const std::vector<Contact>& pairs =
       of == TurnOf::kMotion ? island.pairs.contacts : island.pairs.touching.contacts;
-  for (Body* body : island.bodies) {
-    body->turn.setZero();
-    body->turns_with = body;
-  }
-  if (!anyRubs(island, pairs, of)) return;
+  CommonTurns& turns = island.s.turns;
+  turns.turn.assign(island.bodies.size(), Vec3::Zero());
+  startGroups(island, turns.first);
+  if (!anyRubs(island, pairs, of)) return turns;
   std::vector<int>& group_of = island.s.group;
   startGroups(island, group_of);
   for (std::size_t i = 0; i < pairs.size(); ++i)
@@ -243,23 +242,20 @@ void findTurns(Island& island, TurnOf of) {
   forEachGroup(island, group_of, [&](const std::vector<Body*>& bodies) {
     if (isHeld(island, bodies) || pressesOnSleeper(island, pairs, of, bodies)) return;
     const Vec3 turn = turnOf(bodies, of);
-    for (Body* body : bodies) {
-      body->turn = turn;
-      body->turns_with = bodies[0];
+    const int first = island.placeOf(bodies[0]->index);
+    for (const Body* body : bodies) {
+      const int place = island.placeOf(body->index);
+      turns.turn[place] = turn;
+      turns.first[place] = first;
     }
   });
+  return turns;
 }
 
-Vec3 commonTurn(const Island& island, const Contact& pair) {
+Vec3 commonTurn(const Island& island, const CommonTurns& turns, const Contact& pair) {
   const int a = island.placeOf(pair.ragdoll), b = island.placeOf(pair.other);
-  if (a < 0 || b < 0) return Vec3::Zero();
-  const Body &first = *island.bodies[a], &second = *island.bodies[b];
-  return first.turns_with == second.turns_with ? first.turn : Vec3(Vec3::Zero());
-}
-
-bool turnTogether(const Island& island) {
-  return std::any_of(island.bodies.begin(), island.bodies.end(),
-                     [](const Body* body) { return !body->turn.isZero(0); });
+  if (a < 0 || b < 0 || turns.first[a] != turns.first[b]) return Vec3::Zero();
+  return turns.turn[a];
 }
 
 bool pressesItself(const Island& island) {

@@ -19,16 +19,15 @@ namespace ragdoll {
 /// Whether contacts between the bodies, or contacts or limits of one, pressed in the last motion.
 bool pressesItself(const Island& island);
 
-/// Body::turn and turns_with <- of the bodies' motions (dx), or of their velocities.
+/// How the bodies turn together in their motions (dx), or by their velocities. Until the next call.
 enum class TurnOf { kMotion, kVelocity };
-void findTurns(Island& island, TurnOf of);
-/// That of both sides of a contact: between bodies none where they do not press on each other.
-Vec3 commonTurn(const Island& island, const Contact& pair);
-inline Vec3 commonTurn(const Body& body, const Contact& own) {
-  return own.obstacle < 0 ? body.turn : Vec3(Vec3::Zero());
+const CommonTurns& findTurns(Island& island, TurnOf of);
+/// That of both sides of a contact: between bodies none where they do not press on each other; of a
+/// body's own contacts, whose turn is given.
+Vec3 commonTurn(const Island& island, const CommonTurns& turns, const Contact& pair);
+inline Vec3 commonTurn(const Vec3& turn, const Contact& own) {
+  return own.obstacle < 0 ? turn : Vec3(Vec3::Zero());
 }
-/// Whether some have one.
-bool turnTogether(const Island& island);
 
 /// After a motion over `took` [s] since the bodies were saved; nothing where pins, obstacles or
 /// sleepers take part.

@@ -86,17 +86,14 @@ struct Body {
   TouchingSet touching;
   ImpulseCache cache;
   SavedBody saved;
-  Points acceleration;     ///< [m/s^2] of gravity and pokes, without sticks
-  Points v1, moved, kept;  ///< scratch of single stages
-  /// [rad] of the motion, or [rad/s]: as one with all that press on each other, nothing outside on
-  /// them; else none. Slip between and within bodies is measured against it (angular_momentum.h).
-  Vec3 turn = Vec3::Zero();
-  const Body* turns_with = nullptr;  ///< the first of them
+  Points acceleration;  ///< [m/s^2] of gravity and pokes, without sticks
+  /// Scratch of single functions: to another it goes by argument, or as what is returned.
+  Points v1, moved, kept;
   EnergyScratch energy;
   PairDetector detector;  ///< of the body with itself
   RungeKuttaScratch stages;
   ImplicitSticks implicit;
-  RowValues b, total;  ///< of the Schur complement's rows: gaps or rates, impulses
+  RowValues total;  ///< [kg m] what the position stage's rows have pressed with in the motion
   Eigen::VectorXd tension, row_sums;
   Eigen::VectorXd lengths2, inverse_lengths2;  ///< of sticks that recover their lengths
 

@@ -2,7 +2,6 @@
 // motion closes it, a body (with obstacles and itself) or an island (between its bodies).
 #pragma once
 
-#include "core/direct/angular_momentum.h"
 #include "core/direct/island.h"
 
 namespace ragdoll {
@@ -36,16 +35,16 @@ double gapAfter(const Owner& owner, const Contact& c) {
   return c.gapAt(contextOf(owner).state.x) + moved;
 }
 
-/// [m] How the motions move the two sides along each other, beside their common turn.
+/// [m] How the motions move the two sides along each other, beside their common turn [rad].
 template <class Owner>
-Vec3 slipAfter(const Owner& owner, const Contact& c) {
+Vec3 slipAfter(const Owner& owner, const Contact& c, const Vec3& turn) {
   Vec3 slip = Vec3::Zero(), apart = Vec3::Zero();
   visitMoving(owner, c, [&](int k, const Body& body, int i) {
     const Vec3 dx = body.motion.dx.col(i);
     slip += c.middleWeight(k) * dx;
     apart += c.middleWeight(k) * (body.x().col(i) + 0.5 * dx);
   });
-  return slip - commonTurn(owner, c).cross(apart);
+  return slip - turn.cross(apart);
 }
 
 /// [m/s] of the contact's point against the other surface; along that; and at which the gap opens

@@ -5,6 +5,7 @@
 // share the substeps. Sleepers that they touch stand still.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -37,6 +38,18 @@ struct PairSet : ContactSet {
   }
 };
 
+/// How bodies turn, each as one with all that press on each other, nothing outside on them; else
+/// not at all. Slip between and within bodies is measured against it (angular_momentum.h).
+struct CommonTurns {
+  Roomy<Vec3, kRoomForBodies> turn;  ///< [rad] of the motion, or [rad/s]; of each body
+  Roomy<int, kRoomForBodies> first;  ///< of each body: place of the first of those it turns with
+
+  /// Whether some do.
+  bool any() const {
+    return std::any_of(turn.begin(), turn.end(), [](const Vec3& t) { return !t.isZero(0); });
+  }
+};
+
 /// Memory of islands, as large as the largest.
 struct IslandScratch {
   std::vector<std::vector<Body>> places;  ///< by skeleton, so that buffers keep their sizes
@@ -47,8 +60,12 @@ struct IslandScratch {
   JointSchur joint;
   Mode mode;  ///< of rk, while something touches
   RemovalScratch removal;
-  RowValues b, p, total, change, start;
-  RowValues rates;         ///< [m/s] where contacts are logged: before the velocity stage
+  RowValues total;  ///< [kg m] what the position stage's rows have pressed with in the motion
+  // Room for what a stage works with; from one function to the next it goes by argument.
+  RowValues b, p;  ///< of all rows: gaps or rates; impulses, to begin with and found
+  RowValues change, start;
+  RowValues rates;  ///< [m/s] where contacts are logged: before the velocity stage
+  CommonTurns turns;
   std::size_t logged = 0;  ///< entries of the contact log before the present substep
   std::vector<RowValues> parts;
   Roomy<int> ragdolls;     ///< of the bodies

@@ -50,13 +50,13 @@ struct Round {
   bool on_and_on = false;  ///< sweeps that do not settle are accelerated
 };
 
-/// Moves the bodies by what the impulses s.p are beyond s.total, which they become. False: sticks
+/// Moves the bodies by what the impulses p are beyond s.total, which they become. False: sticks
 /// cannot follow.
-bool applyImpulses(Island& island, bool at_start) {
+bool applyImpulses(Island& island, const RowValues& p, bool at_start) {
   IslandScratch& s = island.s;
-  s.change = s.p - s.total;
+  s.change = p - s.total;
   s.joint.split(s.change, s.parts);
-  s.total = s.p;
+  s.total = p;
   bool whole = true;
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Body& body = *island.bodies[k];
@@ -70,39 +70,43 @@ bool applyImpulses(Island& island, bool at_start) {
   return whole;
 }
 
-/// Solves the rows, whose gaps and first impulses are given, and moves the bodies. False: sticks
-/// cannot follow, or there is no way out.
-bool solveRound(Island& island, const Round& round) {
+/// Solves the rows from their gaps b and the impulses p to begin with, and moves the bodies. False:
+/// sticks cannot follow, or there is no way out.
+bool solveRound(Island& island, const Round& round, RowValues& b, RowValues& p) {
   const auto [fresh, at_start, on_and_on] = round;
   IslandScratch& s = island.s;
-  if (!fresh) s.joint.addAnswer(-1, s.parts, s.b);
-  const bool settled = s.joint.solve(s.b, s.p, sweepsOf(island, Sweeps::kToTheEnd)) ||
-                       (on_and_on && s.joint.solveOn(s.b, s.p));
+  if (!fresh) {
+    s.joint.split(s.total, s.parts);
+    s.joint.addAnswer(-1, s.parts, b);
+  }
+  const bool settled = s.joint.solve(b, p, sweepsOf(island, Sweeps::kToTheEnd)) ||
+                       (on_and_on && s.joint.solveOn(b, p));
   if (!settled && island.isLone() && hasNoWayOut(*island.bodies[0])) return false;
-  return applyImpulses(island, at_start);
+  return applyImpulses(island, p, at_start);
 }
 
 /// Solves for the candidates that are rows.
 bool solveRows(Island& island, double h) {
   IslandScratch& s = island.s;
+  RowValues &b = s.b, &p = s.p;
   buildRows(island, h, true);
   startTotals(island);
   if (s.joint.size() == 0) return true;
-  evaluateGaps(island, h);
-  if (!anyCloses(island)) return true;
+  const CommonTurns& turns = evaluateGaps(island, h, b);
+  if (!anyCloses(island, b)) return true;
   assemble(island, false);
-  if (soften(island, h, true)) evaluateGaps(island, h);
-  warmStart(island, h);
-  const bool started = turnTogether(island);  // their turn by friction is in no row's answer
-  if (started && !applyImpulses(island, true)) return false;
+  if (soften(island, h, true)) evaluateGaps(island, h, b);
+  warmStart(island, h, p);
+  const bool started = turns.any();  // their turn by friction is in no row's answer
+  if (started && !applyImpulses(island, p, true)) return false;
   double violation = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
     const bool fresh = round == 0 && !started;
     if (!fresh) {
-      evaluateGaps(island, h);
-      s.p = s.total;
+      evaluateGaps(island, h, b);
+      p = s.total;
     }
-    if (!solveRound(island, {fresh, true, false})) return false;
+    if (!solveRound(island, {fresh, true, false}, b, p)) return false;
     const double now = worstResidual(island, true);
     if (now < island.context.tolerances.contact) return true;
     if (round > 1 && now > kSlop && now > kProgress * violation) return true;
@@ -127,9 +131,9 @@ bool solveRowsImplicitly(Island& island, double h) {
     if (s.total.size() != s.joint.size()) startTotals(island);  // other rows
     assemble(island, true);
     soften(island, h, false);
-    evaluateGaps(island, h);
+    evaluateGaps(island, h, s.b);
     s.p = s.total;
-    if (!solveRound(island, {round == 0, false, on_and_on})) return false;
+    if (!solveRound(island, {round == 0, false, on_and_on}, s.b, s.p)) return false;
     const double now = violationOf(island);
     done = now < island.context.tolerances.contact;
     if (!done && round > 1 && now > kProgress * violation) break;

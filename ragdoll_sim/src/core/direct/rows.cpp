@@ -29,9 +29,11 @@ void addContactRows(const Owner& owner, ContactSet& set, const ImpulseCache& cac
   }
 }
 
-template <class Owner, class Rows>
+/// turnOf(contact): that of both its sides.
+template <class Owner, class Rows, class TurnOfSides>
 void evaluateContactGaps(const Owner& owner, const ContactSet& set, const Rows& rows,
-                         const RowValues& total, double share, RowValues& b) {
+                         const RowValues& total, double share, const TurnOfSides& turnOf,
+                         Eigen::Ref<Eigen::VectorXd> b) {
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const int row = set.row[i];
     if (row < 0) continue;
@@ -39,7 +41,7 @@ void evaluateContactGaps(const Owner& owner, const ContactSet& set, const Rows& 
     b[row] = gapAfter(owner, c);
     if (c.isSoft()) b[row] += set.springs[i].offset + rows.row(row).compliance * total[row];
     if (!(c.friction > 0)) continue;
-    const Vec3 slip = c.slipOf(slipAfter(owner, c) - share * c.surface_motion);
+    const Vec3 slip = c.slipOf(slipAfter(owner, c, turnOf(c)) - share * c.surface_motion);
     for (int k = 1; k < 3; ++k) b[row + k] = rows.row(row + k).direction.dot(slip);
   }
 }
@@ -178,32 +180,34 @@ int addPairRows(Island& island, const Contact& c, int source, bool smooth) {
   return first;
 }
 
-void evaluateGaps(Body& body, double h) {
+void evaluateGaps(Body& body, double h, const Vec3& turn, Eigen::Ref<Eigen::VectorXd> b) {
   const ConstraintSet& set = body.constraints;
   const Schur& schur = body.memory->schur;
-  body.b.resize(set.own_rows);
-  evaluateContactGaps(body, set, schur, body.total, h / body.context->h, body.b);
+  const auto turnOf = [&turn](const Contact& c) { return commonTurn(turn, c); };
+  evaluateContactGaps(body, set, schur, body.total, h / body.context->h, turnOf, b);
   if (set.limits.empty()) return;
   LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const int row = set.limit_row[i];
     if (row < 0) continue;
     const LimitRow& limit = set.limits[i];
-    body.b[row] = angles[limit.limit] + limit.opening + set.softness[i].offset +
-                  schur.row(row).compliance * body.total[row];
+    b[row] = angles[limit.limit] + limit.opening + set.softness[i].offset +
+             schur.row(row).compliance * body.total[row];
   }
 }
 
-void evaluateGaps(Island& island, double h) {
-  IslandScratch& s = island.s;
-  findTurns(island, TurnOf::kMotion);
-  s.b.resize(s.joint.size());
+const CommonTurns& evaluateGaps(Island& island, double h, RowValues& b) {
+  const JointSchur& joint = island.s.joint;
+  const CommonTurns& turns = findTurns(island, TurnOf::kMotion);
+  b.resize(joint.size());
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Body& body = *island.bodies[k];
-    evaluateGaps(body, h);
-    s.b.segment(s.joint.firstOf(static_cast<int>(k)), body.constraints.own_rows) = body.b;
+    evaluateGaps(body, h, turns.turn[k],
+                 b.segment(joint.firstOf(static_cast<int>(k)), body.constraints.own_rows));
   }
-  evaluateContactGaps(island, island.pairs, s.joint, s.total, h / island.context.h, s.b);
+  const auto turnOf = [&](const Contact& c) { return commonTurn(island, turns, c); };
+  evaluateContactGaps(island, island.pairs, joint, island.s.total, h / island.context.h, turnOf, b);
+  return turns;
 }
 
 bool soften(Island& island, double h, bool leapfrog) {
@@ -215,7 +219,7 @@ bool soften(Island& island, double h, bool leapfrog) {
   return softenContacts(island.pairs, island.s.joint, h, leapfrog) || any;
 }
 
-bool anyCloses(const Island& island) {
+bool anyCloses(const Island& island, const RowValues& b) {
   const auto presses = [](const Contact& c) { return c.isSoft() && c.before < 0; };
   const auto any = [&](const std::vector<Contact>& all) {
     return std::any_of(all.begin(), all.end(), presses);
@@ -225,7 +229,7 @@ bool anyCloses(const Island& island) {
                   [&](const Body* body) { return any(body->constraints.contacts); }))
     return true;
   for (int i = 0; i < island.s.joint.size(); ++i)
-    if (island.s.joint.row(i).kind != Kind::kTangent && island.s.b[i] < 0) return true;
+    if (island.s.joint.row(i).kind != Kind::kTangent && b[i] < 0) return true;
   return false;
 }
 
@@ -264,14 +268,14 @@ void warmStart(Body& body, double h, Eigen::Ref<Eigen::VectorXd> p) {
   }
 }
 
-void warmStart(Island& island, double h) {
-  IslandScratch& s = island.s;
-  s.p.setZero(s.joint.size());
+void warmStart(Island& island, double h, RowValues& p) {
+  const JointSchur& joint = island.s.joint;
+  p.setZero(joint.size());
   for (std::size_t k = 0; k < island.bodies.size(); ++k)
     warmStart(
         *island.bodies[k], h,
-        s.p.segment(s.joint.firstOf(static_cast<int>(k)), island.bodies[k]->constraints.own_rows));
-  warmStartContacts(island.pairs, s.joint, h, island.pairs.cache, s.p);
+        p.segment(joint.firstOf(static_cast<int>(k)), island.bodies[k]->constraints.own_rows));
+  warmStartContacts(island.pairs, joint, h, island.pairs.cache, p);
 }
 
 void rememberImpulses(Body& body, double h) {

@@ -22,27 +22,29 @@ void buildRows(Island& island, double h, bool leapfrog);
 /// smooth: without its friction.
 int addPairRows(Island& island, const Contact& contact, int source, bool smooth = false);
 
-/// body.b, island.s.b <- the gaps [m], angles [rad] and slips [m] of the rows after the motion.
-void evaluateGaps(Body& body, double h);
-void evaluateGaps(Island& island, double h);
+/// b <- the gaps [m], angles [rad] and slips [m] of the rows (the body's own ones) after the
+/// motion, in which the body turns with others by `turn` [rad]; so bodies turn together, until the
+/// next call.
+void evaluateGaps(Body& body, double h, const Vec3& turn, Eigen::Ref<Eigen::VectorXd> b);
+const CommonTurns& evaluateGaps(Island& island, double h, RowValues& b);
 
 /// Rows of contacts that give way get their compliance, once the Schur complements are assembled.
 /// Whether there are any.
 bool soften(Island& island, double h, bool leapfrog);
 
-/// Whether a row is violated, or a spring presses at the motion's start: it does until it is let
-/// go.
-bool anyCloses(const Island& island);
+/// Whether a row is violated by its gap b, or a spring presses at the motion's start: it does until
+/// it is let go.
+bool anyCloses(const Island& island, const RowValues& b);
 
 /// [m] the worst of the rows after the motion; of limits seen on kLever. closed: also what is open
 /// while it presses.
 double worstResidual(Body& body, bool closed);
 double worstResidual(Island& island, bool closed);
 
-/// p (the body's own rows), island.s.p <- what pressed in the last motion; and the caches <- what
-/// presses now.
+/// p (of a body its own rows) <- what pressed in the last motion; and the caches <- what presses
+/// now: total of island and bodies.
 void warmStart(Body& body, double h, Eigen::Ref<Eigen::VectorXd> p);
-void warmStart(Island& island, double h);
+void warmStart(Island& island, double h, RowValues& p);
 void rememberImpulses(Body& body, double h);
 void rememberImpulses(Island& island, double h);
 

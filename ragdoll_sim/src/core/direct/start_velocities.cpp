@@ -28,7 +28,6 @@ void stopPins(Body& body) {
 
 void settle(Island& island) {
   for (Body* body : island.bodies) {
-    body->located = kMaxLocated + 1;  // it does not bounce
     makeVelocitiesAffine(*body);
     stopPins(*body);
     body->motion.dx.setZero(3, body->n);
@@ -40,7 +39,7 @@ void settle(Island& island) {
   for (Body* body : island.bodies)
     for (Contact& c : body->constraints.contacts) c.friction = 0;
   for (Contact& c : island.pairs.contacts) c.friction = kNoFriction;
-  bounce(island);
+  bounce(island, Stage::kStop);
 }
 
 }  // namespace

@@ -42,14 +42,13 @@ int rowsOf(const Contact& c) { return c.friction > 0 ? 3 : 1; }
 // Contacts of a body with obstacles and itself, and between bodies, by one path. owner: as in
 // contact_motion.h; rows: a body's complement or the joint ones, where theirs begin at row `first`.
 
-/// b <- the rates [m/s] at which they open and slip.
-template <class Owner, class Rows>
-void evaluateContactRates(const Owner& owner, const TouchingContacts& set, const Rows& rows,
-                          int first, RowValues& b) {
-  const StepContext& step = contextOf(owner);
+/// b <- the rates [m/s] at which they open and slip, beside the turn(contact) of both sides.
+template <class Rows, class TurnOfSides>
+void evaluateContactRates(const StepContext& step, const TouchingContacts& set, const Rows& rows,
+                          int first, const TurnOfSides& turnOf, Eigen::Ref<Eigen::VectorXd> b) {
   int row = first;
   for (const Contact& c : set.contacts) {
-    const Vec3 rate = rateOf(step, c) - commonTurn(owner, c).cross(c.of(step.state.x));
+    const Vec3 rate = rateOf(step, c) - turnOf(c).cross(c.of(step.state.x));
     for (const int end = row + rowsOf(c); row < end; ++row)
       b[row] = rows.row(row).direction.dot(rate);
   }
@@ -58,7 +57,7 @@ void evaluateContactRates(const Owner& owner, const TouchingContacts& set, const
 /// Newton's impact law: b <- rates after the impact, where `bounces`; and the rows are free.
 template <class Rows>
 void evaluateContactImpacts(const StepContext& step, const TouchingContacts& set, Rows& rows,
-                            int first, bool bounces, RowValues& b) {
+                            int first, bool bounces, Eigen::Ref<Eigen::VectorXd> b) {
   int row = first;
   for (const Contact& c : set.contacts) {
     rows.lock(row, false);
@@ -133,21 +132,20 @@ void lockComing(Island& island, int first_pair) {
   lockComing(step, island.pairs.touching, island.s.joint, first_pair);
 }
 
-/// body.b <- the rates [m/s], [rad/s] at which the own rows open.
-void evaluateRates(Body& body) {
+/// b <- the rates [m/s], [rad/s] at which the own rows open, beside the body's turn with others.
+void evaluateRates(const Body& body, const Vec3& turn, Eigen::Ref<Eigen::VectorXd> b) {
   const Schur& schur = body.memory->schur;
-  body.b.resize(body.constraints.own_rows);
-  evaluateContactRates(body, body.touching, schur, 0, body.b);
+  const auto turnOf = [&turn](const Contact& c) { return commonTurn(turn, c); };
+  evaluateContactRates(*body.context, body.touching, schur, 0, turnOf, b);
   for (int i = firstLimitRow(body); i < body.constraints.own_rows; ++i)
-    body.b[i] = schur.along(i, body.vData());
+    b[i] = schur.along(i, body.vData());
 }
 
-/// Those of an impact; springs of limits do not take part.
-void evaluateImpact(Body& body) {
+/// Of an impact, from the rates before it; springs of limits do not take part.
+void evaluateImpact(Body& body, bool bounces, Eigen::Ref<Eigen::VectorXd> b) {
   Schur& schur = body.memory->schur;
-  evaluateRates(body);
-  evaluateContactImpacts(*body.context, body.touching, schur, 0, body.located <= kMaxLocated,
-                         body.b);
+  evaluateContactImpacts(*body.context, body.touching, schur, 0,
+                         bounces && body.located <= kMaxLocated, b);
   for (int i = firstLimitRow(body); i < body.constraints.own_rows; ++i)
     schur.lock(i, schur.row(i).compliance > 0);
 }
@@ -223,15 +221,20 @@ void addTouchingPair(Island& island, int i) {
   if (island.pairs.touching.contacts[i].isSoft()) island.s.joint.give(row);
 }
 
-/// s.rates <- as they are before the solution; s.b may ask for more.
-void keepRates(Island& island) {
-  IslandScratch& s = island.s;
-  s.rates = s.b;
-  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
-    Body& body = *island.bodies[k];
-    evaluateRates(body);
-    s.rates.segment(s.joint.firstOf(static_cast<int>(k)), body.constraints.own_rows) = body.b;
-  }
+/// of(body, its number, where its own rows begin).
+template <class Of>
+void forEachBody(const Island& island, const Of& of) {
+  for (std::size_t k = 0; k < island.bodies.size(); ++k)
+    of(*island.bodies[k], k, island.s.joint.firstOf(static_cast<int>(k)));
+}
+
+/// rates <- as they are before the solution; b may ask for more.
+void keepRates(const Island& island, const CommonTurns& turns, const RowValues& b,
+               RowValues& rates) {
+  rates = b;
+  forEachBody(island, [&](const Body& body, std::size_t k, int first) {
+    evaluateRates(body, turns.turn[k], rates.segment(first, body.constraints.own_rows));
+  });
 }
 
 /// Those that a solution pressed together; of an impact, as between them nothing bounces.
@@ -243,81 +246,91 @@ void keepPressed(const Island& island, int first_pair, const RowValues& p,
       pressed.push_back({touching[i].ragdoll, touching[i].other, false});
 }
 
-/// island.s.b <- the rates of all rows.
-void evaluateAllRates(Island& island, int first_pair, bool impact) {
-  IslandScratch& s = island.s;
-  s.b.resize(s.joint.size());
-  findTurns(island, TurnOf::kVelocity);
-  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
-    Body& body = *island.bodies[k];
-    if (impact)
-      evaluateImpact(body);
-    else
-      evaluateRates(body);
-    s.b.segment(s.joint.firstOf(static_cast<int>(k)), body.constraints.own_rows) = body.b;
-  }
+/// Which velocities a solution is for.
+struct Solution {
+  double h = 0;          ///< [s] of the motion before it
+  bool impact = false;   ///< after an impact,
+  bool bounces = false;  ///< in which what is fast enough bounces
+};
+
+/// b <- the rates of all rows; returns how the bodies turn together, until the next call.
+const CommonTurns& evaluateAllRates(Island& island, int first_pair, const Solution& of,
+                                    RowValues& b) {
+  JointSchur& joint = island.s.joint;
+  b.resize(joint.size());
+  const CommonTurns& turns = findTurns(island, TurnOf::kVelocity);
+  forEachBody(island, [&](Body& body, std::size_t k, int first) {
+    auto own = b.segment(first, body.constraints.own_rows);
+    evaluateRates(body, turns.turn[k], own);
+    if (of.impact) evaluateImpact(body, of.bounces, own);
+  });
+  const StepContext& step = island.context;
   const TouchingContacts& between = island.pairs.touching;
-  evaluateContactRates(island, between, s.joint, first_pair, s.b);
-  if (impact) evaluateContactImpacts(island.context, between, s.joint, first_pair, true, s.b);
+  const auto turnOf = [&](const Contact& c) { return commonTurn(island, turns, c); };
+  evaluateContactRates(step, between, joint, first_pair, turnOf, b);
+  if (of.impact) evaluateContactImpacts(step, between, joint, first_pair, of.bounces, b);
+  return turns;
 }
 
-/// island.s.p <- what the rows pressed with.
-void startWarm(Island& island, int first_pair) {
-  IslandScratch& s = island.s;
-  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
-    Body& body = *island.bodies[k];
+/// p <- what the rows pressed with.
+void startWarm(const Island& island, int first_pair, RowValues& p) {
+  forEachBody(island, [&](const Body& body, std::size_t, int first) {
     const int rows = body.constraints.own_rows;
-    s.p.segment(s.joint.firstOf(static_cast<int>(k)), rows) =
-        Eigen::Map<const Eigen::VectorXd>(body.touching.warm.data(), rows);
-  }
+    p.segment(first, rows) = Eigen::Map<const Eigen::VectorXd>(body.touching.warm.data(), rows);
+  });
   std::copy(island.pairs.touching.warm.begin(), island.pairs.touching.warm.end(),
-            s.p.data() + first_pair);
+            p.data() + first_pair);
 }
 
-/// The bodies' velocities <- with impulses p.
-void push(Island& island, const RowValues& p) {
+/// The bodies' velocities <- with impulses p; returns each one's part of them, until the next call.
+const std::vector<RowValues>& push(Island& island, const RowValues& p) {
   IslandScratch& s = island.s;
   s.joint.split(p, s.parts);
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Schur& schur = island.bodies[k]->memory->schur;
     if (!schur.empty()) schur.move(s.parts[k], island.bodies[k]->vData());
   }
+  return s.parts;
 }
 
-/// Damps velocities in which what pressed has acted already: at the motion's start its impulses act
-/// after the damping, and the two halves mirror each other. So has what turns bodies together,
-/// which is in no row's answer. island.s.b <- the rates then, but for those impulses, which become
-/// s.change.
-void pressAndDamp(Island& island, int first_pair, double damping) {
-  IslandScratch& s = island.s;
-  s.change = s.p;
-  const bool pressed = !s.p.isZero(0);
-  if (pressed) push(island, s.change);
+/// Damps velocities in which what pressed, p, has acted already: at the motion's start its impulses
+/// act after the damping, and the two halves mirror each other. So has what turns bodies together,
+/// which is in no row's answer. b <- the rates then, but for those impulses.
+void pressAndDamp(Island& island, int first_pair, double damping, const RowValues& p,
+                  RowValues& b) {
+  const std::vector<RowValues>* parts = p.isZero(0) ? nullptr : &push(island, p);
   dampWithin(island, damping);
-  evaluateAllRates(island, first_pair, false);
-  if (pressed) s.joint.addAnswer(-1, s.parts, s.b);
+  evaluateAllRates(island, first_pair, {}, b);
+  if (parts) island.s.joint.addAnswer(-1, *parts, b);
 }
 
 /// One solution of the rates and what it does to velocities. damping: [s] of the motion within.
-VelocityImpulses pushVelocities(Island& island, int first_pair, const LoggedStage& at,
+VelocityImpulses pushVelocities(Island& island, int first_pair, const Solution& of,
                                 double damping = 0) {
   IslandScratch& s = island.s;
+  RowValues &b = s.b, &p = s.p, &change = s.change;
   const bool damps = damping != 0 && island.context.model.solver.joint_damping > 0;
-  s.p.setZero(s.joint.size());
-  if (!damps || isLogged(island)) evaluateAllRates(island, first_pair, at.impact);
-  if (!at.impact) startWarm(island, first_pair);
-  if (isLogged(island)) keepRates(island);
-  const bool pressed = damps || (!at.impact && turnTogether(island));
-  if (pressed) pressAndDamp(island, first_pair, damps ? damping : 0);
-  const Sweeps kind = at.impact ? Sweeps::kOfAnImpact : Sweeps::kAlongTheSlip;
-  const bool settled = s.joint.solve(s.b, s.p, sweepsOf(island, kind));
-  if (at.impact && !settled) solveExactly(island, s.b, s.p);
-  keepPressed(island, first_pair, s.p, island.pairs.pushed);
-  if (pressed) s.change = s.p - s.change;
-  push(island, pressed ? s.change : s.p);
-  if (isLogged(island)) logVelocities(island, s.p, s.rates, at);
+  bool pressed = damps;
+  p.setZero(s.joint.size());
+  if (!of.impact) startWarm(island, first_pair, p);
+  if (!damps || isLogged(island)) {
+    const CommonTurns& turns = evaluateAllRates(island, first_pair, of, b);
+    if (isLogged(island)) keepRates(island, turns, b, s.rates);
+    pressed = pressed || (!of.impact && turns.any());
+  }
+  if (pressed) {
+    change = p;
+    pressAndDamp(island, first_pair, damps ? damping : 0, change, b);
+  }
+  const Sweeps kind = of.impact ? Sweeps::kOfAnImpact : Sweeps::kAlongTheSlip;
+  const bool settled = s.joint.solve(b, p, sweepsOf(island, kind));
+  if (of.impact && !settled) solveExactly(island, b, p);
+  keepPressed(island, first_pair, p, island.pairs.pushed);
+  if (pressed) change = p - change;
+  push(island, pressed ? change : p);
+  if (isLogged(island)) logVelocities(island, p, s.rates, {of.impact, of.h});
   if (!damps) dampWithin(island, damping);
-  return &s.p;
+  return &p;
 }
 
 bool touches(const Island& island) {
@@ -362,17 +375,18 @@ VelocityImpulses finishMotion(Island& island, double h, bool leapfrog, Stage sta
   return impulses;
 }
 
-VelocityImpulses bounce(Island& island) {
+VelocityImpulses bounce(Island& island, Stage stage) {
   for (Body* body : island.bodies) {
     body->motion.dx.setZero(3, body->n);
     body->memory->response.setStart(body->xData());
     findTouching(*body, 0);
   }
   findTouchingPairs(island, 0, true);
-  return solveVelocities(island, Stage::kBounce, 0, 0);
+  return solveVelocities(island, stage, 0, 0);
 }
 
 VelocityImpulses solveVelocities(Island& island, Stage stage, double h, double damping) {
+  const bool moves = stage == Stage::kMotion || stage == Stage::kImpact;
   JointSchur& joint = island.s.joint;
   joint.clear(island.opensOverlaps());
   if (!touches(island)) {
@@ -388,19 +402,20 @@ VelocityImpulses solveVelocities(Island& island, Stage stage, double h, double d
     addTouchingPair(island, static_cast<int>(i));
   for (Body* body : island.bodies) {
     BodyMemory& memory = *body->memory;
-    if (!memory.schur.empty()) memory.response.assemble(memory.schur, stage != Stage::kBounce);
+    if (!memory.schur.empty()) memory.response.assemble(memory.schur, moves);
   }
-  if (stage != Stage::kBounce) {
+  if (moves) {
     // What pressed all the while does so until the impact, which is not to take that back.
     if (stage == Stage::kImpact)
       lockHit(island, first_pair);
     else if (h > 0)
       lockComing(island, first_pair);
-    const VelocityImpulses impulses = pushVelocities(island, first_pair, {false, h}, damping);
+    const VelocityImpulses impulses = pushVelocities(island, first_pair, {h}, damping);
     if (stage == Stage::kMotion) return impulses;
     keepPressed(island, first_pair, *impulses, island.pairs.met);
   }
-  const VelocityImpulses impulses = pushVelocities(island, first_pair, {true, h});
+  const VelocityImpulses impulses =
+      pushVelocities(island, first_pair, {h, true, stage != Stage::kStop});
   keepPressed(island, first_pair, *impulses, island.pairs.met);
   return impulses;
 }

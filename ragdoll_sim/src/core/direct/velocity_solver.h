@@ -11,6 +11,7 @@ enum class Stage {
   kMotion,  ///< at the end of a motion over h
   kImpact,  ///< the same, where something is hit: what pressed over h does its part before
   kBounce,  ///< an impact at the present pose, without a motion
+  kStop,    ///< the same, in which nothing bounces
 };
 
 /// Keeps what touches at the end of the motion over h, with the position stage's impulses; the
@@ -29,8 +30,8 @@ using VelocityImpulses = const RowValues*;
 /// before its impact.
 VelocityImpulses finishMotion(Island& island, double h, bool leapfrog, Stage stage, double damping);
 
-/// Newton's impact law at the present pose for what touches.
-VelocityImpulses bounce(Island& island);
+/// Newton's impact law at the present pose for what touches: kBounce or kStop.
+VelocityImpulses bounce(Island& island, Stage stage = Stage::kBounce);
 
 /// Velocities of what touches at the end pose, which the response holds.
 VelocityImpulses solveVelocities(Island& island, Stage stage, double h, double damping);
