@@ -64,11 +64,11 @@ void turn(const std::vector<Body*>& bodies, const RigidMotion& common, const Vec
 }
 
 /// [J] that a spin may give: what the motion has lost, and what is taken out again of one that is
-/// not smooth.
-double energyToGive(Island& island, const std::vector<Body*>& bodies, bool smooth) {
+/// not smooth. took: [s] by the trial.
+double energyToGive(Island& island, const std::vector<Body*>& bodies, bool smooth, double took) {
   double energy = 0;
   for (Body* body : bodies) energy += kineticEnergy(*body);
-  return std::max(0.0, -gainedEnergy(island, bodies, 0)) + (smooth ? 0 : kMostGiven * energy);
+  return std::max(0.0, -gainedEnergy(island, bodies, took, 0)) + (smooth ? 0 : kMostGiven * energy);
 }
 
 /// Gives a spin. What energy that needs beyond is taken out of the motion within the bodies. Only a
@@ -77,11 +77,11 @@ double energyToGive(Island& island, const std::vector<Body*>& bodies, bool smoot
 /// be taken out: of smooth motions, and beside springs, whose next substeps give back what this one
 /// took.
 void giveSpin(Island& island, const std::vector<Body*>& bodies, const Vec3& centre,
-              const Vec3& spin, const Rotation& now) {
+              const Vec3& spin, const Rotation& now, double took) {
   const double given = spin.dot(now.angular), square = spin.dot(now.inertia * spin);
   const double needed = given + 0.5 * square;
   const bool smooth = needed > 0 && isSmooth(island);
-  const double spare = needed > 0 ? energyToGive(island, bodies, smooth) : 0;
+  const double spare = needed > 0 ? energyToGive(island, bodies, smooth, took) : 0;
   addSpin(bodies, centre, spin);
   const double excess = needed - spare;
   if (!(excess > 0)) return;
@@ -112,7 +112,7 @@ void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took)
     turn(bodies, after, 0.5 * took * spinFor(now, wanted));
     now = rotationOf(bodies, after, x1, v1);
   }
-  giveSpin(island, bodies, after.centre, spinFor(now, wanted), now);
+  giveSpin(island, bodies, after.centre, spinFor(now, wanted), now, took);
 }
 
 /// Joins the groups of two ragdolls; a sleeper's does not move.
@@ -274,7 +274,7 @@ void restoreAngularMomentum(Island& island, double took) {
                [&](const std::vector<Body*>& bodies) { restoreGroup(island, bodies, took); });
 }
 
-void restoreAfterImpact(Island& island, VelocityImpulses impulses) {
+void restoreAfterImpact(Island& island, VelocityImpulses impulses, double took) {
   if (!impulses) return;
   std::vector<int>& group_of = island.s.group;
   startGroups(island, group_of);
@@ -288,7 +288,7 @@ void restoreAfterImpact(Island& island, VelocityImpulses impulses) {
     const auto v = [](const Body& body) { return body.v(); };
     const RigidMotion drift = driftOf(bodies, x, v);
     const Rotation now = rotationOf(bodies, drift, x, v);
-    giveSpin(island, bodies, drift.centre, spinOf(now.inertia, -pushed.couple, true), now);
+    giveSpin(island, bodies, drift.centre, spinOf(now.inertia, -pushed.couple, true), now, took);
   });
 }
 

@@ -34,7 +34,8 @@ inline Vec3 commonTurn(const Vec3& turn, const Contact& own) {
 void restoreAngularMomentum(Island& island, double took);
 
 /// After an impact that pressed with `impulses`: what its friction took of bodies that it pressed
-/// on each other, and nothing outside on them, whatever held them until then.
-void restoreAfterImpact(Island& island, VelocityImpulses impulses);
+/// on each other, and nothing outside on them, whatever held them until then. took: [s] by the
+/// trial, at the most.
+void restoreAfterImpact(Island& island, VelocityImpulses impulses, double took);
 
 }  // namespace ragdoll

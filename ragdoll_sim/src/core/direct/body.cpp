@@ -40,7 +40,7 @@ void Body::bind(const StepContext& c, int r) {
   pin_speed = 0;
   driven = pushed = damps_within = false;
   given = damped = 0;
-  from = took = 0;
+  time = 0;
   located = 0;
   overlaps = OverlapPolicy::kResolve;
   constraints.overlap = 0;

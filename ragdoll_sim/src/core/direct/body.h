@@ -60,8 +60,7 @@ struct Body {
   StickLengths lengths;  ///< that sticks keep in this step
   double pin_speed = 0;  ///< [m/s] of pins that move
   bool driven = false;   ///< something moves that gives energy: obstacles, pins
-  double from = 0;       ///< [s] of the step when the present trial began
-  double took = 0;       ///< [s] that the trial took
+  double time = 0;       ///< [s] of the step at which the present trial begins
   int located = 0;       ///< impacts found in time in this step
   OverlapPolicy overlaps = OverlapPolicy::kResolve;
   // Forces that follow the motion (driving.h).

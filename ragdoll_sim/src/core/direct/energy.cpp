@@ -13,12 +13,13 @@ namespace ragdoll {
 namespace {
 
 /// [J] in the springs of a body's contacts, with obstacles and itself, at a pose (3 x N), before or
-/// after the motion: a motion itself knows those that it was solved with, and by planes.
-double storedAt(Body& body, const Points& pose, bool after) {
+/// after the motion over `took` [s]: a motion itself knows those that it was solved with, and by
+/// planes.
+double storedAt(Body& body, double took, const Points& pose, bool after) {
   const StepContext& step = *body.context;
   std::vector<Contact>& contacts = body.constraints.missed;
   contacts.clear();
-  appendContacts(step.model, obstaclesOver(body, body.took), pose, pose, body.index, 0, contacts);
+  appendContacts(step.model, obstaclesOver(body, took), pose, pose, body.index, 0, contacts);
   if (step.model.self_collision)
     body.detector.appendSelf(step.model, pose, pose, body.index, PairSearch::touches(0), contacts);
   double stored = 0;
@@ -27,23 +28,23 @@ double storedAt(Body& body, const Points& pose, bool after) {
 }
 
 /// [J] in them at the motion's start.
-double storedBefore(Body& body) {
+double storedBefore(Body& body, double took) {
   Points& before = posesOf(*body.context);
   before.middleCols(body.first, body.n) = body.saved.x;
-  return storedAt(body, before, false);
+  return storedAt(body, took, before, false);
 }
 
 /// [J] that springs of contacts gave to the motion.
-double releasedByContacts(Body& body) {
+double releasedByContacts(Body& body, double took) {
   const StepContext& step = *body.context;
   if (!step.model.compliant || step.relaxed) return 0;
-  const double stored = storedAt(body, step.state.x, true);
-  return storedBefore(body) - stored;
+  const double stored = storedAt(body, took, step.state.x, true);
+  return storedBefore(body, took) - stored;
 }
 
 /// [J] that these and soft limits gave to the motion: less than at its start is stored in them.
-double releasedEnergy(Body& body) {
-  double released = releasedByContacts(body);
+double releasedEnergy(Body& body, double took) {
+  double released = releasedByContacts(body, took);
   for (const LimitRow& limit : body.constraints.limits) {
     if (limit.compliance == 0) continue;
     const double value = std::min(0.0, anglesBefore(body)[limit.limit]);
@@ -159,12 +160,12 @@ double mendingOfPairs(const Island& island) {
 
 /// [J] at the most, by which the bodies are lifted: by what is mended and by what drives them, at
 /// the speed that no overlap opens at, and by what a solution may leave.
-double liftingWork(const Island& island) {
+double liftingWork(const Island& island, double took) {
   const double pairs = mendingOfPairs(island), drive = driveSpeed(island);
   double work = 0;
   for (const Body* body : island.bodies) {
-    const double moved = std::max(pairs, mendingOf(*body)) + drive * body->took;
-    const double lift = std::min(kWildSpeed / kRecoverySpeed * moved, kWildSpeed * body->took);
+    const double moved = std::max(pairs, mendingOf(*body)) + drive * took;
+    const double lift = std::min(kWildSpeed / kRecoverySpeed * moved, kWildSpeed * took);
     work += weightOf(*body) * lift + forceOn(*body) * kTouching;
   }
   return work;
@@ -212,7 +213,7 @@ double driveSpeed(const Island& island) {
   return speed;
 }
 
-double gainedEnergy(Body& body, double drive) {
+double gainedEnergy(Body& body, double took, double drive) {
   const StepContext& step = *body.context;
   const StickRows& rows = *body.rows;
   Points& moved = body.moved;
@@ -221,7 +222,7 @@ double gainedEnergy(Body& body, double drive) {
   gain -= body.given + std::min(0.0, body.damped);
   if (step.force && !body.pushed)
     gain -= step.force->middleCols(body.first, body.n).cwiseProduct(moved).sum();
-  gain -= releasedEnergy(body);
+  gain -= releasedEnergy(body, took);
   return drive > 0 ? gain - drivenWork(body, drive) : gain;
 }
 
@@ -232,14 +233,14 @@ bool isSmooth(Island& island) {
          releasedByPairs(island, island.bodies) == 0;
 }
 
-double gainedEnergy(Island& island, const std::vector<Body*>& bodies, double drive) {
+double gainedEnergy(Island& island, const std::vector<Body*>& bodies, double took, double drive) {
   double gain = 0;
-  for (Body* body : bodies) gain += gainedEnergy(*body, drive);
+  for (Body* body : bodies) gain += gainedEnergy(*body, took, drive);
   return gain - releasedByPairs(island, bodies);
 }
 
-double gainedEnergy(Island& island, double drive) {
-  return gainedEnergy(island, island.bodies, drive);
+double gainedEnergy(Island& island, double took, double drive) {
+  return gainedEnergy(island, island.bodies, took, drive);
 }
 
 bool isLargeGain(Island& island, double gain, bool smooth) {
@@ -263,17 +264,17 @@ double takeEnergyOut(Island& island, const std::vector<Body*>& bodies, double ga
                        island.context.state, island.s.removal);
 }
 
-bool removeEnergy(Island& island, double gain) {
+bool removeEnergy(Island& island, double gain, double took) {
   if (!(gain > 0)) return true;
   const double left = takeEnergyOut(island, island.bodies, gain);
   double energy = std::max(1.0, kineticEnergyOf(island));  // without what was gained
   if (left <= kRedoGain * energy) return true;
   for (Body* body : island.bodies) energy += kineticEnergyBefore(*body);
   if (island.context.model.compliant) {  // springs may have held it all
-    for (Body* body : island.bodies) energy += storedBefore(*body);
+    for (Body* body : island.bodies) energy += storedBefore(*body, took);
     if (!island.isLone()) energy += storedBetweenBefore(island, island.bodies);
   }
-  return left <= kRedoGain * energy + liftingWork(island);
+  return left <= kRedoGain * energy + liftingWork(island, took);
 }
 
 }  // namespace ragdoll

@@ -12,12 +12,12 @@ double kineticEnergy(Body& body);
 /// [J] What gains are compared with: kinetic energy, and a fall of 1 m, by the bodies' size.
 double swingScale(Island& island);
 
-/// [J] by how much the body gained more since it was saved than what acts on it, driven at `drive`
-/// [m/s], can have given it.
-double gainedEnergy(Body& body, double drive);
+/// [J] by how much the body gained more in a trial that took so long [s] than what acts on it,
+/// driven at `drive` [m/s], can have given it.
+double gainedEnergy(Body& body, double took, double drive);
 /// The same of some bodies of an island, with what is between them; and of all.
-double gainedEnergy(Island& island, const std::vector<Body*>& bodies, double drive);
-double gainedEnergy(Island& island, double drive);
+double gainedEnergy(Island& island, const std::vector<Body*>& bodies, double took, double drive);
+double gainedEnergy(Island& island, double took, double drive);
 /// [m/s] of what moves the bodies from outside: pins, obstacles that they may touch.
 double driveSpeed(const Island& island);
 
@@ -38,7 +38,7 @@ bool isHeld(const Island& island, const std::vector<Body*>& bodies);
 /// Takes a gain out of the motion of some bodies of an island (energy_removal.h); returns what is
 /// left of it. island.s.removal.before: velocities as they were (columns as the state's).
 double takeEnergyOut(Island& island, const std::vector<Body*>& bodies, double gain);
-/// The same of all. Whether all of it is out, or nearly.
-bool removeEnergy(Island& island, double gain);
+/// The same of all, after a trial that took so long [s]. Whether all of it is out, or nearly.
+bool removeEnergy(Island& island, double gain, double took);
 
 }  // namespace ragdoll

@@ -101,8 +101,8 @@ void keepPressing(Island& island, int& contacts) {
   }
 }
 
-/// body.v1 <- its accelerations by all that presses on it but its sticks.
-void findAccelerations(Island& island, int k) {
+/// [m/s^2] Of a body, by all that presses on it but its sticks. In the body's scratch.
+const Points& findAccelerations(Island& island, int k) {
   Mode& mode = island.s.mode;
   Body& body = *island.bodies[k];
   Points& free = body.v1;
@@ -124,6 +124,7 @@ void findAccelerations(Island& island, int k) {
              place.contact.weight[j] * (mode.start.forces.normal[i] * place.contact.normal +
                                         mode.start.forces.friction[i]));
   }
+  return free;
 }
 
 /// The sticks' multipliers under all that presses, for the guard and the next free motion.
@@ -132,9 +133,8 @@ void keepMultipliers(Island& island) {
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Body& body = *island.bodies[k];
     const int offset = mode.offset[k];
-    findAccelerations(island, static_cast<int>(k));
     BodyResponse& response = body.memory->response;
-    response.setFree(body.v1);
+    response.setFree(findAccelerations(island, static_cast<int>(k)));
     response.setEnd(mode.start.x.data() + offset);
     const Eigen::VectorXd& lambda =
         response.accelerate(true, mode.start.v.data() + offset, mode.start.a.data() + offset);

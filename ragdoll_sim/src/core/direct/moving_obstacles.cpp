@@ -14,7 +14,7 @@ struct StepPart {
 
 StepPart partOf(const Body& body, double h) {
   const double step = body.context->h;
-  StepPart part{body.from / step, (body.from + h) / step};
+  StepPart part{body.time / step, (body.time + h) / step};
   if (part.start < kPartEnd) part.start = 0;
   if (part.end > 1 - kPartEnd) part.end = 1;
   return part;

@@ -14,21 +14,21 @@
 namespace ragdoll {
 namespace {
 
-/// [m/s] of what several pins carry along, which need not be rigid: into body.moved.
-void findCarried(Body& body) {
-  const std::vector<int>& pins = body.pinned->pins;
+/// [m/s] of what several pins carry along, which need not be rigid. In the body's scratch.
+const Points& findCarried(Body& body) {
   Points& carried = body.moved;
   carried.setZero(3, body.n);
-  if (pins.size() > 1) addCarried(body, body.saved.v, 1, carried);
+  if (body.pinned->pins.size() > 1) addCarried(body, body.saved.v, 1, carried);
+  return carried;
 }
 
-/// The motion dx over t from where the body is; motion.spin is shortened to what one motion can
-/// turn.
-void setRigidMotion(Body& body, double t, RigidMotion& motion) {
+/// The motion dx over t from where the body is, with what pins carry along; motion.spin is
+/// shortened to what one motion can turn.
+void setRigidMotion(Body& body, const Points& carried, double t, RigidMotion& motion) {
   const double angle = motion.spin.norm() * t;
   if (angle > kLargestTurn) motion.spin *= kLargestTurn / angle;
   Points& dx = body.motion.dx;
-  dx = t * body.moved;
+  dx = t * carried;
   if (angle > 0) {
     const Eigen::AngleAxisd turn(std::min(angle, kLargestTurn), motion.spin.normalized());
     const Eigen::Matrix3d turned = turn.toRotationMatrix() - Eigen::Matrix3d::Identity();
@@ -48,7 +48,7 @@ double deepening(const Body& body) {
 }
 
 /// body.motion.dx over t [s], which shrinks to the part of it before the first touch.
-RigidMotion findRigidMotion(Body& body, double& t) {
+RigidMotion findRigidMotion(Body& body, const Points& carried, double& t) {
   const std::vector<int>& pins = body.pinned->pins;
   RigidMotion motion;
   const double h = t;
@@ -57,7 +57,7 @@ RigidMotion findRigidMotion(Body& body, double& t) {
     body.v1 = body.v() + t * body.acceleration;
     motion = rigidMotion(massOf(body), pins, body.x(), body.v1);
     if (pins.size() > 1) motion.drift.setZero();
-    setRigidMotion(body, t, motion);
+    setRigidMotion(body, carried, t, motion);
     if (!body.motion.dx.allFinite()) continue;
     findCandidates(body, h);
     if (deepening(body) < kTouchDepth) break;
@@ -75,16 +75,16 @@ bool moveRigidly(Island& island, double h, StepReport& report) {
   ++report.rigid;
   Body& body = *island.bodies[0];
   const std::vector<int>& pins = body.pinned->pins;
-  findCarried(body);
+  const Points& carried = findCarried(body);
   double t = h;
-  RigidMotion motion = findRigidMotion(body, t);
+  RigidMotion motion = findRigidMotion(body, carried, t);
   body.cache.clear();
   std::fill(body.multipliers(), body.multipliers() + 2 * body.rows->s, 0.0);
   findTouching(body, 0);
   body.x() += body.motion.dx;
   motion.centre += t * motion.drift;
   for (int i = 0; i < body.n; ++i)
-    body.v().col(i) = motion.velocityAt(body.x().col(i)) + body.moved.col(i);
+    body.v().col(i) = motion.velocityAt(body.x().col(i)) + carried.col(i);
   BodyResponse& response = body.memory->response;
   response.setEnd(body.xData());
   response.projectAtEnd(body.vData());
@@ -93,7 +93,7 @@ bool moveRigidly(Island& island, double h, StepReport& report) {
   report.unresolved += !body.v().allFinite();
   const bool touches = !pins.empty() || !body.touching.contacts.empty();
   if (!body.v().allFinite() ||
-      (touches && gainedEnergy(body, 0) > kRigidGain * kineticEnergy(body))) {
+      (touches && gainedEnergy(body, h, 0) > kRigidGain * kineticEnergy(body))) {
     body.v().setZero();
     return true;
   }

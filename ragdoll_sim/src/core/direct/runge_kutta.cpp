@@ -26,9 +26,9 @@ double largest(const double* points, int n) {
 
 }  // namespace
 
-void rungeKutta(BodyResponse& body, const double* x, const double* v, const Points& free,
-                const Drive& drive, double h, RungeKuttaScratch& s, Points& dx, Points& v1,
-                double* first_lambda) {
+double rungeKutta(BodyResponse& body, const double* x, const double* v, const Points& free,
+                  const Drive& drive, double h, RungeKuttaScratch& s, Points& dx, Points& v1,
+                  double* first_lambda) {
   const StickRows& rows = body.rows();
   const int n = 3 * rows.n, half = paddedWidth(n);
   s.free = free;
@@ -39,14 +39,14 @@ void rungeKutta(BodyResponse& body, const double* x, const double* v, const Poin
   s.stage.resize(2 * half);
   s.slopes.setZero(kStages, 2 * half);
   double factors[kStages];
-  s.work = 0;
+  double work = 0;
   for (int i = 0; i < kStages; ++i) {
     for (int j = 0; j < i; ++j) factors[j] = h * kA[i][j];
     kernels::addWeighted(s.start.data(), s.slopes.data(), factors, i, 2 * half, s.stage.data());
     i == 0 ? body.setStart(s.stage.data()) : body.setEnd(s.stage.data());
     double* slope = s.slopes.row(i).data();
     std::copy(s.stage.data() + half, s.stage.data() + half + n, slope);
-    if (drive) s.work += h * kB[i] * driveBy(drive, body, s.stage.data(), slope, s);
+    if (drive) work += h * kB[i] * driveBy(drive, body, s.stage.data(), slope, s);
     const Eigen::VectorXd& lambda = body.accelerate(i > 0, slope, slope + half);
     if (i == 0) std::copy(lambda.data(), lambda.data() + rows.s, first_lambda);
   }
@@ -55,6 +55,7 @@ void rungeKutta(BodyResponse& body, const double* x, const double* v, const Poin
   kernels::addWeighted(s.start.data(), s.slopes.data(), factors, kStages, 2 * half, s.stage.data());
   dx = Eigen::Map<const Points>(s.stage.data(), 3, rows.n);
   v1 = Eigen::Map<const Points>(s.stage.data() + half, 3, rows.n);
+  return work;
 }
 
 double rungeKuttaError(BodyResponse& body, const double* x1, const double* v1, const Drive& drive,

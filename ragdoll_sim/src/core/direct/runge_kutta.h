@@ -13,7 +13,7 @@
 namespace ragdoll {
 
 /// Acceleration without sticks where it is not constant: from positions and velocities (3 x n).
-/// Returns a power [W], whose integral is RungeKuttaScratch::work.
+/// Returns a power [W].
 using Drive = std::function<double(const double* x, const double* v, Points& free)>;
 
 /// Scratch of one step.
@@ -21,15 +21,15 @@ struct RungeKuttaScratch {
   Points free;
   PaddedRows slopes;             ///< a row for each stage: velocities, then accelerations
   Eigen::VectorXd start, stage;  ///< likewise: positions, then velocities
-  double work = 0;  ///< [J] of a Drive
 };
 
 /// Motion of one body over h: dx [m] and v1 [m/s] (3 x n, columns) from x, v under the acceleration
 /// `free`, or `drive` if there is one, that it would have without sticks. first_lambda (s):
-/// multipliers at the start, where the body's start is afterwards; its end is at a stage.
-void rungeKutta(BodyResponse& body, const double* x, const double* v, const Points& free,
-                const Drive& drive, double h, RungeKuttaScratch& scratch, Points& dx, Points& v1,
-                double* first_lambda);
+/// multipliers at the start, where the body's start is afterwards; its end is at a stage. Returns
+/// the integral of the drive's power [J].
+double rungeKutta(BodyResponse& body, const double* x, const double* v, const Points& free,
+                  const Drive& drive, double h, RungeKuttaScratch& scratch, Points& dx, Points& v1,
+                  double* first_lambda);
 
 /// [m] Estimate of the error that the last rungeKutta made over h: the largest distance of a
 /// particle, or of kSwingTime times its velocity, from the embedded motion of fourth order

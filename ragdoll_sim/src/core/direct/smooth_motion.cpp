@@ -21,21 +21,29 @@ Drive driveOf(Body& body) {
       [&body](const double* x, const double* v, Points& free) { return drive(body, x, v, free); };
 }
 
-/// Dormand-Prince 5 over h, no matter what it meets: the motion, and velocities body.v1.
-bool integrate(Body& body, double h) {
+/// What a motion comes to beside its dx.
+struct SmoothEnd {
+  bool ok = false;            ///< it was found
+  double work = 0;            ///< [J] of what is counted in Body::given
+  const Points* v = nullptr;  ///< [m/s], in the body's scratch
+};
+
+/// Dormand-Prince 5 over h, no matter what it meets.
+SmoothEnd integrate(Body& body, double h) {
   double* m = body.multipliers();
   if (body.pin_speed >
       0) {  // it is faster or slower from this step on, and what hangs on it with it
     body.memory->response.setStart(body.xData());
     body.memory->response.projectAtStart(body.vData());
   }
-  rungeKutta(body.memory->response, body.xData(), body.vData(), body.acceleration, driveOf(body), h,
-             body.stages, body.motion.dx, body.v1, m);
+  const double work =
+      rungeKutta(body.memory->response, body.xData(), body.vData(), body.acceleration,
+                 driveOf(body), h, body.stages, body.motion.dx, body.v1, m);
   const int s = body.rows->s;
   for (int k = 0; k < s; ++k) m[k] = m[k + s] = 0.5 * m[k];  // per h^2 of x, not of v
   driveAt(body, body.xData());
   body.motion.lambda.setZero(body.rows->width);
-  return satisfySticks(body);
+  return {satisfySticks(body), work, &body.v1};
 }
 
 /// Whether something touches at either end of the motion, but for what is coming. gap: [m] of a
@@ -66,12 +74,12 @@ bool pressesInMode(const Body& body) {
   return goesThroughEvents(*body.context) && !body.cache.impulses().empty();
 }
 
-void take(Body& body) {
+void take(Body& body, const SmoothEnd& end) {
   body.cache.clear();
-  body.given += body.stages.work;
+  body.given += end.work;
   body.x() += body.motion.dx;
   driveAt(body, body.xData());
-  body.v() = body.v1;
+  body.v() = *end.v;
   BodyResponse& response = body.memory->response;
   response.setEnd(body.xData());
   response.projectAtEnd(body.vData());
@@ -88,15 +96,17 @@ SmoothTrial stopAtImpact(Island& island, double h) {
   if (impact.time > h) return {};
   takeImpact(island, impact);
   double until = impact.time;
+  SmoothEnd end;
   for (int i = 0; i < kRefinements && until > 0; ++i) {
-    if (!integrate(body, until)) return {until, false};
+    end = integrate(body, until);
+    if (!end.ok) return {until, false};
     if (body.driven)
       limitDepenetration(body, until, h);  // planes that move are where they are then
     const double better = std::min(impactAgain(body, until), h);
     if (i + 1 == kRefinements || std::abs(better - until) < kSnap * h) break;
     until = better;
   }
-  if (until > 0) take(body);
+  if (until > 0) take(body, end);
   bounce(island);
   return {std::max(until, kSnap * h), true};
 }
@@ -105,15 +115,15 @@ SmoothTrial stopAtImpact(Island& island, double h) {
 
 SmoothTrial moveSmoothly(Island& island, double h) {
   Body& body = *island.bodies[0];
-  bool whole = integrate(body, h);
+  const SmoothEnd end = integrate(body, h);
   findCandidates(body, h);
-  if (whole && isFree(body) && !pressesInMode(body)) {
-    take(body);
+  if (end.ok && isFree(body) && !pressesInMode(body)) {
+    take(body, end);
     return {h, true};
   }
   int contacts = 0;
   if (moveThroughEvents(island, h, contacts)) return {h, true, true, contacts};
-  whole = whole && integrate(body, h);
+  const bool whole = end.ok && integrate(body, h).ok;
   findCandidates(body, h);
   if (!whole) return {h, false};
   return stopAtImpact(island, h);
@@ -131,10 +141,10 @@ SmoothTrial moveTogether(Island& island, double h) {
 
 bool moveFreely(Island& island, double h, double& error) {
   Body& body = *island.bodies[0];
-  const bool whole = integrate(body, h);
+  const SmoothEnd end = integrate(body, h);
   findCandidates(body, h);
-  if (!whole || !isFree(body)) return false;
-  take(body);
+  if (!end.ok || !isFree(body)) return false;
+  take(body, end);
   error = rungeKuttaError(body.memory->response, body.xData(), body.vData(), driveOf(body), h,
                           body.stages);
   return std::isfinite(error);

@@ -33,8 +33,8 @@ double worthTaking(Island& island, double gain) {
 }
 
 /// rk from event to event has no swing: what it gains is its error.
-Verdict judgeExact(Island& island, const SubstepControl& control) {
-  const double gain = gainedEnergy(island, 0.0);
+Verdict judgeExact(Island& island, double took, const SubstepControl& control) {
+  const double gain = gainedEnergy(island, took, 0);
   bool stable = true;
   for (Body* body : island.bodies) stable = stable && !exceedsStable(*body, control.substep(), 2);
   if (control.canHalve() && (gain > kRedoGain * swingScale(island) || !stable)) return {false, 0};
@@ -42,7 +42,7 @@ Verdict judgeExact(Island& island, const SubstepControl& control) {
 }
 
 Verdict judgeExplicit(Island& island, const Trial& trial, const SubstepControl& control) {
-  if (trial.exact) return judgeExact(island, control);
+  if (trial.exact) return judgeExact(island, trial.took, control);
   const bool smooth = isSmooth(island);
   const auto any = [&](const auto& is) {
     return std::any_of(island.bodies.begin(), island.bodies.end(),
@@ -50,7 +50,7 @@ Verdict judgeExplicit(Island& island, const Trial& trial, const SubstepControl& 
   };
   const double h = control.substep(), took = trial.took;
   const bool steady = smooth && !any([&](Body& body) { return swings(body, took); });
-  const double gain = steady ? 0 : gainedEnergy(island, smooth ? 0 : driveSpeed(island));
+  const double gain = steady ? 0 : gainedEnergy(island, took, smooth ? 0 : driveSpeed(island));
   const bool large = isLargeGain(island, gain, smooth);
   if (control.canHalve() && (large || any([&](Body& body) { return exceedsStable(body, h, 2); })))
     return {false, 0};
@@ -61,8 +61,8 @@ Verdict judgeExplicit(Island& island, const Trial& trial, const SubstepControl& 
   return {true, comes_back ? 0 : worthTaking(island, gain)};
 }
 
-Verdict judgeImplicit(Island& island) {
-  const double gain = gainedEnergy(island, driveSpeed(island));
+Verdict judgeImplicit(Island& island, double took) {
+  const double gain = gainedEnergy(island, took, driveSpeed(island));
   // Another solution than the one sought: not to be taken out.
   return {!(gain > wildGain(island)), std::max(0.0, gain)};
 }
@@ -71,7 +71,7 @@ Verdict judgeImplicit(Island& island) {
 Verdict judge(Island& island, const Trial& trial, const SubstepControl& control) {
   if (!trial.ok) return {false, 0};
   if (control.way() == Way::kExplicit) return judgeExplicit(island, trial, control);
-  if (control.way() == Way::kImplicit) return judgeImplicit(island);
+  if (control.way() == Way::kImplicit) return judgeImplicit(island, trial.took);
   return {true, 0};
 }
 
@@ -82,19 +82,16 @@ bool losesAngularMomentum(const Island& island, const Trial& trial, Way way) {
   return way == Way::kImplicit || (way == Way::kExplicit && !trial.exact && pressesItself(island));
 }
 
-/// Where in the step the present trial is.
-void setSpan(Island& island, double left, double took) {
-  for (Body* body : island.bodies) {
-    body->from = island.context.h - left;
-    body->took = took;
-  }
+/// The next trial begins where so much [s] of the step is left.
+void setTime(Island& island, double left) {
+  for (Body* body : island.bodies) body->time = island.context.h - left;
 }
 
 /// Explicit steps as they come, to measure what the guard costs.
 void stepUnguarded(Island& island) {
   double left = island.context.h;
   while (left > kNothingLeft * island.context.h) {
-    setSpan(island, left, left);
+    setTime(island, left);
     left -= takeExplicitTrial(island, left).took;
   }
 }
@@ -105,13 +102,12 @@ bool takeSubsteps(Island& island, double h, StepReport& report) {
   SubstepControl control(island, h);
   while (!control.done()) {
     save(island);
-    setSpan(island, control.left(), control.substep());
+    setTime(island, control.left());
     const Trial trial = takeTrial(island, control, report);
-    setSpan(island, control.left(), trial.took);
     if (trial.ok && losesAngularMomentum(island, trial, control.way()))
       restoreAngularMomentum(island, trial.took);
     const Verdict verdict = judge(island, trial, control);
-    if (!verdict.accepted || !removeEnergy(island, verdict.gain)) {
+    if (!verdict.accepted || !removeEnergy(island, verdict.gain, trial.took)) {
       restore(island);
       control.retry();
       continue;

@@ -52,12 +52,12 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
   const double damping = trial.took - 0.5 * h;
   if (!(impact.time > 0)) {
     dampWithin(island, damping);
-    restoreAfterImpact(island, bounce(island));
+    restoreAfterImpact(island, bounce(island), h);
     return trial;
   }
   trial.ok = cutShort(island, impact.time, h, trial);
   if (!trial.ok) return trial;
-  restoreAfterImpact(island, finishMotion(island, impact.time, true, Stage::kImpact, damping));
+  restoreAfterImpact(island, finishMotion(island, impact.time, true, Stage::kImpact, damping), h);
   return trial;
 }
 

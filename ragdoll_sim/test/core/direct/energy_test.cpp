@@ -18,9 +18,9 @@ TEST(Energy, AFallGainsNothing) {
   EXPECT_NEAR(kineticEnergy(one.body()), 0.5 * 4 * 25, 1e-12);
   save(one.island);
   EXPECT_TRUE(takeExplicitTrial(one.island, one.h).ok);
-  EXPECT_NEAR(gainedEnergy(one.body(), 0), 0, 1e-12);
+  EXPECT_NEAR(gainedEnergy(one.body(), one.h, 0), 0, 1e-12);
   one.body().v() *= 2;  // from nowhere
-  EXPECT_NEAR(gainedEnergy(one.body(), 0), 0.75 * kineticEnergy(one.body()), 1e-9);
+  EXPECT_NEAR(gainedEnergy(one.body(), one.h, 0), 0.75 * kineticEnergy(one.body()), 1e-9);
 }
 
 /// A chain that bends while it flies: what bends it has 3 J.
@@ -30,10 +30,10 @@ TEST(Energy, IsRemovedFromTheInnerMotionAndMomentumStays) {
   save(one.island);
   const double before = kineticEnergy(one.body());
   const Vec3 momentum_before = momentum(one.world.model, one.world.state);
-  EXPECT_TRUE(removeEnergy(one.island, 2));
+  EXPECT_TRUE(removeEnergy(one.island, 2, 0));
   EXPECT_NEAR(kineticEnergy(one.body()), before - 2, 1e-9);
   EXPECT_LT((momentum(one.world.model, one.world.state) - momentum_before).norm(), 1e-12);
-  EXPECT_FALSE(removeEnergy(one.island, 5));  // the rest is its flight
+  EXPECT_FALSE(removeEnergy(one.island, 5, 0));  // the rest is its flight
   EXPECT_LT((momentum(one.world.model, one.world.state) - momentum_before).norm(), 1e-12);
 }
 
@@ -44,7 +44,7 @@ TEST(Energy, WhatWasGainedIsNoMeasureOfWhatMayBeLeft) {
   save(one.island);
   const double before = kineticEnergy(one.body());
   one.body().v().row(1) += 300 * Eigen::RowVector3d(1, -2, 1);
-  EXPECT_FALSE(removeEnergy(one.island, kineticEnergy(one.body()) - 0.5 * before));
+  EXPECT_FALSE(removeEnergy(one.island, kineticEnergy(one.body()) - 0.5 * before, 0));
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ struct BoxPasses : DirectIsland {
   }
   /// The box from `from` on, for `part` [s].
   SweptObstacle boxOver(double from, double part) {
-    body().from = from;
+    body().time = from;
     return obstaclesOver(body(), part)[1];
   }
 };
@@ -71,7 +71,7 @@ TEST(MovingObstacles, PartsFitTogetherAndEndWhereTheStepDoes) {
 
 TEST(MovingObstacles, AreTheStepsOwnOverAWholeStepOrWhereNoneMoves) {
   BoxPasses one;
-  one.body().from = 0;
+  one.body().time = 0;
   EXPECT_EQ(&obstaclesOver(one.body(), one.h), &one.ws.obstacles);
   EXPECT_NE(&obstaclesOver(one.body(), 0.5 * one.h), &one.ws.obstacles);
   EXPECT_EQ(obstaclesOver(one.body(), 0.5 * one.h)[0].R1, one.ws.obstacles[0].R1);
