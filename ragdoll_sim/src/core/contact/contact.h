@@ -91,6 +91,9 @@ struct Contact {
   }
 };
 
+/// Rows that it is solved for by: along the normal and, with friction, two tangents.
+inline int rowsOf(const Contact& c) { return c.friction > 0 ? 3 : 1; }
+
 /// What a vector has along the plane with this unit normal.
 inline Vec3 tangentialPart(const Vec3& v, const Vec3& normal) { return v - v.dot(normal) * normal; }
 

@@ -56,12 +56,7 @@ const Points& posesAfter(const Island& island) {
   const StepContext& step = island.context;
   for (const Body* body : island.bodies) poseAfter(*body);
   Points& poses = posesOf(step);
-  for (const int i : island.s.all) {
-    if (island.placeOf(i) >= 0) continue;
-    const Ragdoll& r = step.model.ragdolls[i];
-    const int n = step.model.skeletonOf(r).size();
-    poses.middleCols(r.first, n) = step.state.x.middleCols(r.first, n);
-  }
+  placeSleepers(island, poses);
   return poses;
 }
 

@@ -308,9 +308,8 @@ std::vector<std::vector<CachedImpulse>> byBody(const std::vector<CachedImpulse>&
 
 /// Whether a contact of one body is among those that pressed on it.
 bool hasPressed(const std::vector<CachedImpulse>& before, const CachedImpulse& key) {
-  return std::any_of(before.begin(), before.end(), [&](const CachedImpulse& c) {
-    return c.obstacle == key.obstacle && c.a == key.a && c.b == key.b && c.other == key.other;
-  });
+  return std::any_of(before.begin(), before.end(),
+                     [&](const CachedImpulse& c) { return isOfSame(c, key); });
 }
 
 /// Of bodies with each other; sleepers, too.

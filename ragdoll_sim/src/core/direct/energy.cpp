@@ -75,11 +75,7 @@ double storedBetween(Island& island, const std::vector<Body*>& bodies, const Poi
 double storedBetweenBefore(Island& island, const std::vector<Body*>& bodies) {
   const StepContext& step = island.context;
   Points& before = posesOf(step);
-  for (const int i : island.s.all) {  // of sleepers it stays; others may move at the same time
-    const Ragdoll& r = step.model.ragdolls[i];
-    const int n = step.model.skeletonOf(r).size();
-    before.middleCols(r.first, n) = step.state.x.middleCols(r.first, n);
-  }
+  placeSleepers(island, before);
   for (const Body* body : island.bodies) before.middleCols(body->first, body->n) = body->saved.x;
   return storedBetween(island, bodies, before);
 }

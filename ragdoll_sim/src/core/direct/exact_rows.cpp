@@ -12,8 +12,6 @@ struct Remaining {
   Eigen::Matrix<int, Eigen::Dynamic, 1, 0, kMostModeRows, 1> row;  ///< of the island's
 };
 
-int rowsOf(const Schur::Row& row) { return row.friction > 0 ? 3 : 1; }
-
 /// The rows that are solved for: their blocks, and what they start at. False: too many.
 bool choose(const JointSchur& joint, const RowValues& p, std::vector<ModeBlock>& blocks,
             RowValues& start, Remaining& rest) {

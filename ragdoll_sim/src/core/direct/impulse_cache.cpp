@@ -1,13 +1,10 @@
 #include "core/direct/impulse_cache.h"
 
 namespace ragdoll {
-namespace {
 
-bool isSame(const CachedImpulse& a, const CachedImpulse& b) {
+bool isOfSame(const CachedImpulse& a, const CachedImpulse& b) {
   return a.a == b.a && a.b == b.b && a.obstacle == b.obstacle && a.other == b.other;
 }
-
-}  // namespace
 
 CachedImpulse keyOf(const LimitRow& limit) {
   CachedImpulse key;
@@ -29,14 +26,14 @@ CachedImpulse keyOf(const Contact& c) {
 
 const CachedImpulse* ImpulseCache::find(const CachedImpulse& key) const {
   for (const CachedImpulse& impulse : impulses_)
-    if (isSame(impulse, key)) return &impulse;
+    if (isOfSame(impulse, key)) return &impulse;
   return nullptr;
 }
 
 const CachedImpulse* ImpulseCache::handOut(const Contact& contact) {
   const CachedImpulse key = keyOf(contact);
   for (std::size_t k = 0; k < impulses_.size(); ++k) {
-    if (handed_out_[k] || !isSame(impulses_[k], key)) continue;
+    if (handed_out_[k] || !isOfSame(impulses_[k], key)) continue;
     handed_out_[k] = 1;
     return &impulses_[k];
   }

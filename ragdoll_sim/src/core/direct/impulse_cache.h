@@ -11,6 +11,9 @@
 
 namespace ragdoll {
 
+/// Whether two impulses of one body are of the same contact or limit.
+bool isOfSame(const CachedImpulse& a, const CachedImpulse& b);
+
 /// Which contact or limit an impulse is of, without the impulse.
 CachedImpulse keyOf(const Contact& contact);
 CachedImpulse keyOf(const LimitRow& limit);

@@ -20,6 +20,16 @@ bool Island::opensOverlaps() const {
                      [](const Body* body) { return body->overlaps == OverlapPolicy::kResolve; });
 }
 
+void placeSleepers(const Island& island, Points& poses) {
+  const StepContext& step = island.context;
+  for (const int i : island.s.all) {
+    if (island.placeOf(i) >= 0) continue;
+    const Ragdoll& r = step.model.ragdolls[i];
+    const int n = step.model.skeletonOf(r).size();
+    poses.middleCols(r.first, n) = step.state.x.middleCols(r.first, n);
+  }
+}
+
 void makeRoom(const Model& model, IslandScratch& s) {
   if (!s.places.empty()) return;
   const int most = model.ragdoll_collision

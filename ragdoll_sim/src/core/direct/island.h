@@ -100,6 +100,9 @@ struct Island {
   }
 };
 
+/// Poses (3 x N) of sleepers near the island <- where they are; others may move at the same time.
+void placeSleepers(const Island& island, Points& poses);
+
 /// Room for an island of up to kRoomForBodies of the model's bodies; larger ones grow as they come.
 void makeRoom(const Model& model, IslandScratch& scratch);
 

@@ -142,33 +142,41 @@ double gapOfOwn(const Body& body, const ModeRow& row, const double* x) {
 /// From the stick's ends, where the particles press.
 double roomOnStick(double t) { return std::min(t, 1 - t) - kEndOfStick; }
 
+/// visit(stick): of each stick that ends at a row's particle, its row with the same obstacle.
+template <class Visit>
+void visitSticksAt(const Body& body, const ModeRow& particle, const Visit& visit) {
+  const Model& model = body.context->model;
+  const Skeleton& s = *body.skeleton;
+  for (std::size_t i = 0; i < s.sticks.size(); ++i) {
+    const Stick& k = s.sticks[i];
+    if ((k.a != particle.a && k.b != particle.a) || k.a >= s.named || k.b >= s.named) continue;
+    ModeRow stick = particle;
+    stick.kind = ModeKind::kStick;
+    stick.give =
+        giveOf(model, *obstacleOf(body, particle).obstacle, *body.ragdoll, s.stick_contact, i);
+    stick.a = k.a;
+    stick.b = k.b;
+    stick.ra = model.radius[body.first + k.a];
+    stick.rb = model.radius[body.first + k.b];
+    visit(stick);
+  }
+}
+
 /// Of a particle's spring, whether a stick's takes its place (dropDeeperEnds in detect.cpp): by how
 /// much that is deepest between its ends, and this end deeper than the other; negative: it does
 /// not.
 double roundCover(const Body& body, const ModeRow& row, const double* x) {
-  const SweptObstacle& m = obstacleOf(body, row);
   double cover = -1;
-  const ObstacleSpec::Type type = m.obstacle->type;
+  const ObstacleSpec::Type type = obstacleOf(body, row).obstacle->type;
   if (type == ObstacleSpec::Type::kPlane || type == ObstacleSpec::Type::kBox) return cover;
-  const Skeleton& s = *body.skeleton;
-  for (std::size_t i = 0; i < s.sticks.size(); ++i) {
-    const Stick& k = s.sticks[i];
-    if ((k.a != row.a && k.b != row.a) || k.a >= s.named || k.b >= s.named) continue;
-    if (giveOf(body.context->model, *m.obstacle, *body.ragdoll, s.stick_contact, i).compliance == 0)
-      continue;
-    const auto end = [&](int particle) {
-      ModeRow of = row;
-      of.a = of.b = particle;
-      of.ra = of.rb = body.context->model.radius[body.first + particle];
-      return of;
-    };
-    ModeRow stick = end(k.a);
-    stick.kind = ModeKind::kStick;
-    stick.b = k.b;
-    stick.rb = body.context->model.radius[body.first + k.b];
-    const double deeper = gapOfOwn(body, end(k.a == row.a ? k.b : k.a), x) - gapOfOwn(body, row, x);
+  visitSticksAt(body, row, [&](const ModeRow& stick) {
+    if (!stick.isSoft()) return;
+    ModeRow other = row;
+    other.a = other.b = stick.a == row.a ? stick.b : stick.a;
+    other.ra = other.rb = stick.a == row.a ? stick.rb : stick.ra;
+    const double deeper = gapOfOwn(body, other, x) - gapOfOwn(body, row, x);
     cover = std::max(cover, std::min(roomOnStick(nearestOf(body, stick, x).t), deeper));
-  }
+  });
   return cover;
 }
 
@@ -190,26 +198,16 @@ struct Cover {
 
 Cover coverOf(const Body& body, const ModeRow& row, const double* x) {
   Cover cover;
-  const SweptObstacle& m = obstacleOf(body, row);
-  if (row.kind != ModeKind::kParticle || m.obstacle->type != ObstacleSpec::Type::kBox) return cover;
-  const Model& model = body.context->model;
-  const Skeleton& s = *body.skeleton;
-  for (std::size_t i = 0; i < s.sticks.size(); ++i) {
-    const Stick& k = s.sticks[i];
-    if ((k.a != row.a && k.b != row.a) || k.a >= s.named || k.b >= s.named) continue;
-    ModeRow stick = row;
-    stick.kind = ModeKind::kStick;
-    stick.give = giveOf(model, *m.obstacle, *body.ragdoll, s.stick_contact, i);
-    if (!restsOnEnds(body, stick)) continue;
-    stick.a = k.a;
-    stick.b = k.b;
-    stick.ra = model.radius[body.first + k.a];
-    stick.rb = model.radius[body.first + k.b];
+  if (row.kind != ModeKind::kParticle ||
+      obstacleOf(body, row).obstacle->type != ObstacleSpec::Type::kBox)
+    return cover;
+  visitSticksAt(body, row, [&](const ModeRow& stick) {
+    if (!restsOnEnds(body, stick)) return;
     const StickPress press = pressOf(body, stick, x);
     ++cover.all;
     if (press.depth > 0 && press.between) ++cover.taken;
     cover.room = std::min(cover.room, press.depth > 0 ? roomOnStick(press) : -1.0);
-  }
+  });
   return cover;
 }
 

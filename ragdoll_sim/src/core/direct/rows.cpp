@@ -87,8 +87,8 @@ void warmStartContacts(const ContactSet& set, const Rows& rows, double h, Impuls
     const int row = set.row[i];
     const CachedImpulse* was = row < 0 ? nullptr : cache.handOut(set.contacts[i]);
     if (!was) continue;
-    const int count = rows.row(row).friction > 0 ? 3 : 1;
-    for (int k = row; k < row + count; ++k) p[k] = was->impulse.dot(rows.row(k).direction) * h * h;
+    for (int k = row; k < row + rowsOf(rows.row(row)); ++k)
+      p[k] = was->impulse.dot(rows.row(k).direction) * h * h;
     p[row] = std::max(0.0, p[row]);
   }
 }
@@ -102,12 +102,11 @@ void rememberContacts(const ContactSet& set, const Rows& rows, const RowValues& 
     const int row = set.row[i];
     if (row < 0 || !(total[row] > 0)) continue;
     const Contact& c = set.contacts[i];
-    const bool rubs = c.friction > 0;
     cache.add(keyOf(c));
-    for (int k = row; k < row + (rubs ? 3 : 1); ++k)
+    for (int k = row; k < row + rowsOf(c); ++k)
       cache.last().impulse += total[k] / (h * h) * rows.row(k).direction;
-    keep(c,
-         rubs && isInsideCone(c.friction, total[row], std::hypot(total[row + 1], total[row + 2])));
+    keep(c, c.friction > 0 &&
+                isInsideCone(c.friction, total[row], std::hypot(total[row + 1], total[row + 2])));
   }
 }
 

@@ -37,8 +37,6 @@ void buildTouchingRows(Body& body, double h) {
   body.constraints.own_rows = schur.size();
 }
 
-int rowsOf(const Contact& c) { return c.friction > 0 ? 3 : 1; }
-
 // Contacts of a body with obstacles and itself, and between bodies, by one path. owner: as in
 // contact_motion.h; rows: a body's complement or the joint ones, where theirs begin at row `first`.
 
@@ -163,7 +161,7 @@ double springImpulse(const Contact& c, const SpringRow& spring, double gap, cons
 Vec3 warmOf(const Contact& c, const RowValues& total, int row, double h, bool leapfrog) {
   if (!(h > 0) || row < 0 || row >= total.size()) return Vec3::Zero();
   Vec3 impulse = Vec3::Zero();
-  const int count = c.friction > 0 ? 3 : 1;
+  const int count = rowsOf(c);
   impulse.head(count) = total.segment(row, count) / h;
   return leapfrog ? c.turned(impulse) : impulse;
 }

@@ -61,7 +61,7 @@ int JointSchur::addBody(Schur& schur) {
 }
 
 void JointSchur::addShared(const Contact& contact, int body, int row, int other, int other_row) {
-  for (int k = 0; k < (contact.friction > 0 ? 3 : 1); ++k)
+  for (int k = 0; k < rowsOf(contact); ++k)
     rows_.push_back({{body, other}, {row + k, other_row + k}});
 }
 

@@ -18,8 +18,7 @@ void Schur::start(int first) {
 
 void Schur::addContact(const Contact& c, int source, int begin, int end) {
   const std::array<Vec3, 3> directions = c.directions();
-  const int used = c.friction > 0 ? 3 : 1;
-  for (int d = 0; d < used; ++d) {
+  for (int d = 0; d < rowsOf(c); ++d) {
     Row& row = now_.rows.emplace_back();
     row.kind = d == 0 ? Row::Kind::kNormal : Row::Kind::kTangent;
     row.source = source;

@@ -174,4 +174,7 @@ class Schur {
   RowValues moved_;
 };
 
+/// How many rows are solved for together with a first one: with friction its two tangents, too.
+inline int rowsOf(const Schur::Row& first) { return first.friction > 0 ? 3 : 1; }
+
 }  // namespace ragdoll
