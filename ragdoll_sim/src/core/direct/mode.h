@@ -79,6 +79,13 @@ struct ModePoint {
   double power = 0;  ///< [W] of what is counted in Body::given
 };
 
+/// What the stages of a piece of motion came to (mode_piece.h).
+struct ModePiece {
+  Growing<PaddedRows> slopes;  ///< of each: velocities, then accelerations
+  std::array<ModeForces, dormand_prince::kStages> forces;
+  double work = 0;  ///< [J] of what is counted in Body::given
+};
+
 /// How bodies turn as one (group_motion.h). Where they press on each other, and nothing outside on
 /// them: friction between two axes, which are apart, is a couple; as angular momentum stays, it
 /// comes back as a spin of them all.
@@ -96,7 +103,6 @@ struct Mode {
   int size = 0;            ///< of all coordinates
   double force_scale = 0;  ///< [N] below 1e-9 of which a force is none
   double longest = 0;      ///< [s] piece in which springs are followed
-  double work = 0;         ///< [J] of what is counted in Body::given, in the last motion
   // Scratch.
   Roomy<RowPlace> place;
   Roomy<int> first;  ///< of rows in the Schur complement; -1: none
@@ -104,10 +110,10 @@ struct Mode {
   Roomy<int> spin_of;   ///< of each body; -1: held, or nothing presses on it
   Roomy<int> found_of;  ///< that the present forces were found with
   Roomy<GroupSpin> spins;
-  ModePoint start, end, sample, stage;
+  ModePoint start, end;  ///< of the present piece
+  ModePiece piece;       ///< likewise
+  ModePoint sample, stage;
   RowValues beside;  ///< positions near those of a point
-  Growing<PaddedRows> slopes;
-  std::array<ModeForces, dormand_prince::kStages> stages;
   Roomy<double, kEventsOfRow * kRoomForRows> event, earlier;
 };
 

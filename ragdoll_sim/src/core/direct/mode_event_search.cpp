@@ -173,7 +173,8 @@ bool moveToModeEvent(Island& island, double h, const ModeEvent& found, double& t
   double earlier = 0, value_earlier = 0;
   time = found.share * h;
   for (int k = 0; k < kEventRefinements; ++k) {
-    if (!moveInMode(island, time, mode.end) || !accelerateInMode(island, mode.end)) return false;
+    if (!moveInMode(island, time, mode.end, mode.piece) || !accelerateInMode(island, mode.end))
+      return false;
     const double value = eventValue(island, found.which / kEventsOfRow, event, mode.end);
     if (k > 0 && value != value_earlier && time != earlier)
       slope = (value - value_earlier) / (time - earlier);

@@ -55,11 +55,11 @@ void logPiece(Island& island, double h) {
     LoggedImpact gave;
     double pressed = 0, late = 0;
     for (int k = 0; k < kStages; ++k) {
-      const double press = h * kB[k] * mode.stages[k].normal[i];
+      const double press = h * kB[k] * mode.piece.forces[k].normal[i];
       pressed += press;
       late += kC[k] * press;
       gave.impulse += press * (before.normal + kC[k] * (c.normal - before.normal)) +
-                      h * kB[k] * mode.stages[k].friction[i];
+                      h * kB[k] * mode.piece.forces[k].friction[i];
     }
     if (row.isSoft()) addSpring(island, row, h, gave);
     if (pressed > 0) {
@@ -162,11 +162,12 @@ double shareOf(double error) {
 /// about when: it is looked for again in a shorter piece. pieces: how many may be tried. next: [s]
 /// what the one after it may be.
 bool takePiece(Island& island, double most, int& pieces, double& took, double& next, bool& event) {
+  Mode& mode = island.s.mode;
   double piece = most;
   for (int k = 0; k < kShorterPieces && pieces > 0; ++k, --pieces) {
     ModeEvent found;
     const bool known =
-        moveInMode(island, piece, island.s.mode.end) && findModeEvent(island, piece, found);
+        moveInMode(island, piece, mode.end, mode.piece) && findModeEvent(island, piece, found);
     took = piece;
     event = found.any;
     const bool early = known && event && found.share <= kEarly && !(piece < kEventNear);
@@ -174,7 +175,7 @@ bool takePiece(Island& island, double most, int& pieces, double& took, double& n
     if (early) {
       shorter = std::clamp(3 * found.share, kShorterPiece * kShorterPiece, kShorterPiece);
     } else if (known && (!event || moveToModeEvent(island, piece, found, took))) {
-      const double share = shareOf(errorOfPiece(island, took));
+      const double share = shareOf(errorOfPiece(island, took, mode.piece));
       next = std::min(share, kGrowth) * took;
       if (share >= kPieceAim || piece < kEventNear) return true;
       shorter = std::clamp(share * took / piece, kShorterPiece, kHalfPiece);
@@ -211,7 +212,7 @@ bool takePieces(Island& island, double h) {
     if (!takePiece(island, std::min({left, most, mode.longest}), pieces, took, next, event))
       return false;
     logPiece(island, took);
-    island.bodies[0]->given += mode.work;
+    island.bodies[0]->given += mode.piece.work;
     std::swap(mode.start, mode.end);
     most = event ? h : next;
     left -= took;

@@ -18,20 +18,20 @@ void resize(const Mode& mode, ModePoint& point) {
 
 }  // namespace
 
-bool moveInMode(Island& island, double h, ModePoint& end) {
+bool moveInMode(Island& island, double h, ModePoint& end, ModePiece& piece) {
   Mode& mode = island.s.mode;
   ModePoint& stage = mode.stage;
   resize(mode, stage);
   resize(mode, end);
   const Eigen::Index size = mode.start.x.size();
-  mode.slopes.resize(kStages, 2 * size);
-  mode.work = 0;
+  piece.slopes.resize(kStages, 2 * size);
+  piece.work = 0;
   const auto sum = [&](const double* weights, int count, ModePoint& out) {
     out.x = mode.start.x;
     out.v = mode.start.v;
     for (int j = 0; j < count; ++j) {
-      out.x += (h * weights[j]) * mode.slopes.row(j).head(size).transpose();
-      out.v += (h * weights[j]) * mode.slopes.row(j).tail(size).transpose();
+      out.x += (h * weights[j]) * piece.slopes.row(j).head(size).transpose();
+      out.v += (h * weights[j]) * piece.slopes.row(j).tail(size).transpose();
     }
   };
   for (int i = 0; i < kStages; ++i) {
@@ -40,22 +40,22 @@ bool moveInMode(Island& island, double h, ModePoint& end) {
       sum(kA[i], i, stage);
       if (!accelerateInMode(island, stage)) return false;
     }
-    mode.slopes.row(i).head(size) = point.v.transpose();
-    mode.slopes.row(i).tail(size) = point.a.transpose();
-    mode.stages[i] = point.forces;
-    mode.work += h * kB[i] * point.power;
+    piece.slopes.row(i).head(size) = point.v.transpose();
+    piece.slopes.row(i).tail(size) = point.a.transpose();
+    piece.forces[i] = point.forces;
+    piece.work += h * kB[i] * point.power;
   }
   sum(kB, kStages, end);
   return end.x.allFinite() && projectPositions(island, end) &&
          projectVelocities(island, end, false);
 }
 
-double errorOfPiece(Island& island, double h) {
+double errorOfPiece(Island& island, double h, const ModePiece& piece) {
   Mode& mode = island.s.mode;
   const Eigen::Index size = mode.start.x.size();
   RowValues& error = mode.sample.a;
   error = kE[kStages] * mode.end.a;
-  for (int j = 0; j < kStages; ++j) error += kE[j] * mode.slopes.row(j).tail(size).transpose();
+  for (int j = 0; j < kStages; ++j) error += kE[j] * piece.slopes.row(j).tail(size).transpose();
   double worst = 0;
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     const Eigen::Map<const Points> of(error.data() + mode.offset[k], 3, island.bodies[k]->n);

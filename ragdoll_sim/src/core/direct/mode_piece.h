@@ -6,13 +6,13 @@
 
 namespace ragdoll {
 
-/// Moves mode.start, whose accelerations are known, by h to `end`. forces: of its stages stay in
-/// mode.stages. False: no motion was found.
-bool moveInMode(Island& island, double h, ModePoint& end);
+/// Moves mode.start, whose accelerations are known, by h to `end`, through the stages of `piece`.
+/// False: no motion was found.
+bool moveInMode(Island& island, double h, ModePoint& end, ModePiece& piece);
 
-/// [m/s] of the motion over h that was last moved to mode.end, whose accelerations are known: by
-/// the embedded formula of fourth order.
-double errorOfPiece(Island& island, double h);
+/// [m/s] of such a piece over h to mode.end, whose accelerations are known: by the embedded formula
+/// of fourth order.
+double errorOfPiece(Island& island, double h, const ModePiece& piece);
 
 /// x and v at a share of a motion over h, by polynomials of degree 5 and 3 through both ends.
 void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,

@@ -10,16 +10,17 @@
 namespace ragdoll {
 namespace {
 
-/// mode.stage <- a moment after mode.start.
-void lookAhead(Mode& mode) {
+/// A moment after mode.start, until the next stage of a piece.
+const ModePoint& lookAhead(Mode& mode) {
   mode.stage.v = mode.start.v + kMoment * mode.start.a;
   mode.stage.x = mode.start.x + kMoment * mode.start.v;
+  return mode.stage;
 }
 
-/// Whether a spring presses from mode.start on, and between two sticks at which ends: it does so at
-/// mode.stage.
-void settleSpring(Island& island, ModeRow& row) {
-  const ModePoint &now = island.s.mode.start, &ahead = island.s.mode.stage;
+/// Whether a spring presses from mode.start on, and between two sticks at which ends: it does so a
+/// moment later.
+void settleSpring(Island& island, const ModePoint& ahead, ModeRow& row) {
+  const ModePoint& now = island.s.mode.start;
   row.presses = false;
   row.gap_start = openingOf(island, row, now.x.data(), now.v.data());
   row.closed = openingOf(island, row, ahead.x.data(), ahead.v.data()) < 0;
@@ -29,11 +30,11 @@ void settleSpring(Island& island, ModeRow& row) {
 }
 
 /// Whether it touches within its sticks, and goes on to: where it leaves over a stick's end, what
-/// is the end's takes its place, and rounding does not bring it back. mode.stage: a moment later.
-bool staysWithin(Island& island, const ModeRow& row, const RowPlace& place) {
+/// is the end's takes its place, and rounding does not bring it back. ahead: a moment later.
+bool staysWithin(Island& island, const ModePoint& ahead, const ModeRow& row,
+                 const RowPlace& place) {
   if (!place.inside || !place.regular) return false;
   if (row.kind != ModeRow::Kind::kStick && row.kind != ModeRow::Kind::kPair) return true;
-  const ModePoint& ahead = island.s.mode.stage;
   return placeOf(island, row, ahead.x.data(), ahead.v.data(), false).inside;
 }
 
@@ -46,16 +47,16 @@ double closeness(const ModeRow& row, bool in_impact) {
   return row.isContact() ? smallest.touching : smallest.touching_angle;
 }
 
-/// What touches at mode.start; whether some of it approaches. pressed: what pressed in the last
-/// step may be a little off. in_impact: what opens counts as closed, too; an impact may close it.
-void findClosed(Island& island, bool pressed, bool in_impact, bool& impact) {
+/// What touches at mode.start; returns whether some of it approaches. ahead: a moment later.
+/// pressed: what pressed in the last step may be a little off. in_impact: what opens counts as
+/// closed, too; an impact may close it.
+bool findClosed(Island& island, const ModePoint& ahead, bool pressed, bool in_impact) {
   Mode& mode = island.s.mode;
-  impact = false;
-  lookAhead(mode);
+  bool impact = false;
   for (ModeRow& row : mode.rows) {
     row.closed = false;
     if (row.isSoft()) {
-      settleSpring(island, row);
+      settleSpring(island, ahead, row);
       continue;
     }
     row.gap_start = gapOf(island, row, mode.start.x.data());
@@ -63,7 +64,7 @@ void findClosed(Island& island, bool pressed, bool in_impact, bool& impact) {
     const bool may_be_off = pressed && row.gap_start < kTouching / kLever;
     if (row.gap_start >= (may_be_off ? kTouching : close)) continue;
     const RowPlace place = placeOf(island, row, mode.start.x.data(), mode.start.v.data(), false);
-    if (!staysWithin(island, row, place)) continue;
+    if (!staysWithin(island, ahead, row, place)) continue;
     if (pressed && row.gap_start >= close) {
       const Tolerances& tolerances = island.context.tolerances;
       const double touching = row.isContact() ? tolerances.touching : tolerances.touching_angle;
@@ -73,18 +74,19 @@ void findClosed(Island& island, bool pressed, bool in_impact, bool& impact) {
     row.closed = in_impact || rate <= kLeaving;
     impact = impact || rate < -kRestApproach;
   }
+  return impact;
 }
 
 /// Closes rows that open, and would close again before they are open by kChatterGap: where two rows
 /// open each other in turn there is no end to it. Whether there are any.
-bool closeChatter(Island& island) {
+bool closeChatter(Island& island, const ModePoint& ahead) {
   Mode& mode = island.s.mode;
   const ModePoint& now = mode.start;
   bool any = false;
   for (ModeRow& row : mode.rows) {
     if (row.closed || row.isSoft() || row.gap_start >= kClosedGap) continue;
     const RowPlace place = placeOf(island, row, now.x.data(), now.v.data(), true);
-    if (!staysWithin(island, row, place)) continue;
+    if (!staysWithin(island, ahead, row, place)) continue;
     const double rate = rateOf(island, row, place, now.v.data());
     const double back = -rateOf(island, row, place, now.a.data()) - place.curvature;
     if (!(back > 0) || rate * rate > 2 * kChatterGap * back) continue;
@@ -97,17 +99,16 @@ bool closeChatter(Island& island) {
 
 bool settleMode(Island& island, bool pressed) {
   Mode& mode = island.s.mode;
-  bool impact = false;
-  findClosed(island, pressed, false, impact);
-  if (impact) {
-    findClosed(island, pressed, true, impact);
+  const ModePoint& ahead = lookAhead(mode);
+  if (findClosed(island, ahead, pressed, false)) {
+    findClosed(island, ahead, pressed, true);
     if (!takeModeImpact(island, mode.start)) return false;
     for (Body* body : island.bodies) ++body->located;
-    findClosed(island, pressed, false, impact);
-    if (impact) return false;
+    lookAhead(mode);
+    if (findClosed(island, ahead, pressed, false)) return false;
   }
   if (!findMode(island, mode.start)) return false;
-  for (int k = 0; k < kModeProjections && closeChatter(island); ++k)
+  for (int k = 0; k < kModeProjections && closeChatter(island, ahead); ++k)
     if (!findMode(island, mode.start)) return false;
   return projectPositions(island, mode.start) && projectVelocities(island, mode.start, true) &&
          accelerateInMode(island, mode.start);

@@ -19,7 +19,8 @@ double eventOf(ModeBody& one, double h) {
   ModePoint& end = one.mode().end;
   ModeEvent found;
   EXPECT_TRUE(settleMode(one.island, false));
-  EXPECT_TRUE(moveInMode(one.island, h, end) && findModeEvent(one.island, h, found));
+  EXPECT_TRUE(moveInMode(one.island, h, end, one.island.s.mode.piece) &&
+              findModeEvent(one.island, h, found));
   if (!found.any) return -1;
   double time = 0;
   EXPECT_NEAR(found.share, 0.5, 0.5);

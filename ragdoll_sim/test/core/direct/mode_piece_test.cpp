@@ -19,7 +19,7 @@ double errorOfPendulum(double h) {
   EXPECT_TRUE(rod.start());
   EXPECT_TRUE(rod.row(0).sticks);
   ModePoint end;
-  EXPECT_TRUE(moveInMode(rod.island, h, end));
+  EXPECT_TRUE(moveInMode(rod.island, h, end, rod.island.s.mode.piece));
   const auto pendulum = [](const Eigen::Vector2d& s) {
     return Eigen::Vector2d(s[1], -kG * std::cos(s[0]));
   };
