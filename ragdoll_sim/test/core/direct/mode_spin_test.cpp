@@ -96,7 +96,7 @@ TEST(ModeSpin, IsThatOfAllAsOne) {
   RodsThatPress rods;
   rods.turn(kTurn, kDrift);
   rods.find();
-  const ModeSpin& spin = rods.mode().spins[0];
+  const GroupSpin& spin = rods.mode().spins[0];
   EXPECT_LT((spin.rate - kTurn).norm(), 1e-13);
   EXPECT_LT((spin.centre - rods.centre()).norm(), 1e-14);
   EXPECT_LT((spin.inertia * kTurn - rods.angularMomentum(rods.now().v)).norm(), 1e-13);
