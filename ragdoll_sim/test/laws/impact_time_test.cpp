@@ -78,6 +78,46 @@ TEST(Impact, ThatLiftsABallTakesNothingBackFromTheFloor) {
         << rate;
 }
 
+/// A ball is pushed along another one, rubbing, until that one meets a floor: until then nothing
+/// outside holds the two, and they turn as one.
+TEST(Impact, OfBallsThatRubOnEachOtherIsOfSecondOrder) {
+  const Scene scene = parseScene(R"(
+gravity: [0, 0, 0]
+ragdoll_collision: true
+pokes: [{body: b/p, force: [-2367.87285034375, 1290.26794744688, -3924.57412760668], at: 0, duration: 0.008}]
+ragdolls:
+  - {name: a, position: [0, 0, 0.053264101798118],
+     model: {particles: {p: {position: [0, 0, 0], mass: 0.376555206223, radius: 0.05}}}}
+  - {name: b, position: [0.0447157687784618, -0.023286229888723, 0.127817783934688],
+     model: {particles: {p: {position: [0, 0, 0], mass: 1.60317051371, radius: 0.04}}}}
+obstacles: [{type: plane, friction: 0}]
+)");
+  const Points exact = endOfImpacts(scene, Method::kRk, 1e-3, 0.012);
+  for (const double rate : {1000.0, 2000.0, 4000.0, 8000.0, 16000.0})
+    EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.012) - exact),
+              1200 / (rate * rate))
+        << rate;
+}
+
+/// Two balls, of which one is poked: about the line between them they have no inertia, and momentum
+/// about it is no spin of theirs.
+TEST(Impact, OfTwoBallsHasNoSpinAboutTheirLine) {
+  const Scene scene = parseScene(R"(
+gravity: [0, 0, 0]
+ragdoll_collision: true
+pokes: [{body: b/p0, force: [-5745.84760225, -423.196404578, -414.103744752], at: 0, duration: 0.004}]
+ragdolls:
+  - {name: a, model: {particles: {p0: {position: [0, 0.033995878604, -0.192813674971], mass: 0.189907798663, radius: 0.0293193903712}}}}
+  - {name: b, model: {particles: {p0: {position: [0.0540078375124, -0.005179709563, -0.204172299486], mass: 1.8305362196, radius: 0.0371395871384}}}}
+obstacles:
+  - {type: sphere, position: [-0.33091704199, 0.0373341209219, -0.229452224216], radius: 0.293809822322, restitution: 0, friction: 0}
+)");
+  const Points exact = endOfImpacts(scene, Method::kRk, 1e-3, 0.048);
+  for (const double rate : {1000.0, 2000.0, 4000.0, 8000.0, 16000.0})
+    EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.048) - exact), 4 / rate)
+        << rate;  // 0.13 at 2000 Hz with one of 1e9 rad/s
+}
+
 /// Balls on a floor that a smaller one, which flies above it, meets from below.
 Scene flyUnder(const Vec3& velocity) {
   Scene scene = sceneOf(oneParticle(2, 0.1), Vec3(0, 0, 0.1));

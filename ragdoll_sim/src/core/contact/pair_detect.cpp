@@ -103,16 +103,18 @@ void PairDetector::appendSelf(const Model& model, const Points& x0, const Points
 
 void PairDetector::appendBetween(const Model& model, const State& state, const Points& x0,
                                  const Points& x1, PairSearch search,
-                                 std::vector<Contact>& contacts) {
+                                 std::vector<Contact>& contacts,
+                                 const std::vector<int>* group_of) {
   all_.resize(model.ragdolls.size());
   std::iota(all_.begin(), all_.end(), 0);
-  appendBetween(model, state, all_, x0, x1, search, contacts);
+  appendBetween(model, state, all_, x0, x1, search, contacts, group_of);
 }
 
 void PairDetector::appendBetween(const Model& model, const State& state,
                                  const std::vector<int>& ragdolls, const Points& x0,
                                  const Points& x1, PairSearch search,
-                                 std::vector<Contact>& contacts) {
+                                 std::vector<Contact>& contacts,
+                                 const std::vector<int>* group_of) {
   capsules_.clear();
   bodies_.clear();
   first_.clear();
@@ -128,6 +130,7 @@ void PairDetector::appendBetween(const Model& model, const State& state,
   for (const auto& [i, j] : grid_.findPairs(bodies_)) {
     const Body p = bodyOf(i), q = bodyOf(j);
     if (state.asleep[p.index] && state.asleep[q.index]) continue;
+    if (group_of && (*group_of)[p.index] == (*group_of)[q.index]) continue;
     const Bounds* of_p = capsules_.data() + first_[i];
     const Bounds* of_q = capsules_.data() + first_[j];
     const std::size_t found = contacts.size();

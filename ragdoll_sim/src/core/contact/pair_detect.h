@@ -33,10 +33,11 @@ class PairDetector {
   /// Appends those between the ragdolls given, ascending; Contact::ragdoll < Contact::other.
   void appendBetween(const Model& model, const State& state, const std::vector<int>& ragdolls,
                      const Points& x0, const Points& x1, PairSearch search,
-                     std::vector<Contact>& contacts);
-  /// Between all of them.
+                     std::vector<Contact>& contacts, const std::vector<int>* group_of = nullptr);
+  /// Between all of them; but for those of one group, where each one's is given.
   void appendBetween(const Model& model, const State& state, const Points& x0, const Points& x1,
-                     PairSearch search, std::vector<Contact>& contacts);
+                     PairSearch search, std::vector<Contact>& contacts,
+                     const std::vector<int>* group_of = nullptr);
 
   const BodyGrid& grid() const { return grid_; }
 

@@ -42,7 +42,7 @@ void addSpin(const std::vector<Body*>& bodies, const Vec3& centre, const Vec3& s
 
 /// [rad/s] that makes a rotation's angular momentum that which is wanted.
 Vec3 spinFor(const Rotation& now, const Vec3& wanted) {
-  return spinOf(now.inertia, wanted - now.angular, true);
+  return exactSpinOf(now.inertia, wanted - now.angular);
 }
 
 /// Turns the bodies together by an angle [rad], beside their common drift: by which a spin that has
@@ -96,8 +96,8 @@ void giveSpin(Island& island, const std::vector<Body*>& bodies, const Vec3& cent
 /// Gives back to bodies that pressed on each other what they lost together over `took`: evenly over
 /// that time, so that half of the spin's turn is missing as well. What an impact took came back in
 /// it (restoreAfterImpact).
-void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took) {
-  if (isHeld(island, bodies)) return;
+void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took, Held when) {
+  if (isHeld(island, bodies, when)) return;
   const auto x0 = [](const Body& body) -> const Points& { return body.saved.x; };
   const auto v0 = [](const Body& body) -> const Points& { return body.saved.v; };
   const auto x1 = [](const Body& body) { return body.x(); };
@@ -228,7 +228,7 @@ bool anyRubs(const Island& island, const std::vector<Contact>& pairs, TurnOf of)
 
 }  // namespace
 
-const CommonTurns& findTurns(Island& island, TurnOf of) {
+const CommonTurns& findTurns(Island& island, TurnOf of, Held when) {
   const std::vector<Contact>& pairs =
       of == TurnOf::kMotion ? island.pairs.contacts : island.pairs.touching.contacts;
   CommonTurns& turns = island.s.turns;
@@ -240,7 +240,7 @@ const CommonTurns& findTurns(Island& island, TurnOf of) {
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (pressesNow(island, i, of)) join(island, pairs[i].ragdoll, pairs[i].other, group_of);
   forEachGroup(island, group_of, [&](const std::vector<Body*>& bodies) {
-    if (isHeld(island, bodies) || pressesOnSleeper(island, pairs, of, bodies)) return;
+    if (isHeld(island, bodies, when) || pressesOnSleeper(island, pairs, of, bodies)) return;
     const Vec3 turn = turnOf(bodies, of);
     const int first = island.placeOf(bodies[0]->index);
     for (const Body* body : bodies) {
@@ -266,12 +266,12 @@ bool pressesItself(const Island& island) {
          });
 }
 
-void restoreAngularMomentum(Island& island, double took) {
+void restoreAngularMomentum(Island& island, double took, Held when) {
   std::vector<int>& group_of = island.s.group;
   startGroups(island, group_of);
   for (const BodyPair& pair : island.pairs.pushed) join(island, pair.first, pair.second, group_of);
   forEachGroup(island, group_of,
-               [&](const std::vector<Body*>& bodies) { restoreGroup(island, bodies, took); });
+               [&](const std::vector<Body*>& bodies) { restoreGroup(island, bodies, took, when); });
 }
 
 void restoreAfterImpact(Island& island, VelocityImpulses impulses, double took) {
@@ -288,7 +288,7 @@ void restoreAfterImpact(Island& island, VelocityImpulses impulses, double took) 
     const auto v = [](const Body& body) { return body.v(); };
     const RigidMotion drift = driftOf(bodies, x, v);
     const Rotation now = rotationOf(bodies, drift, x, v);
-    giveSpin(island, bodies, drift.centre, spinOf(now.inertia, -pushed.couple, true), now, took);
+    giveSpin(island, bodies, drift.centre, exactSpinOf(now.inertia, -pushed.couple), now, took);
   });
 }
 

@@ -12,6 +12,7 @@
 // the motion within them.
 #pragma once
 
+#include "core/direct/energy.h"
 #include "core/direct/velocity_solver.h"
 
 namespace ragdoll {
@@ -21,7 +22,7 @@ bool pressesItself(const Island& island);
 
 /// How the bodies turn together in their motions (dx), or by their velocities. Until the next call.
 enum class TurnOf { kMotion, kVelocity };
-const CommonTurns& findTurns(Island& island, TurnOf of);
+const CommonTurns& findTurns(Island& island, TurnOf of, Held when);
 /// That of both sides of a contact: between bodies none where they do not press on each other; of a
 /// body's own contacts, whose turn is given.
 Vec3 commonTurn(const Island& island, const CommonTurns& turns, const Contact& pair);
@@ -31,7 +32,7 @@ inline Vec3 commonTurn(const Vec3& turn, const Contact& own) {
 
 /// After a motion over `took` [s] since the bodies were saved; nothing where pins, obstacles or
 /// sleepers take part.
-void restoreAngularMomentum(Island& island, double took);
+void restoreAngularMomentum(Island& island, double took, Held when = Held::kAfterImpact);
 
 /// After an impact that pressed with `impulses`: what its friction took of bodies that it pressed
 /// on each other, and nothing outside on them, whatever held them until then. took: [s] by the

@@ -95,7 +95,6 @@ constexpr double kDoubling = 3;       ///< 2^2 - 1: the difference over the halv
 // --- Not tuned: caps.
 constexpr int kRecoverySweeps = 60;          ///< of relaxation, where Newton's method fails
 constexpr int kMaxSearches = 3;              ///< for contacts that others push the body into
-constexpr int kIslandRounds = 4;             ///< of islands that grow
 constexpr int kMaxInVain = 2;                ///< in a row: the motion has a jump or a fork there
 constexpr int kMaxUnknown = 2 * kMaxInVain;  ///< where the guard acts, or nothing is found
 constexpr int kMaxShortenings = 30;          ///< of a rigid motion that touches

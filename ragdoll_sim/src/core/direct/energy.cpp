@@ -169,19 +169,21 @@ double liftingWork(const Island& island, double took) {
 
 /// Whether an obstacle touches the body or presses it. One that it leaves has pushed it in an
 /// impact, maybe.
-bool meetsObstacle(const Body& body) {
-  const auto isObstacle = [](const auto& c) { return c.obstacle >= 0; };
+bool meetsObstacle(const Body& body, Held when) {
   const std::vector<CachedImpulse>& impulses = body.cache.impulses();
-  const std::vector<Contact>& contacts = body.touching.contacts;
-  return std::any_of(impulses.begin(), impulses.end(), isObstacle) ||
-         std::any_of(contacts.begin(), contacts.end(), isObstacle);
+  const TouchingSet& touching = body.touching;
+  for (std::size_t i = 0; i < touching.contacts.size(); ++i)
+    if (touching.contacts[i].obstacle >= 0 && (when == Held::kAfterImpact || !touching.hit[i]))
+      return true;
+  return std::any_of(impulses.begin(), impulses.end(),
+                     [](const CachedImpulse& c) { return c.obstacle >= 0; });
 }
 
 }  // namespace
 
-bool isHeld(const Island& island, const std::vector<Body*>& bodies) {
+bool isHeld(const Island& island, const std::vector<Body*>& bodies, Held when) {
   for (const Body* body : bodies)
-    if (!body->pinned->pins.empty() || meetsObstacle(*body)) return true;
+    if (!body->pinned->pins.empty() || meetsObstacle(*body, when)) return true;
   const auto isSleeper = [&island](int ragdoll) { return island.placeOf(ragdoll) < 0; };
   const auto holds = [&](const BodyPair& pair) {
     return (isSleeper(pair.first) && has(bodies, pair.second)) ||
@@ -257,7 +259,7 @@ double takeEnergyOut(Island& island, const std::vector<Body*>& bodies, double ga
   ragdolls.clear();
   for (const Body* body : bodies) ragdolls.push_back(body->index);
   return takeEnergyOut(island.context.model, ragdolls, isHeld(island, bodies), gain,
-                       island.context.state, island.s.removal);
+                       island.context.state.x, island.context.state.v, island.s.removal);
 }
 
 bool removeEnergy(Island& island, double gain, double took) {

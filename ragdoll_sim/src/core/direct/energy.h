@@ -33,7 +33,9 @@ bool isLargeGain(Island& island, double gain, bool smooth);
 double wildGain(Island& island);
 
 /// Whether something takes the momentum of some bodies of an island: a pin, an obstacle, a sleeper.
-bool isHeld(const Island& island, const std::vector<Body*>& bodies);
+/// Before the motion's impact: not what it was cut short for.
+enum class Held { kBeforeImpact, kAfterImpact };
+bool isHeld(const Island& island, const std::vector<Body*>& bodies, Held when = Held::kAfterImpact);
 
 /// Takes a gain out of the motion of some bodies of an island (energy_removal.h); returns what is
 /// left of it. island.s.removal.before: velocities as they were (columns as the state's).

@@ -58,7 +58,7 @@ template <class OfX, class OfV>
 GroupSpin spinOfGroup(const std::vector<Body*>& bodies, const OfX& x, const OfV& v) {
   const RigidMotion drift = driftOf(bodies, x, v);
   const Rotation all = rotationOf(bodies, drift, x, v);
-  return {drift.centre, all.inertia, spinOf(all.inertia, all.angular, true)};
+  return {drift.centre, all.inertia, exactSpinOf(all.inertia, all.angular)};
 }
 
 }  // namespace ragdoll

@@ -74,6 +74,7 @@ struct IslandScratch {
   Roomy<int> group;        ///< of each body: those that pressed on each other
   Roomy<Body*> grouped;    ///< the bodies of a group
   Roomy<int> drained;      ///< ragdolls that energy is taken out of
+  Roomy<double> energies;  ///< [J] of each body before an impact (mode_energy.h)
 };
 
 struct Island {

@@ -34,8 +34,8 @@ void markPressedPairs(const StepContext& step, std::vector<std::uint8_t>& marked
 }
 
 /// [m] A spring that overlapped at the start pressed, wherever the bodies would have gone.
-double gapLeft(const StepContext& step, const Contact& c) {
-  const double gap = c.gapAt(step.state.x);
+double gapLeft(const StepContext& step, const Contact& c, const Points& x) {
+  const double gap = c.gapAt(x);
   return c.isSoft() ? std::min(gap, c.gap_start) : gap + allowedPenetration(c, step.h, step.h);
 }
 
@@ -52,12 +52,12 @@ double nearOf(const StepContext& step) { return goesThroughEvents(step) ? kNearB
 void IslandBuilder::step(const StepContext& context, StepReport& report) {
   begin(context);
   predict(context);
-  for (int round = 0; round < kIslandRounds; ++round) {
-    findContacts(context, round > 0);
-    unite(context, round == 0 ? nearOf(context) : -overlapOf(context));
-    if (!stepIslands(context)) break;
-    if (holdsAll(context.state)) break;
-  }
+  double near = nearOf(context);
+  do {  // each time islands are fewer and larger, or sleepers awake
+    findContacts(context);
+    unite(near);
+    near = -overlapOf(context);
+  } while (stepIslands(context) && !holdsAll(context.state));
   end(context, report);
 }
 
@@ -117,31 +117,69 @@ void IslandBuilder::stepAlone(StepContext& context, int i) {
   stepBodies(context, alone, no_sleepers_, outcome.impulses, outcome.pressing, outcome.report);
 }
 
-void IslandBuilder::findContacts(const StepContext& context, bool overlaps_only) {
+void IslandBuilder::findContacts(const StepContext& context) {
+  root_of_.resize(outcomes_.size());
+  for (std::size_t i = 0; i < root_of_.size(); ++i) root_of_[i] = root(static_cast<int>(i));
   State& state = context.state;
-  for (;;) {
+  do {
     contacts_.clear();
-    if (!overlaps_only)
-      detector_.appendBetween(context.model, state, start_x_, state.x,
-                              PairSearch::touches(kNearBody), contacts_);
-    detector_.appendBetween(context.model, state, start_x_, state.x,
-                            PairSearch::overlaps(overlapOf(context)), contacts_);
-    was_asleep_ = state.asleep;
-    if (!wakeTouched(contacts_, state.x, state)) return;
-    parts_.clear();
-    for (std::size_t i = 0; i < outcomes_.size(); ++i) {
-      if (!was_asleep_[i] || state.asleep[i]) continue;
-      parts_.push_back(static_cast<int>(i));
-      takeTurn(static_cast<int>(i));
-    }
-    forEachPart(context, static_cast<int>(parts_.size()),
-                [this](StepContext& own, int k) { stepAlone(own, parts_[k]); });
-  }
+    gaps_.clear();
+    woken_.clear();
+    search(context, start_x_, state.x);
+    if (!findLegs(context)) continue;
+    search(context, start_x_, first_leg_);
+    search(context, last_leg_, state.x);
+  } while (stepWoken(context));
 }
 
-void IslandBuilder::unite(const StepContext& context, double near) {
-  for (const Contact& c : contacts_) {
-    if (gapLeft(context, c) > near) continue;
+bool IslandBuilder::findLegs(const StepContext& context) {
+  const State& state = context.state;
+  first_leg_ = state.x;
+  last_leg_ = start_x_;
+  bool any = false;
+  for (std::size_t i = 0; i < outcomes_.size(); ++i) {
+    if (state.asleep[i]) continue;
+    const int first = context.model.ragdolls[i].first, n = sizeOf(context.model, static_cast<int>(i));
+    const auto x = state.x.middleCols(first, n), v = state.v.middleCols(first, n);
+    auto leg = first_leg_.middleCols(first, n);
+    leg = start_[i].x + context.h * start_[i].v;
+    const bool bends = (leg - x).cwiseAbs().maxCoeff() > kClose;
+    if (bends)
+      last_leg_.middleCols(first, n) = x - context.h * v;
+    else
+      leg = x;
+    any = any || bends;
+  }
+  return any;
+}
+
+void IslandBuilder::search(const StepContext& context, const Points& from, const Points& to) {
+  State& state = context.state;
+  found_.clear();
+  detector_.appendBetween(context.model, state, from, to, PairSearch::touches(kNearBody), found_,
+                          &root_of_);
+  if (&to == &state.x)
+    detector_.appendBetween(context.model, state, from, to,
+                            PairSearch::overlaps(overlapOf(context)), found_, &root_of_);
+  for (const Contact& c : found_) gaps_.push_back(gapLeft(context, c, to));
+  append(found_, contacts_);
+  was_asleep_ = state.asleep;
+  wakeTouched(found_, to, state);
+  for (std::size_t i = 0; i < outcomes_.size(); ++i)
+    if (was_asleep_[i] && !state.asleep[i]) woken_.push_back(static_cast<int>(i));
+}
+
+bool IslandBuilder::stepWoken(const StepContext& context) {
+  for (const int i : woken_) takeTurn(i);
+  forEachPart(context, static_cast<int>(woken_.size()),
+              [this](StepContext& own, int k) { stepAlone(own, woken_[k]); });
+  return !woken_.empty();
+}
+
+void IslandBuilder::unite(double near) {
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Contact& c = contacts_[k];
+    if (gaps_[k] > near) continue;
     if (c.moves[0] && c.moves[1]) {
       parent_[root(c.ragdoll)] = root(c.other);
       continue;

@@ -39,9 +39,16 @@ class IslandBuilder {
   void takeTurn(int ragdoll) { outcomes_[ragdoll].turn = ++turns_; }
   void stepAlone(StepContext& context, int ragdoll);
   /// Contacts between where the bodies were and where they are now; wakes sleepers.
-  void findContacts(const StepContext& context, bool overlaps_only);
+  void findContacts(const StepContext& context);
+  /// Those on the way from a pose to another, with the gaps [m] there.
+  void search(const StepContext& context, const Points& from, const Points& to);
+  /// Where the bodies would have gone had nothing turned them round, and where they would have come
+  /// from: what they meet before an impact, and after it. Whether any is turned.
+  bool findLegs(const StepContext& context);
+  /// Whether there was any.
+  bool stepWoken(const StepContext& context);
   /// Bodies whose gap is below `near` [m] share an island.
-  void unite(const StepContext& context, double near);
+  void unite(double near);
   /// Steps what has not been stepped with just those bodies; whether there was any.
   bool stepIslands(const StepContext& context);
   void stepTogether(StepContext& context, const std::vector<int>& bodies,
@@ -57,13 +64,15 @@ class IslandBuilder {
   PairDetector detector_;
   std::vector<SavedMotion> start_;  ///< per ragdoll
   Points start_x_;                  ///< of all
-  Roomy<Contact> contacts_;
-  std::vector<int> parent_;  ///< per ragdoll: disjoint sets
+  Points first_leg_, last_leg_;
+  Roomy<Contact> contacts_, found_;  ///< found_: by one search
+  Roomy<double> gaps_;               ///< [m] of the contacts
+  std::vector<int> parent_, root_of_;  ///< per ragdoll: disjoint sets; roots as contacts are found
   std::vector<IslandOutcome> outcomes_;
   std::vector<std::uint8_t> pressed_pair_, was_asleep_;
   std::vector<Roomy<int>> members_, sleepers_;  ///< per root
   std::vector<int> parts_;                      ///< ragdolls, or roots, that are stepped now
-  std::vector<int> no_sleepers_, order_;
+  std::vector<int> no_sleepers_, order_, woken_;
   int turns_ = 0;  ///< taken in this step
 };
 

@@ -198,8 +198,21 @@ void startPiece(Island& island) {
   }
 }
 
-bool takePieces(Island& island, double h) {
+/// [m/s] Of a particle.
+double fastest(const Island& island, const ModePoint& point) {
+  double square = 0;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    const double* v = point.v.data() + island.s.mode.offset[k];
+    const Eigen::Map<const Points> of(v, 3, island.bodies[k]->n);
+    square = std::max(square, of.colwise().squaredNorm().maxCoeff());
+  }
+  return std::sqrt(square);
+}
+
+/// went: [m] as far as the fastest went, at the most.
+bool takePieces(Island& island, double h, double& went) {
   Mode& mode = island.s.mode;
+  went = 0;
   double left = h, most = h;
   bool pressed = true, event = true;
   int events = 0, pieces = kMostPieces;
@@ -213,6 +226,7 @@ bool takePieces(Island& island, double h) {
       return false;
     logPiece(island, took);
     island.bodies[0]->given += mode.piece.work;
+    went += took * std::max(fastest(island, mode.start), fastest(island, mode.end));
     std::swap(mode.start, mode.end);
     most = event ? h : next;
     left -= took;
@@ -252,6 +266,31 @@ void endMotion(Island& island) {
   island.pairs.touching.clear();
 }
 
+/// What pieces change beside mode.start, to take them back.
+class BeforeMode {
+ public:
+  explicit BeforeMode(const Island& island)
+      : given_(island.bodies[0]->given),
+        logged_(logSize(island)),
+        met_(island.pairs.met.size()),
+        located_(island.bodies[0]->located) {}
+
+  void restore(Island& island) const {
+    island.bodies[0]->given = given_;
+    for (Body* body : island.bodies) {
+      body->located = located_;
+      driveAt(*body, body->xData());
+    }
+    cutLog(island, logged_);
+    island.pairs.met.resize(met_);
+  }
+
+ private:
+  double given_;
+  std::size_t logged_, met_;
+  int located_;
+};
+
 }  // namespace
 
 bool goesThroughEvents(const StepContext& step) {
@@ -260,25 +299,23 @@ bool goesThroughEvents(const StepContext& step) {
 }
 
 bool moveThroughEvents(Island& island, double h, int& contacts) {
-  if (!isFit(island) || !listModeRows(island, h)) return false;
-  startMotion(island);
-  const double given = island.bodies[0]->given;
-  const std::size_t logged = logSize(island), met = island.pairs.met.size();
-  const int located = island.bodies[0]->located;
-  if (!takePieces(island, h)) {
-    island.bodies[0]->given = given;
-    for (Body* body : island.bodies) {
-      body->located = located;
-      driveAt(*body, body->xData());
+  if (!isFit(island)) return false;
+  const BeforeMode before(island);
+  double reach = reachOf(island, h), went = 0;
+  while (listModeRows(island, reach)) {
+    startMotion(island);
+    const bool taken = takePieces(island, h, went);
+    if (taken && went <= reach) {
+      keepPressing(island, contacts);
+      keepMultipliers(island);
+      endMotion(island);
+      return true;
     }
-    cutLog(island, logged);
-    island.pairs.met.resize(met);
-    return false;
+    before.restore(island);
+    if (!taken) return false;
+    reach = kReach * went;  // a limb that is hit near a joint is whipped: what it met is not all
   }
-  keepPressing(island, contacts);
-  keepMultipliers(island);
-  endMotion(island);
-  return true;
+  return false;
 }
 
 }  // namespace ragdoll

@@ -8,6 +8,7 @@
 #include "core/direct/contact_log.h"
 #include "core/direct/driving.h"
 #include "core/direct/mode_constants.h"
+#include "core/direct/mode_energy.h"
 #include "core/direct/mode_rows.h"
 #include "core/direct/mode_spin.h"
 #include "core/direct/rows.h"
@@ -360,7 +361,9 @@ bool takeModeImpact(Island& island, ModePoint& point) {
   keepMode(island);
   holdWhatStays(mode, rates + system.A * system.p);
   findSpins(island, point.x.data(), point.v.data(), SpinOf::kPressing);  // after it, as shake
+  keepEnergies(island, point);
   push(island, system.p, point.x.data(), point.v.data());
+  takeImpactGains(island, system.p, point);
   logImpact(island, system, rates, point);
   keepMet(island, system.p);
   return point.v.allFinite();

@@ -510,13 +510,6 @@ bool listObstacle(Body& body, int place, int index, double reach, Mode& mode) {
   return sound;
 }
 
-/// [m] How far three such motions over h go. One body's speed becomes another's in an impact.
-double reachOf(const Body& body, double h) {
-  const double speed = std::sqrt(body.v().colwise().squaredNorm().maxCoeff());
-  const double pull = body.acceleration.colwise().norm().maxCoeff();
-  return kReach * h * (speed + h * pull);
-}
-
 bool listOwn(Body& body, int place, double reach, Mode& mode) {
   const StepContext& step = *body.context;
   for (std::size_t k = 0; k < step.ws.obstacles.size(); ++k)
@@ -545,13 +538,21 @@ void layOut(Island& island) {
 
 }  // namespace
 
-bool listModeRows(Island& island, double h) {
+double reachOf(const Island& island, double h) {
+  double reach = 0;
+  for (const Body* body : island.bodies) {
+    const double speed = std::sqrt(body->v().colwise().squaredNorm().maxCoeff());
+    const double pull = body->acceleration.colwise().norm().maxCoeff();
+    reach = std::max(reach, kReach * h * (speed + h * pull));
+  }
+  return reach + kClose;
+}
+
+bool listModeRows(Island& island, double reach) {
   Mode& mode = island.s.mode;
   layOut(island);
   mode.rows.clear();
   const int count = static_cast<int>(island.bodies.size());
-  double reach = kClose;
-  for (const Body* body : island.bodies) reach = std::max(reach, reachOf(*body, h) + kClose);
   for (int k = 0; k < count; ++k)
     if (!listOwn(*island.bodies[k], k, reach, mode) || !listPairs(island, k, k, 2 * reach))
       return false;

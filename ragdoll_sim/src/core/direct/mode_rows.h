@@ -9,9 +9,13 @@
 
 namespace ragdoll {
 
-/// Lists in the island's mode all that a motion over h may reach, and what it cannot be: false
-/// where something is deep in what is rigid, or moves. Lays out the bodies' coordinates.
-bool listModeRows(Island& island, double h);
+/// [m] How far kReach motions of the fastest body over h go: in an impact its speed is another's.
+double reachOf(const Island& island, double h);
+
+/// Lists in the island's mode all that a motion may meet in which nothing goes farther than `reach`
+/// [m], and what it cannot be: false where something is deep in what is rigid, or moves. Lays out
+/// the bodies' coordinates.
+bool listModeRows(Island& island, double reach);
 
 /// Where the row stands at x, v (the island's coordinates, Mode::offset). What is not asked for is
 /// left out: curvature of limits is dear.

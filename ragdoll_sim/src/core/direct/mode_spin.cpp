@@ -32,7 +32,7 @@ std::array<Vec3, 2> armsOf(const Mode& mode, std::size_t i) {
 
 /// [rad/s] That has an angular momentum.
 Vec3 turnBy(const GroupSpin& spin, const Vec3& angular) {
-  return spinOf(spin.inertia, angular, true);
+  return exactSpinOf(spin.inertia, angular);
 }
 
 /// mode.spin_of <- one number for bodies that press on each other; -1: on nothing, or held.

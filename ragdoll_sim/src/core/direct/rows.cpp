@@ -197,7 +197,7 @@ void evaluateGaps(Body& body, double h, const Vec3& turn, Eigen::Ref<Eigen::Vect
 
 const CommonTurns& evaluateGaps(Island& island, double h, RowValues& b) {
   const JointSchur& joint = island.s.joint;
-  const CommonTurns& turns = findTurns(island, TurnOf::kMotion);
+  const CommonTurns& turns = findTurns(island, TurnOf::kMotion, Held::kAfterImpact);
   b.resize(joint.size());
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
     Body& body = *island.bodies[k];

@@ -31,8 +31,8 @@ struct SmoothEnd {
 /// Dormand-Prince 5 over h, no matter what it meets.
 SmoothEnd integrate(Body& body, double h) {
   double* m = body.multipliers();
-  if (body.pin_speed >
-      0) {  // it is faster or slower from this step on, and what hangs on it with it
+  // A pin is faster or slower from this step on, or has stopped, and what hangs on it with it.
+  if (!body.pinned->pins.empty()) {
     body.memory->response.setStart(body.xData());
     body.memory->response.projectAtStart(body.vData());
   }

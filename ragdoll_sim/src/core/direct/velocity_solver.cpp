@@ -256,7 +256,8 @@ const CommonTurns& evaluateAllRates(Island& island, int first_pair, const Soluti
                                     RowValues& b) {
   JointSchur& joint = island.s.joint;
   b.resize(joint.size());
-  const CommonTurns& turns = findTurns(island, TurnOf::kVelocity);
+  const CommonTurns& turns =
+      findTurns(island, TurnOf::kVelocity, of.impact ? Held::kAfterImpact : Held::kBeforeImpact);
   forEachBody(island, [&](Body& body, std::size_t k, int first) {
     auto own = b.segment(first, body.constraints.own_rows);
     evaluateRates(body, turns.turn[k], own);
@@ -410,6 +411,7 @@ VelocityImpulses solveVelocities(Island& island, Stage stage, double h, double d
       lockComing(island, first_pair);
     const VelocityImpulses impulses = pushVelocities(island, first_pair, {h}, damping);
     if (stage == Stage::kMotion) return impulses;
+    if (pressesItself(island)) restoreAngularMomentum(island, h, Held::kBeforeImpact);
     keepPressed(island, first_pair, *impulses, island.pairs.met);
   }
   const VelocityImpulses impulses =

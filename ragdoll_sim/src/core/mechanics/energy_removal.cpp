@@ -12,8 +12,9 @@ namespace {
 /// Bodies as one system of particles.
 class Group {
  public:
-  Group(const Model& model, const std::vector<int>& bodies, State& state, RemovalScratch& scratch)
-      : model_(model), bodies_(bodies), state_(state), scratch_(scratch) {
+  Group(const Model& model, const std::vector<int>& bodies, Points& x, Points& v,
+        RemovalScratch& scratch)
+      : model_(model), bodies_(bodies), x_(x), v_(v), scratch_(scratch) {
     makeRoom(model, scratch_);
   }
 
@@ -46,8 +47,8 @@ class Group {
   Eigen::Ref<Points> at(Points& all, int i) const {
     return all.middleCols(ragdoll(i).first, rows(i).n);
   }
-  Eigen::Ref<Points> x(int i) const { return at(state_.x, i); }
-  Eigen::Ref<Points> v(int i) const { return at(state_.v, i); }
+  Eigen::Ref<Points> x(int i) const { return at(x_, i); }
+  Eigen::Ref<Points> v(int i) const { return at(v_, i); }
 
   /// The rigid motion with the momentum and angular momentum of all bodies.
   RigidMotion commonMotion() const {
@@ -93,14 +94,14 @@ class Group {
 
   const Model& model_;
   const std::vector<int>& bodies_;
-  State& state_;
+  Points &x_, &v_;
   RemovalScratch& scratch_;
 };
 
 }  // namespace
 
 void makeRoom(const Model& model, RemovalScratch& s) {
-  s.before.resize(3, model.size());
+  for (Points* of : {&s.before, &s.x, &s.v}) of->resize(3, model.size());
   if (s.energy.size() == model.skeletons.size()) return;
   s.energy.resize(model.skeletons.size());
   for (const Ragdoll& r : model.ragdolls)
@@ -108,8 +109,8 @@ void makeRoom(const Model& model, RemovalScratch& s) {
 }
 
 double takeEnergyOut(const Model& model, const std::vector<int>& bodies, bool held, double gain,
-                     State& state, RemovalScratch& scratch) {
-  return Group(model, bodies, state, scratch).takeOut(gain, held);
+                     Points& x, Points& v, RemovalScratch& scratch) {
+  return Group(model, bodies, x, v, scratch).takeOut(gain, held);
 }
 
 }  // namespace ragdoll

@@ -11,12 +11,12 @@
 
 #include "core/mechanics/energy_gain.h"
 #include "ragdoll_sim/core/model.h"
-#include "ragdoll_sim/core/state.h"
 
 namespace ragdoll {
 
 struct RemovalScratch {
   Points before;
+  Points x, v;  ///< for who takes energy out elsewhere than in the state
   std::vector<EnergyScratch> energy;  ///< per skeleton, so that buffers keep their sizes
 };
 
@@ -26,8 +26,9 @@ void makeRoom(const Model& model, RemovalScratch& scratch);
 /// Takes `gain` [J] out of the motion of these bodies, one or more. held: something that takes
 /// momentum, other than these bodies, pressed on one of them or pins it. Returns what is left of
 /// the gain [J]: there may be less motion than it, and where nothing holds the bodies the momentum
-/// of their common rigid motion is nobody's to take.
+/// of their common rigid motion is nobody's to take. x, v: columns as the state's; those of other
+/// bodies are left alone.
 double takeEnergyOut(const Model& model, const std::vector<int>& bodies, bool held, double gain,
-                     State& state, RemovalScratch& scratch);
+                     Points& x, Points& v, RemovalScratch& scratch);
 
 }  // namespace ragdoll

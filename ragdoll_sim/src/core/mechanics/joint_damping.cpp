@@ -1,9 +1,12 @@
 #include "core/mechanics/joint_damping.h"
 
+#include <Eigen/Eigenvalues>
+
 namespace ragdoll {
 namespace {
 
 constexpr double kSingular = 1e-13;  ///< of the inertia's trace
+constexpr double kNoInertia = 1e-10;  ///< of the largest: of what lies in a line, about it
 constexpr double kInLine = 1e-6;     ///< [-] sine below which pins are on one line
 constexpr double kAtOne = 1e-6;  ///< of the body's reach: pins nearer than that are at one place
 constexpr double kRigid = 1e-6;  ///< of their speeds: how far pins move as one rigid body
@@ -93,11 +96,19 @@ Vec3 angularOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
   return angular;
 }
 
-Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular, bool refined) {
-  const GuardedInertia guarded(inertia);
-  const Vec3 spin = guarded.solve(angular);
-  if (!refined) return spin;
-  return spin + guarded.solve(angular - inertia * spin);
+Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular) {
+  return GuardedInertia(inertia).solve(angular);
+}
+
+Vec3 exactSpinOf(const Eigen::Matrix3d& inertia, const Vec3& angular) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(inertia);
+  Vec3 spin = Vec3::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 axis = axes.eigenvectors().col(k);
+    if (axes.eigenvalues()[k] > kNoInertia * axes.eigenvalues()[2])
+      spin += axis.dot(angular) / axes.eigenvalues()[k] * axis;
+  }
+  return spin;
 }
 
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,

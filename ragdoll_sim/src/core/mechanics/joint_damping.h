@@ -46,9 +46,11 @@ Rotation rotationOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
 Vec3 angularOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
                const Eigen::Ref<const Points>& v, const RigidMotion& motion);
 
-/// [rad/s] The spin that has an angular momentum. Regular but for bodies on a line, whose own axis
-/// takes no spin. Refined: exact but for rounding where the inertia is regular.
-Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular, bool refined = false);
+/// [rad/s] The spin that has an angular momentum, but for what bodies on a line cannot have, about
+/// it: of a momentum that is not theirs that is large.
+Vec3 spinOf(const Eigen::Matrix3d& inertia, const Vec3& angular);
+/// The same of any momentum, exact but for rounding: nothing about an axis that has no inertia.
+Vec3 exactSpinOf(const Eigen::Matrix3d& inertia, const Vec3& angular);
 
 /// x, v: 3 x n of one body; pins: its pinned particles; keep: exp(-c h) in (0, 1].
 void dampInnerMotion(const MassMatrix& mass, const std::vector<int>& pins, double keep,

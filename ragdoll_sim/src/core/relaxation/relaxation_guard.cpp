@@ -238,7 +238,7 @@ void limitPairEnergy(const StepContext& context, RelaxationWorkspace& ws, StepRe
   double rise = 0;
   for (const int i : bodies) rise += guard.rise(i);
   if (!(rise > 0)) return;
-  takeEnergyOut(context.model, bodies, held, rise, context.state, ws.removal);
+  takeEnergyOut(context.model, bodies, held, rise, context.state.x, context.state.v, ws.removal);
   if (rise > kReportedGain) report.limited += static_cast<int>(bodies.size());
 }
 

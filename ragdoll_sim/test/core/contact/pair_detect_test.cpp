@@ -45,6 +45,20 @@ TEST(PairDetect, FindsWhereSticksCross) {
   EXPECT_TRUE(contactsOf(world, PairSearch::touches(0.01)).empty());
 }
 
+TEST(PairDetect, LeavesOutThoseOfOneGroup) {
+  const World world(crossed(0.15));
+  PairDetector detector;
+  std::vector<Contact> found;
+  const PairSearch search = PairSearch::overlaps(0.01);
+  const std::vector<int> apart = {0, 1}, together = {1, 1};
+  const Points& x = world.state.x;
+  detector.appendBetween(world.model, world.state, x, x, search, found, &apart);
+  EXPECT_EQ(found.size(), 1u);
+  found.clear();
+  detector.appendBetween(world.model, world.state, x, x, search, found, &together);
+  EXPECT_TRUE(found.empty());
+}
+
 TEST(PairDetect, LeavesSleepersToEachOther) {
   World world(crossed(0.15));
   EXPECT_EQ(contactsOf(world, PairSearch::overlaps(0.01)).size(), 1u);

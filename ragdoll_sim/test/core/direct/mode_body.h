@@ -55,7 +55,7 @@ struct ModeBody : DirectIsland {
   bool listed;  ///< what listModeRows says
 
   explicit ModeBody(const Scene& scene) : DirectIsland(scene) {
-    listed = listModeRows(island, h);
+    listed = listModeRows(island, reachOf(island, h));
     for (ModePoint* point : {&mode().start, &mode().end, &mode().sample, &mode().stage})
       for (RowValues* values : {&point->x, &point->v, &point->a}) values->setZero(mode().size);
     for (std::size_t k = 0; k < island.bodies.size(); ++k) {

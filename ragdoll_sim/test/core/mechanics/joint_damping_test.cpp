@@ -36,6 +36,17 @@ TEST(JointDamping, FindsTheRigidMotionOfARigidMotion) {
   for (int i = 0; i < 4; ++i) EXPECT_LT((motion.velocityAt(body.x.col(i)) - v.col(i)).norm(), 1e-7);
 }
 
+/// What lies in a line has no inertia about it: momentum about it is not its own.
+TEST(JointDamping, GivesNoSpinAboutALine) {
+  const Vec3 line = Vec3(1, 2, 3).normalized(), spin = Vec3(0.5, 0.7, -1.1).cross(line);
+  const Eigen::Matrix3d inertia = 2 * (Eigen::Matrix3d::Identity() - line * line.transpose());
+  EXPECT_LT((exactSpinOf(inertia, inertia * spin) - spin).norm(), 1e-14);
+  EXPECT_LT((exactSpinOf(inertia, inertia * spin + 1e-3 * line) - spin).norm(), 1e-14);
+  const Eigen::Matrix3d regular = inertia + 0.1 * line * line.transpose();
+  const Vec3 any(1, -2, 0.3);
+  EXPECT_LT((regular * exactSpinOf(regular, any) - any).norm(), 1e-14);
+}
+
 TEST(JointDamping, LeavesMomentumAndAngularMomentum) {
   const Body4 body;
   Points v(3, 4);
