@@ -106,7 +106,7 @@ constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into s
 constexpr double kFilteredDepth = 0.5;
 
 // --- Not tuned: rounding, in single stages.
-constexpr double kFinestShare = 1e-3;        ///< of tolerances in short steps: rounding is near
+constexpr double kFinestShare = 1e-4;        ///< of tolerances in short steps: rounding is near
 constexpr double kPartEnd = 1e-12;           ///< of a step: nearer to its ends is there
 constexpr double kAbout = 0.01;              ///< of a substep: less longer or shorter is as long
 constexpr double kPositionRounding = 4e-15;  ///< relative, with some room

@@ -139,7 +139,8 @@ bool IslandBuilder::findLegs(const StepContext& context) {
   bool any = false;
   for (std::size_t i = 0; i < outcomes_.size(); ++i) {
     if (state.asleep[i]) continue;
-    const int first = context.model.ragdolls[i].first, n = sizeOf(context.model, static_cast<int>(i));
+    const int first = context.model.ragdolls[i].first;
+    const int n = sizeOf(context.model, static_cast<int>(i));
     const auto x = state.x.middleCols(first, n), v = state.v.middleCols(first, n);
     auto leg = first_leg_.middleCols(first, n);
     leg = start_[i].x + context.h * start_[i].v;

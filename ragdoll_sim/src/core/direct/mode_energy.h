@@ -1,6 +1,6 @@
 // Energy in an impact of rk from event to event. Newton's restitution with Coulomb's friction may
-// give some where a body is hit off its middle [Stronge1990]: it is taken out at once, as shake takes it
-// out of a substep (mechanics/energy_removal.h).
+// give some where a body is hit off its middle [Stronge1990]: it is taken out at once, as shake
+// takes it out of a substep (mechanics/energy_removal.h).
 #pragma once
 
 #include "core/direct/island.h"

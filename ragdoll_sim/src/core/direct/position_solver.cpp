@@ -46,8 +46,8 @@ void startTotals(Island& island) {
     island.bodies[k]->total = island.s.parts[k];
 }
 
-/// Whether sweeps that do not settle are accelerated. Each leaves 1 - m / M of what presses through a
-/// body of m under one of M, and they are kMaxSweeps.
+/// Whether sweeps that do not settle are accelerated. Each leaves 1 - m / M of what presses through
+/// a body of m under one of M, and they are kMaxSweeps.
 bool pressesThroughLight(const Island& island) {
   if (island.isLone() || island.context.relaxed) return false;
   double lightest = std::numeric_limits<double>::infinity(), heaviest = 0;

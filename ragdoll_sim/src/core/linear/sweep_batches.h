@@ -12,8 +12,9 @@ namespace ragdoll {
 
 class SweepBatches {
  public:
-  /// p: where sweeps gave up. answers: A's diagonal. sweep(p): a batch from p on; whether it settled.
-  /// Returns whether one did; if not, p is as it was where it would have grown without bound.
+  /// p: where sweeps gave up. answers: A's diagonal. sweep(p): a batch from p on; whether it
+  /// settled. Returns whether one did; if not, p is as it was where it would have grown without
+  /// bound.
   template <class Sweep>
   bool solve(const std::vector<SchurBlock>& blocks, const RowValues& answers, const Sweep& sweep,
              RowValues& p) {
