@@ -17,7 +17,7 @@ namespace {
 constexpr double kRadius = 0.05;
 
 /// Balls in a row along z, above a wall at 0; each pushes on those below it.
-struct Row {
+struct BallRow {
   std::vector<double> z, v, mass;
 
   int size() const { return static_cast<int>(z.size()); }
@@ -28,7 +28,7 @@ struct Row {
 };
 
 /// Which ball is the next to meet what is below it, and when; its size if none.
-int nextImpact(const Row& row, double& time) {
+int nextImpact(const BallRow& row, double& time) {
   int which = row.size();
   for (int i = 0; i < row.size(); ++i) {
     if (!(row.approach(i) > 1e-12)) continue;
@@ -41,7 +41,7 @@ int nextImpact(const Row& row, double& time) {
 }
 
 /// All that touch go on as one.
-void meet(Row& row, int i) {
+void meet(BallRow& row, int i) {
   int first = i - 1, last = i;
   while (first >= 0 && row.touches(first)) --first;
   while (last + 1 < row.size() && row.touches(last + 1)) ++last;
@@ -53,11 +53,11 @@ void meet(Row& row, int i) {
   for (int k = std::max(0, first); k <= last; ++k) row.v[k] = first < 0 ? 0 : momentum / mass;
 }
 
-void move(Row& row, double time) {
+void move(BallRow& row, double time) {
   for (int i = 0; i < row.size(); ++i) row.z[i] += time * row.v[i];
 }
 
-Row endOfRow(Row row, double seconds) {
+BallRow endOfRow(BallRow row, double seconds) {
   for (double left = seconds;;) {
     double time = 0;
     const int which = nextImpact(row, time);
@@ -72,9 +72,9 @@ Row endOfRow(Row row, double seconds) {
 }
 
 /// At rest but for the last one.
-Row randomRow(int balls, double speed, std::mt19937& random) {
+BallRow randomRow(int balls, double speed, std::mt19937& random) {
   const auto uniform = [&] { return random() / 4294967296.0; };
-  Row row;
+  BallRow row;
   double top = 0;
   for (int i = 0; i < balls; ++i) {
     row.z.push_back(top + 0.012 * uniform() + kRadius);
@@ -86,7 +86,7 @@ Row randomRow(int balls, double speed, std::mt19937& random) {
   return row;
 }
 
-Scene sceneOfRow(const Row& row) {
+Scene sceneOfRow(const BallRow& row) {
   Scene scene;
   scene.ragdoll_collision = true;
   scene.gravity.setZero();
@@ -105,7 +105,7 @@ TEST(RowOfBalls, ImpactsWithinOneStepAreAllMet) {
   const double seconds = 0.06;
   for (const double speed : {1.0, 8.0, 30.0})
     for (int k = 0; k < samples(60); ++k) {
-      const Row row = randomRow(3 + k % 6, speed, random), exact = endOfRow(row, seconds);
+      const BallRow row = randomRow(3 + k % 6, speed, random), exact = endOfRow(row, seconds);
       const Scene scene = sceneOfRow(row);
       const Points rk = endOfImpacts(scene, Method::kRk, 0.004, seconds);
       const Points shake = endOfImpacts(scene, Method::kShake, 0.004, seconds);
