@@ -25,6 +25,13 @@ class LimitOfImpacts {
   Points exact_;
 };
 
+/// Of a ball.
+void setMass(RagdollSpec& ball, double mass) {
+  auto skeleton = std::make_shared<SkeletonSpec>(*ball.skeleton);
+  skeleton->particles[0].mass = mass;
+  ball.skeleton = skeleton;
+}
+
 /// The impact's time is that of motions that the floor bears: of free ones it came too late, and
 /// the floor then lifted one ball into the other.
 TEST(ImpactLimit, OfABallThatHitsOneThatLies) {
@@ -160,9 +167,7 @@ ragdolls:
      model: {particles: {p: {position: [0, 0, 0], mass: 50, radius: 0.05}}}}
 obstacles: [{type: plane}]
 )");
-    auto ball = std::make_shared<SkeletonSpec>(*scene.ragdolls[0].skeleton);
-    ball->particles[0].mass = light;
-    scene.ragdolls[0].skeleton = ball;
+    setMass(scene.ragdolls[0], light);
     World world(scene);
     for (int i = 0; i < 120; ++i) {
       const StepReport report = step(world.model, world.inputs, world.workspace, world.state);
@@ -189,9 +194,7 @@ ragdolls:
                                            b: {position: [0.9, 0, 0.02], mass: 10, radius: 0.03}}}}
 obstacles: [{type: plane, friction: 0.6}]
 )");
-    auto ball = std::make_shared<SkeletonSpec>(*scene.ragdolls[0].skeleton);
-    ball->particles[0].mass = light;
-    scene.ragdolls[0].skeleton = ball;
+    setMass(scene.ragdolls[0], light);
     const Points exact = endOfImpacts(scene, Method::kRk, 1e-3, 0.3);
     for (const double rate : {250.0, 500.0, 1000.0})
       EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.3) - exact),

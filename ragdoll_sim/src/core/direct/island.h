@@ -64,6 +64,7 @@ struct IslandScratch {
   // Room for what a stage works with; from one function to the next it goes by argument.
   RowValues b, p;  ///< of all rows: gaps or rates; impulses, to begin with and found
   RowValues change, start;
+  Roomy<double> energies;  ///< [J] of each body
   RowValues rates;  ///< [m/s] where contacts are logged: before the velocity stage
   CommonTurns turns;
   std::size_t logged = 0;  ///< entries of the contact log before the present substep
@@ -74,7 +75,6 @@ struct IslandScratch {
   Roomy<int> group;        ///< of each body: those that pressed on each other
   Roomy<Body*> grouped;    ///< the bodies of a group
   Roomy<int> drained;      ///< ragdolls that energy is taken out of
-  Roomy<double> energies;  ///< [J] of each body before an impact (mode_energy.h)
 };
 
 struct Island {

@@ -16,6 +16,7 @@ constexpr double kHalfPiece = 0.5;      ///< of one that did not, at most
 constexpr int kMostSolutions = 100;     ///< of equalities, until the directions of slips are found
 constexpr double kSpringPhase = 0.125;  ///< [rad] of what swings on a spring, in a piece
 constexpr double kMoment = 1e-7;  ///< [s] after which it is looked at whether a spring presses
+constexpr int kMostLists = 4;     ///< of what a step may meet, each of a motion that went farther
 constexpr int kMaxEvents = 60;    ///< in one step; more crowd (Zeno, chatter): shake's steps
 constexpr int kMostModeRows =
     96;  ///< of closed contacts and limits; what lies with more is at rest

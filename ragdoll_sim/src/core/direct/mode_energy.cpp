@@ -48,13 +48,14 @@ void takeOut(Island& island, const std::vector<Body*>& bodies, bool held, double
 
 }  // namespace
 
-void keepEnergies(Island& island, const ModePoint& point) {
-  const int count = static_cast<int>(island.bodies.size());
-  island.s.energies.resize(count);
-  for (int k = 0; k < count; ++k) island.s.energies[k] = kineticEnergyAt(island, k, point);
+void findEnergies(const Island& island, const ModePoint& point, std::vector<double>& energies) {
+  energies.clear();
+  for (int k = 0; k < static_cast<int>(island.bodies.size()); ++k)
+    energies.push_back(kineticEnergyAt(island, k, point));
 }
 
-void takeImpactGains(Island& island, const ModeVector& p, ModePoint& point) {
+void takeImpactGains(Island& island, const ModeVector& p, const std::vector<double>& before,
+                     ModePoint& point) {
   const Mode& mode = island.s.mode;
   std::vector<int>& group_of = island.s.group;
   group_of.resize(island.bodies.size());
@@ -67,8 +68,8 @@ void takeImpactGains(Island& island, const ModeVector& p, ModePoint& point) {
     bool held = false;
     for (int k = first; k < static_cast<int>(group_of.size()); ++k) {
       if (group_of[k] != first) continue;
-      energy += island.s.energies[k];
-      gain += kineticEnergyAt(island, k, point) - island.s.energies[k];
+      energy += before[k];
+      gain += kineticEnergyAt(island, k, point) - before[k];
       held = held || isHeld(island, p, k);
     }
     if (gain > kLeastGain * energy)

@@ -3,16 +3,20 @@
 // takes it out of a substep (mechanics/energy_removal.h).
 #pragma once
 
+#include <vector>
+
 #include "core/direct/island.h"
 #include "core/direct/mode_solve.h"
 
 namespace ragdoll {
 
-/// island.s.energies <- the bodies' kinetic energies [J] at the point.
-void keepEnergies(Island& island, const ModePoint& point);
+/// energies <- the bodies' kinetic energies [J] at the point.
+void findEnergies(const Island& island, const ModePoint& point, std::vector<double>& energies);
 
-/// Takes what an impact with impulses p has given since then out of the velocities of those that it
-/// pressed on: of each group that it pressed together what that has gained.
-void takeImpactGains(Island& island, const ModeVector& p, ModePoint& point);
+/// Takes what an impact with impulses p has given out of the velocities of those that it pressed on:
+/// of each group that it pressed together what that has gained. before: the bodies' kinetic energies
+/// [J] before it.
+void takeImpactGains(Island& island, const ModeVector& p, const std::vector<double>& before,
+                     ModePoint& point);
 
 }  // namespace ragdoll

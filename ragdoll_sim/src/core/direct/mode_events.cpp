@@ -302,7 +302,7 @@ bool moveThroughEvents(Island& island, double h, int& contacts) {
   if (!isFit(island)) return false;
   const BeforeMode before(island);
   double reach = reachOf(island, h), went = 0;
-  while (listModeRows(island, reach)) {
+  for (int list = 0; list < kMostLists && listModeRows(island, reach); ++list) {
     startMotion(island);
     const bool taken = takePieces(island, h, went);
     if (taken && went <= reach) {

@@ -361,9 +361,10 @@ bool takeModeImpact(Island& island, ModePoint& point) {
   keepMode(island);
   holdWhatStays(mode, rates + system.A * system.p);
   findSpins(island, point.x.data(), point.v.data(), SpinOf::kPressing);  // after it, as shake
-  keepEnergies(island, point);
+  std::vector<double>& energies = island.s.energies;
+  findEnergies(island, point, energies);
   push(island, system.p, point.x.data(), point.v.data());
-  takeImpactGains(island, system.p, point);
+  takeImpactGains(island, system.p, energies, point);
   logImpact(island, system, rates, point);
   keepMet(island, system.p);
   return point.v.allFinite();

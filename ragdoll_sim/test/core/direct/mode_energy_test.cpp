@@ -20,7 +20,7 @@ struct ThreeBalls : ModeBody {
     mode().rows.push_back(row);
     mode().first.assign(1, 0);
     move({1, 0, 0}, {-1, 0, 0}, {0, 3, 0});
-    keepEnergies(island, now());
+    findEnergies(island, now(), before);
   }
   void move(const Vec3& first, const Vec3& second, const Vec3& third) {
     for (int k = 0; k < 3; ++k)
@@ -30,8 +30,10 @@ struct ThreeBalls : ModeBody {
   void takeGains(double pressed) {
     ModeVector p(1);
     p[0] = pressed;
-    takeImpactGains(island, p, now());
+    takeImpactGains(island, p, before, now());
   }
+  std::vector<double> before;
+
   static Scene scene() {
     Scene scene = modeScene(oneParticle(2, 0.1), Vec3(0, 0, 5), floorPlane());
     scene.ragdoll_collision = true;
