@@ -70,6 +70,26 @@ TEST(WithinAStep, AWhippedTipMeetsAWall) {
   EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1.0 / 250, 0.048) - exact), 1e-3);
 }
 
+/// A ball rolls off a bar's end: at the start of a step the end is nearer to it than shake's
+/// tolerance, but where they touch is still the bar.
+TEST(WithinAStep, ABarsEndIsNotReachedBeforeItIs) {
+  const Scene scene = parseScene(R"(
+ragdoll_collision: true
+pins: [bar/a]
+ragdolls:
+  - {name: bar, position: [0, 0, 1], model: {sticks: [[a, b]], particles: {
+       a: {position: [0, 0, 0], mass: 1, radius: 0.02}, b: {position: [0.5, 0, 0], mass: 0.3, radius: 0.02}}}}
+  - {name: ball, position: [0.2, 0, 1.3], velocity: [0, 0, -5],
+     model: {particles: {p: {position: [0, 0, 0], mass: 2, radius: 0.04}}}}
+  - {name: low, position: [0.42, 0.01, 0.9], velocity: [0, 0, 1],
+     model: {particles: {p: {position: [0, 0, 0], mass: 0.5, radius: 0.03}}}}
+obstacles: [{type: sphere, position: [0.3, 0, 0.6], radius: 0.15, friction: 0.5, restitution: 0.6}]
+)");
+  const Points exact = endOfImpacts(scene, Method::kRk, 1.0 / 4000, 0.2);
+  for (const double rate : {500.0, 1000.0, 2000.0})
+    EXPECT_LT(largest(endOfImpacts(scene, Method::kRk, 1 / rate, 0.2) - exact), 1e-10) << rate;
+}
+
 /// What hangs on a pin that stops goes on from there: until then it was moved along.
 TEST(WithinAStep, APinThatStopsLeavesRkItsOrder) {
   Scene scene = parseScene(R"(

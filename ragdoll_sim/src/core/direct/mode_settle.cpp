@@ -1,5 +1,7 @@
 #include "core/direct/mode_settle.h"
 
+#include <algorithm>
+
 #include "core/direct/constants.h"
 #include "core/direct/contact_motion.h"
 #include "core/direct/mode_constants.h"
@@ -47,6 +49,26 @@ double closeness(const ModeRow& row, bool in_impact) {
   return row.isContact() ? smallest.touching : smallest.touching_angle;
 }
 
+/// Whether a row is of two capsules, or of ends of them.
+bool isWithin(const ModeRow& row, const ModeRow& capsules) {
+  const auto isEnd = [](int particle, int a, int b) { return particle == a || particle == b; };
+  return isEnd(row.a, capsules.a, capsules.b) && isEnd(row.b, capsules.a, capsules.b) &&
+         isEnd(row.c, capsules.c, capsules.d) && isEnd(row.d, capsules.c, capsules.d);
+}
+
+/// Whether the two capsules of a row touch elsewhere: what pressed between them did so there.
+bool touchesElsewhere(Island& island, const ModeRow& row) {
+  if (row.kind != ModeRow::Kind::kPair) return false;
+  const ModePoint& now = island.s.mode.start;
+  const std::vector<ModeRow>& rows = island.s.mode.rows;
+  return std::any_of(rows.begin(), rows.end(), [&](const ModeRow& other) {
+    return &other != &row && other.kind == row.kind && other.body == row.body &&
+           other.other == row.other && (isWithin(row, other) || isWithin(other, row)) &&
+           gapOf(island, other, now.x.data()) < kClosedGap &&
+           placeOf(island, other, now.x.data(), now.v.data(), false).inside;
+  });
+}
+
 /// What touches at mode.start; returns whether some of it approaches. ahead: a moment later.
 /// pressed: what pressed in the last step may be a little off. in_impact: what opens counts as
 /// closed, too; an impact may close it.
@@ -68,7 +90,9 @@ bool findClosed(Island& island, const ModePoint& ahead, bool pressed, bool in_im
     if (pressed && row.gap_start >= close) {
       const Tolerances& tolerances = island.context.tolerances;
       const double touching = row.isContact() ? tolerances.touching : tolerances.touching_angle;
-      if (row.gap_start >= touching || !hasPressed(island, row, place)) continue;
+      if (row.gap_start >= touching || !hasPressed(island, row, place) ||
+          touchesElsewhere(island, row))
+        continue;
     }
     const double rate = rateOf(island, row, place, mode.start.v.data());
     row.closed = in_impact || rate <= kLeaving;
