@@ -24,6 +24,8 @@ BoundMesh coarsened(const BoundMesh& bound, double loss) {
   return result;
 }
 
+}  // namespace
+
 /// Sticks and particles themselves, as the coat `sticks` shows them.
 class StickMesh {
  public:
@@ -82,8 +84,6 @@ class StickMesh {
   Mesh rod_;  ///< of length 1 along z
   Mesh ball_, rest_;
 };
-
-}  // namespace
 
 struct CoatMesh::Impl {
   Mesh none;
