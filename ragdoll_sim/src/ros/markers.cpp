@@ -17,7 +17,7 @@ using visualization_msgs::Marker;
 
 constexpr milliseconds kMarkerPeriod{33};   ///< at most 30 Hz
 constexpr milliseconds kStickPeriod{200};   ///< 5 Hz: the sticks of one body are 7 kB/s
-constexpr std::chrono::seconds kAgain{60};  ///< a floor is 216 kB: 4 kB/s
+constexpr std::chrono::seconds kSentAgain{60};  ///< a floor is 216 kB: 4 kB/s
 constexpr std::chrono::seconds kReset{1};   ///< a slow rviz has seen a clock that went back
 constexpr double kBodyLifetime = 0.5;       ///< [s]
 constexpr double kForever = 0;              ///< [s]
@@ -76,7 +76,7 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture,
   const bool all = newcomer_.exchange(false), slow = all || now >= next_sticks_;
   if (slow) next_sticks_ = now + kStickPeriod;
   const bool again = all || now >= next_obstacles_;
-  if (again) next_obstacles_ = now + kAgain;
+  if (again) next_obstacles_ = now + kSentAgain;
   message_.markers.clear();
   addObstacles(world, again);
   addScenery(world, posture, slow);

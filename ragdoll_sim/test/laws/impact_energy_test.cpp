@@ -54,10 +54,11 @@ TEST(ImpactEnergy, IsNotTakenOutOfWhatFliesBy) {
   scene.ragdolls[1].name = "ball";
   scene.ragdolls[1].velocity = velocity;
   const Vec3 start = scene.ragdolls[1].pose.position;
-  for (const double rate : {250.0, 1000.0}) {
-    const Points end = endOfImpacts(scene, Method::kRk, 1 / rate, 0.012);
-    EXPECT_LT((end.col(2) - start - 0.012 * velocity).norm(), 1e-12) << rate;
-  }
+  for (const Method method : {Method::kRk, Method::kShake})
+    for (const double rate : {250.0, 1000.0}) {
+      const Points end = endOfImpacts(scene, method, 1 / rate, 0.012);
+      EXPECT_LT((end.col(2) - start - 0.012 * velocity).norm(), 1e-12) << rate;
+    }
 }
 
 }  // namespace

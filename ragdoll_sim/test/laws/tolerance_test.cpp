@@ -165,6 +165,28 @@ TEST(Tolerance, IsKeptIn95Of100WindowsOfAllKinds) {
     }
 }
 
+/// Two balls, 1e-7 m apart, fly at a wall that throws back half of the speed. The first is thrown
+/// onto the second and goes back to the wall with it, at (1 - e) / 2. Were the gap none, the first
+/// would push the second along: both at e.
+TEST(Tolerance, TellsANarrowGapFromNone) {
+  constexpr double kRadius = 0.1, kGap = 1e-7, kAway = 2.53e-3, kBounce = 0.5;
+  Scene scene = sceneOf(oneParticle(1, kRadius), Vec3(0, 0, kRadius + kAway));
+  scene.gravity.setZero();
+  scene.ragdoll_collision = true;
+  scene.obstacles = {floorPlane(0, kBounce)};
+  scene.ragdolls[0].velocity = Vec3(0, 0, -1);
+  scene.ragdolls.push_back(scene.ragdolls[0]);
+  scene.ragdolls[1].name = "second";
+  scene.ragdolls[1].pose.position.z() += 2 * kRadius + kGap;
+  const double seconds = 0.016, back = kBounce * (1 - kBounce) / 2;
+  for (const double step : {1e-3, 0.004, 0.016})
+    for (const double tolerance : {1e-2, 1e-5}) {
+      const Points end = runOf(scene, Method::kShake, step, tolerance, seconds).x;
+      EXPECT_NEAR(end(2, 0), kRadius + back * (seconds - kAway), 1e-6) << step << " " << tolerance;
+      EXPECT_NEAR(end(2, 1) - end(2, 0), 2 * kRadius, 1e-6) << step << " " << tolerance;
+    }
+}
+
 /// What the control may cost where nothing it does helps: two bodies on each other and on the floor.
 TEST(Tolerance, BoundsTheWork) {
   constexpr double kTolerance = 1e-3, kSeconds = 0.5;

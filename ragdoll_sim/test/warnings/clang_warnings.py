@@ -21,6 +21,7 @@ from xml.sax.saxutils import escape
 WARNINGS = ['-Wall', '-Wextra', '-Wunused-const-variable', '-Wshadow-field', '-Wshadow']
 SKIPPED = 77
 JOBS = 2
+AT_ONCE = 24  # sources: what they instantiate of Eigen once
 KEPT = ('-D', '-U', '-I', '-std=', '-ffp-contract', '-fPIC')  # of the options that gcc is given
 WITH_VALUE = ('-isystem', '-include', '-I', '-D')
 
@@ -71,23 +72,37 @@ def source_of(entry):
     return os.path.realpath(os.path.join(entry['directory'], entry['file']))
 
 
+def is_of_several(entry):
+    """Whether a unity build has put it together."""
+    return os.path.basename(source_of(entry)).startswith('unity_')
+
+
 def sources_of(entry):
-    """Those that a unity build has put together in one file, or the entry's own."""
+    """Those that are put together in it, or the entry's own."""
     source = source_of(entry)
-    if not os.path.basename(source).startswith('unity_'):
+    if not is_of_several(entry):
         return [source]
     return [os.path.realpath(included)
             for included in re.findall('^#include "(.+)"', open(source).read(), re.MULTILINE)]
 
 
+def joins(unit, entry, own):
+    """Whether the sources of an entry go with those of a unit, each of a unity build."""
+    return (is_of_several(unit[0]) and is_of_several(entry) and len(unit[1]) + len(own) <= AT_ONCE
+            and options_of(unit[0]) == options_of(entry))
+
+
 def units_below(commands, folders):
-    """[(entry, its sources below the folders)]; what is compiled for several targets once."""
+    """[(entry, sources below the folders)], with entries that a unity build has made of one target
+    in one; what is compiled for several targets once."""
     roots = tuple(os.path.realpath(folder) + os.sep for folder in folders)
     units, seen = [], set()
     for entry in json.load(open(commands)):
         own = [source for source in sources_of(entry) if source.startswith(roots) and source not in seen]
         seen.update(own)
-        if own:
+        if own and units and joins(units[-1], entry, own):
+            units[-1][1].extend(own)
+        elif own:
             units.append((entry, own))
     return units
 

@@ -108,7 +108,7 @@ struct Skeleton {
   std::vector<RigidGroup> groups;        ///< four particles or more, or fewer that are degenerate
   std::vector<Capsule> capsules;         ///< if the scene lets bodies touch each other
   std::vector<Compliance> capsule_contact;  ///< as capsules
-  std::vector<CapsulePair> self_pairs;   ///< that may touch; if the scene has self_collision
+  std::vector<CapsulePair> self_pairs;      ///< that may touch; if the scene has self_collision
   std::vector<LeftOutPair> left_out_pairs;
   Eigen::MatrixXd M;   ///< [kg] n x n, symmetric, positive definite
   bool lumped = true;  ///< M is diagonal
@@ -162,9 +162,9 @@ struct System {
 
 struct Ragdoll {
   std::string name;
-  int skeleton = 0;  ///< index into Model::skeletons
-  int system = 0;    ///< index into Model::systems
-  int first = 0;     ///< its particles are columns first ... first + n - 1 of the state
+  int skeleton = 0;        ///< index into Model::skeletons
+  int system = 0;          ///< index into Model::systems
+  int first = 0;           ///< its particles are columns first ... first + n - 1 of the state
   bool compliant = false;  ///< the skeleton's contact regions give way
 };
 
@@ -181,8 +181,8 @@ struct Obstacle {
 
 struct Pin {
   int ragdoll = 0;
-  int particle = 0;  ///< of the state (column)
-  Vec3 target;       ///< [m] start
+  int particle = 0;            ///< of the state (column)
+  Vec3 target = Vec3::Zero();  ///< [m] start
   std::string frame;
 };
 

@@ -58,9 +58,13 @@ class StepParts {
 
  private:
   StepContext contextOf(double part, const Impulses& before) const {
-    return {whole_.model,  s_.inputs,    part,      whole_.force,    whole_.guarded,
-            false,         whole_.state, whole_.ws, whole_.supports, whole_.log,
-            whole_.worker, &before,      whole_.h};
+    StepContext context{whole_.model,  s_.inputs,    part,      whole_.force,    whole_.guarded,
+                        false,         whole_.state, whole_.ws, whole_.supports, whole_.log,
+                        whole_.worker, &before,      whole_.h};
+    // Whatever its length: the two halves do not tell what else would follow if what counts as
+    // touching were still open.
+    context.tolerances = tolerancesFor(0);
+    return context;
   }
   void saveIn(std::vector<SavedMotion>& saved) const;
   /// Where pins and obstacles are at both ends of a part.

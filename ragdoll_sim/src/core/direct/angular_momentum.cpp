@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "core/direct/constants.h"
 #include "core/direct/contact_motion.h"
 #include "core/direct/energy.h"
 #include "core/direct/group_motion.h"
+#include "core/direct/impact_energy.h"
 
 namespace ragdoll {
 namespace {
@@ -86,7 +86,7 @@ void giveSpin(Island& island, const std::vector<Body*>& bodies, const Vec3& cent
   const double excess = needed - spare;
   if (!(excess > 0)) return;
   const bool takes = !smooth && !island.context.model.compliant;
-  if (takes && takeEnergyOut(island, bodies, excess) <= 0) return;
+  if (takes && takeEnergyOut(island, bodies, isHeld(island, bodies), excess) <= 0) return;
   if (takes)
     for (Body* body : bodies) body->v() = island.s.removal.before.middleCols(body->first, body->n);
   const double share = (std::sqrt(given * given + 2 * square * spare) - given) / square;
@@ -119,19 +119,6 @@ void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took,
 void join(const Island& island, int first, int second, std::vector<int>& group_of) {
   const int a = island.placeOf(first), b = island.placeOf(second);
   if (a >= 0 && b >= 0) joinGroups(a, b, group_of);
-}
-
-/// Each body by itself.
-void startGroups(const Island& island, std::vector<int>& group_of) {
-  group_of.resize(island.bodies.size());
-  std::iota(group_of.begin(), group_of.end(), 0);
-}
-
-/// of(bodies) of each group.
-template <class Of>
-void forEachGroup(const Island& island, const std::vector<int>& group_of, const Of& of) {
-  for (int k = 0; k < static_cast<int>(group_of.size()); ++k)
-    if (group_of[k] == k) of(membersOf(island, group_of, k));
 }
 
 /// What pressed with p in a solution of velocities: of(contact, its first row).
@@ -178,6 +165,27 @@ Pushed pushedBy(const RowValues& p, const Island& island, const std::vector<Body
   for (const Body* body : bodies)
     pushed.held = pushed.held || !body->pinned->pins.empty() || staysOnObstacle(*body);
   return pushed;
+}
+
+/// As a spin, what friction took by its couple.
+void giveCoupleBack(Island& island, const std::vector<Body*>& bodies, const Pushed& pushed,
+                    double took) {
+  const auto x = [](const Body& body) { return body.x(); };
+  const auto v = [](const Body& body) { return body.v(); };
+  const RigidMotion drift = driftOf(bodies, x, v);
+  const Rotation now = rotationOf(bodies, drift, x, v);
+  giveSpin(island, bodies, drift.centre, exactSpinOf(now.inertia, -pushed.couple), now, took);
+}
+
+/// Takes out what an impact gave to bodies that it pressed together. before: [J] of each of the
+/// island. What moves obstacles and pins may give energy (energy.h).
+void takeImpactGain(Island& island, const std::vector<Body*>& bodies, bool held,
+                    const std::vector<double>& before) {
+  if (std::any_of(bodies.begin(), bodies.end(), [](const Body* body) { return body->driven; }))
+    return;
+  const auto energyOf = [](Body& body) { return kineticEnergy(body); };
+  const double gain = impactGain(island, bodies, before, energyOf);
+  if (gain > 0) takeEnergyOut(island, bodies, held, gain);
 }
 
 /// Whether a contact between two bodies presses in the present stage.
@@ -274,21 +282,18 @@ void restoreAngularMomentum(Island& island, double took, Held when) {
                [&](const std::vector<Body*>& bodies) { restoreGroup(island, bodies, took, when); });
 }
 
-void restoreAfterImpact(Island& island, VelocityImpulses impulses, double took) {
-  if (!impulses) return;
+void restoreAfterImpact(Island& island, const VelocitySolution& impact, double took) {
+  if (!impact.impulses) return;
+  const RowValues& p = *impact.impulses;
   std::vector<int>& group_of = island.s.group;
   startGroups(island, group_of);
-  forEachPushed(island, *impulses, [&](const Contact& c, int) {
+  forEachPushed(island, p, [&](const Contact& c, int) {
     if (c.other >= 0) join(island, c.ragdoll, c.other, group_of);
   });
   forEachGroup(island, group_of, [&](const std::vector<Body*>& bodies) {
-    const Pushed pushed = pushedBy(*impulses, island, bodies);
-    if (pushed.held || pushed.couple.isZero(0)) return;
-    const auto x = [](const Body& body) { return body.x(); };
-    const auto v = [](const Body& body) { return body.v(); };
-    const RigidMotion drift = driftOf(bodies, x, v);
-    const Rotation now = rotationOf(bodies, drift, x, v);
-    giveSpin(island, bodies, drift.centre, exactSpinOf(now.inertia, -pushed.couple), now, took);
+    const Pushed pushed = pushedBy(p, island, bodies);
+    if (!pushed.held && !pushed.couple.isZero(0)) giveCoupleBack(island, bodies, pushed, took);
+    takeImpactGain(island, bodies, pushed.held, *impact.energies);
   });
 }
 

@@ -34,9 +34,9 @@ inline Vec3 commonTurn(const Vec3& turn, const Contact& own) {
 /// sleepers take part.
 void restoreAngularMomentum(Island& island, double took, Held when = Held::kAfterImpact);
 
-/// After an impact that pressed with `impulses`: what its friction took of bodies that it pressed
-/// on each other, and nothing outside on them, whatever held them until then. took: [s] by the
-/// trial, at the most.
-void restoreAfterImpact(Island& island, VelocityImpulses impulses, double took);
+/// After an impact. Bodies that it pressed on each other, and nothing outside on them, whatever held
+/// them until then, get back what its friction took. Energy that it gave (impact_energy.h) is taken
+/// out. took: [s] by the trial, at the most.
+void restoreAfterImpact(Island& island, const VelocitySolution& impact, double took);
 
 }  // namespace ragdoll

@@ -135,10 +135,11 @@ void findAnew(Owner& owner, ContactSet& set, double over) {
   const StepContext& step = contextOf(owner);
   const auto isOther = [&](const Contact& c) { return hasOtherPlane(step, c, over); };
   if (std::none_of(set.contacts.begin(), set.contacts.end(), isOther)) return;
-  set.missed.clear();
-  appendNear(owner, over, set.missed);
+  std::vector<Contact>& near = set.scratch;
+  near.clear();
+  appendNear(owner, over, near);
   for (Contact& c : set.contacts)
-    if (isOther(c) && takeNearest(set.missed, c)) startContact(owner, c, over, over);
+    if (isOther(c) && takeNearest(near, c)) startContact(owner, c, over, over);
 }
 
 /// Whether one of the same surfaces is among the first `count` contacts.
@@ -157,11 +158,11 @@ void startMissed(const Owner& owner, Contact& c, double h) {
     c.offset = std::min(c.offset, c.found - std::max(0.0, -c.gap_start - recoverySpeed(c) * h));
 }
 
-/// Adds those of set.missed that the motions go into; whether there are any.
+/// Adds those of `found` that the motions go into; whether there are any.
 template <class Owner>
-bool takeMissed(const Owner& owner, ContactSet& set, double h) {
+bool takeMissed(const Owner& owner, std::vector<Contact>& found, ContactSet& set, double h) {
   const std::size_t known = set.contacts.size();
-  for (Contact& c : set.missed) {
+  for (Contact& c : found) {
     startMissed(owner, c, h);
     if (c.isSoft() && isKnown(set.contacts, known, c)) continue;  // its spring overlaps
     if (gapAfter(owner, c) >= (c.obstacle >= 0 ? -kGapResolution : -kSlop)) continue;
@@ -257,26 +258,28 @@ bool findMissed(Body& body, double h) {
   const bool limits = body.isWhole() || step.relaxed;
   const Points& after = poseAfter(body);
   const bool any = limits && addLimits(body, -kGapResolution / kLever, step.h, Role::kActive);
-  set.missed.clear();
+  std::vector<Contact>& found = set.scratch;
+  found.clear();
   if (!step.ws.obstacles.empty()) {
     const std::vector<SweptObstacle>& swept = obstaclesOver(body, h);
-    appendContacts(step.model, swept, step.state.x, after, body.index, 0, set.missed);
-    appendStickOverlaps(step.model, swept, step.state.x, after, body.index, kSlop, set.missed);
+    appendContacts(step.model, swept, step.state.x, after, body.index, 0, found);
+    appendStickOverlaps(step.model, swept, step.state.x, after, body.index, kSlop, found);
   }
   if (step.model.self_collision)
     body.detector.appendSelf(step.model, step.state.x, after, body.index,
-                             PairSearch::overlaps(kSlop), set.missed);
-  filter(body, set.missed);
-  return takeMissed(body, set, h) || any;
+                             PairSearch::overlaps(kSlop), found);
+  filter(body, found);
+  return takeMissed(body, found, set, h) || any;
 }
 
 bool findMissed(Island& island, double h) {
   bool any = false;
   for (Body* body : island.bodies) any = findMissed(*body, h) || any;
   if (island.isLone()) return any;
-  island.pairs.missed.clear();
-  appendBetween(island, PairSearch::overlaps(kSlop), island.pairs.missed);
-  return takeMissed(island, island.pairs, h) || any;
+  std::vector<Contact>& found = island.pairs.scratch;
+  found.clear();
+  appendBetween(island, PairSearch::overlaps(kSlop), found);
+  return takeMissed(island, found, island.pairs, h) || any;
 }
 
 bool activateViolated(Body& body) {

@@ -41,7 +41,7 @@ struct ContactSet {
   Roomy<Role> role;          ///< of each
   Roomy<int> row;            ///< the first of each, or -1
   Roomy<SpringRow> springs;  ///< of each
-  Roomy<Contact> missed;     ///< scratch: what is found beside them
+  Roomy<Contact> scratch;    ///< of who looks for others
 };
 
 /// Those of them that touch at the motion's end: what its velocities are solved for.

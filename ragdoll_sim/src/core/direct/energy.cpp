@@ -17,7 +17,7 @@ namespace {
 /// planes.
 double storedAt(Body& body, double took, const Points& pose, bool after) {
   const StepContext& step = *body.context;
-  std::vector<Contact>& contacts = body.constraints.missed;
+  std::vector<Contact>& contacts = body.constraints.scratch;
   contacts.clear();
   appendContacts(step.model, obstaclesOver(body, took), pose, pose, body.index, 0, contacts);
   if (step.model.self_collision)
@@ -61,7 +61,7 @@ bool has(const std::vector<Body*>& bodies, int ragdoll) {
 /// [J] in the springs that these bodies are at an end of, at a pose.
 double storedBetween(Island& island, const std::vector<Body*>& bodies, const Points& pose) {
   const StepContext& step = island.context;
-  std::vector<Contact>& contacts = island.pairs.missed;
+  std::vector<Contact>& contacts = island.pairs.scratch;
   contacts.clear();
   island.s.detector.appendBetween(step.model, step.state, island.s.all, pose, pose,
                                   PairSearch::touches(0), contacts);
@@ -254,17 +254,18 @@ double wildGain(Island& island) {
   return wild;
 }
 
-double takeEnergyOut(Island& island, const std::vector<Body*>& bodies, double gain) {
+double takeEnergyOut(Island& island, const std::vector<Body*>& bodies, bool held, double gain) {
   std::vector<int>& ragdolls = island.s.drained;
   ragdolls.clear();
   for (const Body* body : bodies) ragdolls.push_back(body->index);
-  return takeEnergyOut(island.context.model, ragdolls, isHeld(island, bodies), gain,
-                       island.context.state.x, island.context.state.v, island.s.removal);
+  return takeEnergyOut(island.context.model, ragdolls, held, gain, island.context.state.x,
+                       island.context.state.v, island.s.removal);
 }
 
 bool removeEnergy(Island& island, double gain, double took) {
   if (!(gain > 0)) return true;
-  const double left = takeEnergyOut(island, island.bodies, gain);
+  const bool held = isHeld(island, island.bodies);
+  const double left = takeEnergyOut(island, island.bodies, held, gain);
   double energy = std::max(1.0, kineticEnergyOf(island));  // without what was gained
   if (left <= kRedoGain * energy) return true;
   for (Body* body : island.bodies) energy += kineticEnergyBefore(*body);

@@ -38,8 +38,9 @@ enum class Held { kBeforeImpact, kAfterImpact };
 bool isHeld(const Island& island, const std::vector<Body*>& bodies, Held when = Held::kAfterImpact);
 
 /// Takes a gain out of the motion of some bodies of an island (energy_removal.h); returns what is
-/// left of it. island.s.removal.before: velocities as they were (columns as the state's).
-double takeEnergyOut(Island& island, const std::vector<Body*>& bodies, double gain);
+/// left of it. held: isHeld. island.s.removal.before: velocities as they were (columns as the
+/// state's).
+double takeEnergyOut(Island& island, const std::vector<Body*>& bodies, bool held, double gain);
 /// The same of all, after a trial that took so long [s]. Whether all of it is out, or nearly.
 bool removeEnergy(Island& island, double gain, double took);
 

@@ -2,12 +2,19 @@
 #pragma once
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
 #include "core/direct/island.h"
 #include "core/mechanics/joint_damping.h"
 
 namespace ragdoll {
+
+/// Each body by itself.
+inline void startGroups(const Island& island, std::vector<int>& group_of) {
+  group_of.resize(island.bodies.size());
+  std::iota(group_of.begin(), group_of.end(), 0);
+}
 
 /// Makes one of two groups of bodies; group_of: a number for each body, the place of its first.
 inline void joinGroups(int a, int b, std::vector<int>& group_of) {
@@ -23,6 +30,13 @@ inline const std::vector<Body*>& membersOf(const Island& island, const std::vect
   for (std::size_t k = 0; k < group_of.size(); ++k)
     if (group_of[k] == group) members.push_back(island.bodies[k]);
   return members;
+}
+
+/// of(bodies) of each group.
+template <class Of>
+void forEachGroup(const Island& island, const std::vector<int>& group_of, const Of& of) {
+  for (int k = 0; k < static_cast<int>(group_of.size()); ++k)
+    if (group_of[k] == k) of(membersOf(island, group_of, k));
 }
 
 /// The motion of the bodies' common centre of mass, at x, v of each: of(body).

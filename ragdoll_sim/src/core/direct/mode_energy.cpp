@@ -1,9 +1,9 @@
 #include "core/direct/mode_energy.h"
 
-#include <numeric>
+#include <algorithm>
 
-#include "core/direct/constants.h"
 #include "core/direct/group_motion.h"
+#include "core/direct/impact_energy.h"
 
 namespace ragdoll {
 namespace {
@@ -14,13 +14,17 @@ double kineticEnergyAt(const Island& island, int k, const ModePoint& point) {
   return kineticEnergy(*body.rows, Eigen::Map<const Points>(v, 3, body.n), body.energy);
 }
 
-/// Whether the impact pressed the body on what is no body that moves, or a pin holds it.
-bool isHeld(const Island& island, const ModeVector& p, int k) {
+/// Whether the impact pressed one of the bodies on what is no body that moves, or a pin holds it.
+bool isHeld(const Island& island, const ModeVector& p, const std::vector<Body*>& bodies) {
   const Mode& mode = island.s.mode;
-  if (!island.bodies[k]->pinned->pins.empty()) return true;
+  const auto isOf = [&](int k) {
+    return std::find(bodies.begin(), bodies.end(), island.bodies[k]) != bodies.end();
+  };
+  for (const Body* body : bodies)
+    if (!body->pinned->pins.empty()) return true;
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
-    if (mode.first[i] >= 0 && mode.rows[i].body == k && mode.rows[i].obstacle >= 0 &&
-        mode.rows[i].isContact() && p[mode.first[i]] > 0)
+    if (mode.first[i] >= 0 && mode.rows[i].obstacle >= 0 && mode.rows[i].isContact() &&
+        p[mode.first[i]] > 0 && isOf(mode.rows[i].body))
       return true;
   return false;
 }
@@ -42,8 +46,7 @@ void takeOut(Island& island, const std::vector<Body*>& bodies, bool held, double
     s.v.middleCols(body->first, body->n) = coordinates(body, point.v);
   }
   takeEnergyOut(island.context.model, ragdolls, held, gain, s.x, s.v, s);
-  for (const Body* body : bodies)
-    coordinates(body, point.v) = s.v.middleCols(body->first, body->n);
+  for (const Body* body : bodies) coordinates(body, point.v) = s.v.middleCols(body->first, body->n);
 }
 
 }  // namespace
@@ -58,23 +61,17 @@ void takeImpactGains(Island& island, const ModeVector& p, const std::vector<doub
                      ModePoint& point) {
   const Mode& mode = island.s.mode;
   std::vector<int>& group_of = island.s.group;
-  group_of.resize(island.bodies.size());
-  std::iota(group_of.begin(), group_of.end(), 0);
+  startGroups(island, group_of);
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
     if (mode.rows[i].isShared() && mode.first[i] >= 0 && p[mode.first[i]] > 0)
       joinGroups(mode.rows[i].body, mode.rows[i].other, group_of);
-  for (int first = 0; first < static_cast<int>(group_of.size()); ++first) {
-    double energy = 0, gain = 0;
-    bool held = false;
-    for (int k = first; k < static_cast<int>(group_of.size()); ++k) {
-      if (group_of[k] != first) continue;
-      energy += before[k];
-      gain += kineticEnergyAt(island, k, point) - before[k];
-      held = held || isHeld(island, p, k);
-    }
-    if (gain > kLeastGain * energy)
-      takeOut(island, membersOf(island, group_of, first), held, gain, point);
-  }
+  const auto energyOf = [&](const Body& body) {
+    return kineticEnergyAt(island, island.placeOf(body.index), point);
+  };
+  forEachGroup(island, group_of, [&](const std::vector<Body*>& bodies) {
+    const double gain = impactGain(island, bodies, before, energyOf);
+    if (gain > 0) takeOut(island, bodies, isHeld(island, p, bodies), gain, point);
+  });
 }
 
 }  // namespace ragdoll

@@ -1,6 +1,4 @@
-// Energy in an impact of rk from event to event. Newton's restitution with Coulomb's friction may
-// give some where a body is hit off its middle [Stronge1990]: it is taken out at once, as shake
-// takes it out of a substep (mechanics/energy_removal.h).
+// Energy in an impact of rk from event to event (impact_energy.h).
 #pragma once
 
 #include <vector>
@@ -13,9 +11,9 @@ namespace ragdoll {
 /// energies <- the bodies' kinetic energies [J] at the point.
 void findEnergies(const Island& island, const ModePoint& point, std::vector<double>& energies);
 
-/// Takes what an impact with impulses p has given out of the velocities of those that it pressed on:
-/// of each group that it pressed together what that has gained. before: the bodies' kinetic energies
-/// [J] before it.
+/// Takes what an impact with impulses p has given out of the velocities of those that it pressed
+/// on: of each group that it pressed together what that has gained. before: the bodies' kinetic
+/// energies [J] before it.
 void takeImpactGains(Island& island, const ModeVector& p, const std::vector<double>& before,
                      ModePoint& point);
 

@@ -304,7 +304,7 @@ void pressAndDamp(Island& island, int first_pair, double damping, const RowValue
 }
 
 /// One solution of the rates and what it does to velocities. damping: [s] of the motion within.
-VelocityImpulses pushVelocities(Island& island, int first_pair, const Solution& of,
+const RowValues& pushVelocities(Island& island, int first_pair, const Solution& of,
                                 double damping = 0) {
   IslandScratch& s = island.s;
   RowValues &b = s.b, &p = s.p, &change = s.change;
@@ -329,7 +329,17 @@ VelocityImpulses pushVelocities(Island& island, int first_pair, const Solution& 
   push(island, pressed ? change : p);
   if (isLogged(island)) logVelocities(island, p, s.rates, {of.impact, of.h});
   if (!damps) dampWithin(island, damping);
-  return &p;
+  return p;
+}
+
+/// One solution of an impact.
+VelocitySolution solveImpact(Island& island, int first_pair, const Solution& of) {
+  std::vector<double>& before = island.s.energies;
+  before.clear();
+  for (Body* body : island.bodies) before.push_back(kineticEnergy(*body));
+  const RowValues& impulses = pushVelocities(island, first_pair, of);
+  keepPressed(island, first_pair, impulses, island.pairs.met);
+  return {&impulses, &before};
 }
 
 bool touches(const Island& island) {
@@ -364,17 +374,17 @@ void releaseSprings(Body& body, double h) {
   }
 }
 
-VelocityImpulses finishMotion(Island& island, double h, bool leapfrog, Stage stage,
+VelocitySolution finishMotion(Island& island, double h, bool leapfrog, Stage stage,
                               double damping) {
   findTouchingPairs(island, h, leapfrog);
   if (isLogged(island)) logPositions(island, h);
   for (Body* body : island.bodies) makeMotion(*body, h, leapfrog);
-  const VelocityImpulses impulses = solveVelocities(island, stage, h, damping);
+  const VelocitySolution solution = solveVelocities(island, stage, h, damping);
   for (Body* body : island.bodies) body->memory->response.endIsStart();
-  return impulses;
+  return solution;
 }
 
-VelocityImpulses bounce(Island& island, Stage stage) {
+VelocitySolution bounce(Island& island, Stage stage) {
   for (Body* body : island.bodies) {
     body->motion.dx.setZero(3, body->n);
     body->memory->response.setStart(body->xData());
@@ -384,13 +394,13 @@ VelocityImpulses bounce(Island& island, Stage stage) {
   return solveVelocities(island, stage, 0, 0);
 }
 
-VelocityImpulses solveVelocities(Island& island, Stage stage, double h, double damping) {
+VelocitySolution solveVelocities(Island& island, Stage stage, double h, double damping) {
   const bool moves = stage == Stage::kMotion || stage == Stage::kImpact;
   JointSchur& joint = island.s.joint;
   joint.clear(island.opensOverlaps());
   if (!touches(island)) {
     dampWithin(island, damping);
-    return nullptr;
+    return {};
   }
   for (Body* body : island.bodies) {
     buildTouchingRows(*body, h);
@@ -409,15 +419,12 @@ VelocityImpulses solveVelocities(Island& island, Stage stage, double h, double d
       lockHit(island, first_pair);
     else if (h > 0)
       lockComing(island, first_pair);
-    const VelocityImpulses impulses = pushVelocities(island, first_pair, {h}, damping);
-    if (stage == Stage::kMotion) return impulses;
+    const RowValues& impulses = pushVelocities(island, first_pair, {h}, damping);
+    if (stage == Stage::kMotion) return {&impulses};
     if (pressesItself(island)) restoreAngularMomentum(island, h, Held::kBeforeImpact);
-    keepPressed(island, first_pair, *impulses, island.pairs.met);
+    keepPressed(island, first_pair, impulses, island.pairs.met);
   }
-  const VelocityImpulses impulses =
-      pushVelocities(island, first_pair, {h, true, stage != Stage::kStop});
-  keepPressed(island, first_pair, *impulses, island.pairs.met);
-  return impulses;
+  return solveImpact(island, first_pair, {h, true, stage != Stage::kStop});
 }
 
 }  // namespace ragdoll

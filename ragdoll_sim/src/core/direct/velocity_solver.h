@@ -22,19 +22,23 @@ void findTouching(Body& body, double h, bool leapfrog = true);
 /// Springs of soft limits act on velocities; those with a damper join what touches.
 void releaseSprings(Body& body, double h);
 
-/// What the last solution of velocities pressed with [N s], by the rows of island.s.joint; null:
-/// nothing touches. Until the next solution.
-using VelocityImpulses = const RowValues*;
+/// What the last solution of velocities came to. Until the next one.
+struct VelocitySolution {
+  /// [N s] by the rows of island.s.joint; null: nothing touches.
+  const RowValues* impulses = nullptr;
+  /// [J] kinetic, of each body before the impact; null: there was none.
+  const std::vector<double>* energies = nullptr;
+};
 
 /// Makes the motions over h and solves their velocities. damping: [s] of it at the motion's end,
 /// before its impact.
-VelocityImpulses finishMotion(Island& island, double h, bool leapfrog, Stage stage, double damping);
+VelocitySolution finishMotion(Island& island, double h, bool leapfrog, Stage stage, double damping);
 
 /// Newton's impact law at the present pose for what touches: kBounce or kStop.
-VelocityImpulses bounce(Island& island, Stage stage = Stage::kBounce);
+VelocitySolution bounce(Island& island, Stage stage = Stage::kBounce);
 
 /// Velocities of what touches at the end pose, which the response holds.
-VelocityImpulses solveVelocities(Island& island, Stage stage, double h, double damping);
+VelocitySolution solveVelocities(Island& island, Stage stage, double h, double damping);
 
 /// of(contact, its first row of the joint ones, its body, its place) of all that was solved for.
 /// The place: of a body's own, its first row there; of pairs, which have no body, their number.

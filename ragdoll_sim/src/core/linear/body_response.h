@@ -8,6 +8,7 @@
 //   the answer to a force              accelerate: [m/s^2] with the lengths kept, for stages
 //   the same without the sticks        push
 //   onto lengths that are far off      relaxInTurn
+//   how near its sticks are to depending on each other   condition
 // Whoever solves the sticks in another way (a tree in its tangent coordinates) stands beside this.
 #pragma once
 
@@ -82,6 +83,9 @@ class BodyResponse {
 
   /// Moves x (3 x n) stick by stick, where Newton's method fails.
   void relaxInTurn(const StickLengths& lengths, int sweeps, Points& x) const;
+
+  /// Of the sticks' system at rest, scaled to a unit diagonal: largest by smallest eigenvalue.
+  double condition() const { return system_->condition; }
 
   /// The rows' answers at the end, or the start.
   void assemble(Schur& schur, bool at_end) { schur.assemble(*rows_, at_end ? end_ : start_); }

@@ -45,5 +45,25 @@ TEST(BodyResponse, AlongEndEndsShortenItAsItIs) {
   EXPECT_LT((t.dx.rowwise().sum() - Vec3(0, 0.6, 0)).norm(), 1e-12);  // the centre stays
 }
 
+/// Two sticks that three equal masses have, at `cosine` to each other: by half of it the one's
+/// length depends on the other's impulse.
+SkeletonSpec bent(double cosine) {
+  SkeletonSpec s = oneStick();
+  const Vec3 along(cosine, std::sqrt(1 - cosine * cosine), 0);
+  s.particles.push_back(particle("c", Vec3::UnitX() + along, 1));
+  s.sticks.push_back(stick("b", "c"));
+  s.segments.push_back(bone("bc", "b", "c"));
+  return s;
+}
+
+TEST(BodyResponse, TellsHowNearItsSticksAreToDependingOnEachOther) {
+  for (const double cosine : {0.0, 0.5, 1.0}) {
+    const World world(sceneOf(bent(cosine)));
+    BodyResponse response;
+    response.bind(world.model.systems[0].direct);
+    EXPECT_NEAR(response.condition(), (1 + cosine / 2) / (1 - cosine / 2), 1e-12);
+  }
+}
+
 }  // namespace
 }  // namespace ragdoll
