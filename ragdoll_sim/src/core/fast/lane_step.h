@@ -1,9 +1,10 @@
-// One step of a pack of bodies: reads as a table of contents. docs/fast.md#step.
+// One step of a pack of bodies. docs/fast.md#step.
 #pragma once
 
 #include "core/fast/lane_contacts.h"
 #include "core/fast/lane_limits.h"
 #include "core/fast/lane_search.h"
+#include "core/fast/pack_transpose.h"
 
 namespace ragdoll::fast {
 

@@ -50,6 +50,17 @@ struct LimitRow {
   R press, last;  ///< [kg m^2], and in the last step
 };
 
+/// A particle or stick of a lane that comes near a solid.
+struct NearPair {
+  int feature = 0, lane = 0;
+};
+
+/// Lanes in which a particle's bounds reach below the upper and above the lower faces of where
+/// something may touch a solid: 16 bits each for x, y, z.
+struct Reach {
+  std::uint64_t below = 0, above = 0;
+};
+
 /// set: tells units of different instruction sets apart, which must not share functions.
 template <class N_, int W_, int set = 0>
 struct LaneWork {
@@ -59,25 +70,27 @@ struct LaneWork {
   using Mask = decltype(less(R{}, R{}));
 
   tree::Work<R> tree;
-  R *x, *v, *dx;  ///< 3 per particle: [m] from origin, [m/s], [m]
-  R* spare;       ///< scratch, 3 per particle
-  R* force;       ///< [kg m] h^2 times pokes, per particle; only if forced
-  R *q, *y;       ///< tangent coordinates, and L times what they still change by
-  R* total;       ///< L times the coordinates
-  R* goal;        ///< L^-T T^T times the momentum of the free motion and all impulses
-  R* done;        ///< the same of the present coordinates
-  R* row;         ///< scratch, per coordinate
-  R *here, *there, *low, *high;  ///< [m] 3 per particle, in a solid's frame: at both ends of the
-                                 ///< step, and bounds
-  R* last_press;                 ///< [kg m^2] per limit: of the last step
-  R* offset;                     ///< [m] per plane, from the lanes' origins
+  R *x, *v, *dx;    ///< 3 per particle: [m] from origin, [m/s], [m]
+  R* spare;         ///< scratch, 3 per particle
+  R* force;         ///< [kg m] h^2 times pokes, per particle; only if forced
+  R *q, *y;         ///< tangent coordinates, and L times what they still change by
+  R* total;         ///< L times the coordinates
+  R* goal;          ///< L^-T T^T times the momentum of the free motion and all impulses
+  R* done;          ///< the same of the present coordinates
+  R* row;           ///< scratch, per coordinate
+  R *here, *there;  ///< [m] 3 per particle, in a solid's frame: at both ends of the step
+  R* last_press;    ///< [kg m^2] per limit: of the last step
+  R* offset;        ///< [m] per plane, from the lanes' origins
   ContactRow<R>* contacts;
   LimitRow<R>* limits;
   R* z;  ///< room for the rows'
   R* z_next;
-  int* row_of;       ///< per feature and slot: its contact row, -1
-  int* obstacle_of;  ///< per contact row and lane
-  int* pressing;     ///< contact rows, then limit rows, of the velocity stage
+  int* row_of;                             ///< per feature and slot: its contact row, -1
+  int* obstacle_of;                        ///< per contact row and lane
+  Reach* reach;                            ///< per particle, of the solid that is looked at
+  NearPair* near;                          ///< likewise
+  int near_particles = 0, near_count = 0;  ///< near_particles: they stand before sticks
+  int* pressing;                           ///< contact rows, then limit rows, of the velocity stage
   int pressing_contacts = 0, pressing_limits = 0;
   int contact_count = 0, limit_count = 0, slots = 0;
   V3<R> shift;              ///< [m] of the pin
@@ -98,10 +111,11 @@ struct LaneWork {
     const std::size_t slots = kSlots + planes, rows = f * slots;
     const std::size_t z = (3 * rows + b.limits.size()) * b.longest_row;
     const std::size_t numbers =
-        tree::Work<R>::count(b.tree) + 9 * n + 6 * s + b.limits.size() + planes;
+        tree::Work<R>::count(b.tree) + 7 * n + 6 * s + b.limits.size() + planes;
     return sizeof(LaneWork) + 64 + sizeof(R) * (numbers + z) + sizeof(ContactRow<R>) * rows +
            sizeof(LimitRow<R>) * b.limits.size() +
-           sizeof(int) * (2 * rows + rows * W + b.limits.size()) + 2048;
+           sizeof(int) * (2 * rows + rows * W + b.limits.size()) + sizeof(NearPair) * f * W +
+           sizeof(Reach) * b.tree.particles + 2048;
   }
 
   template <class T>
@@ -120,8 +134,7 @@ struct LaneWork {
     const std::size_t n = 3 * b.tree.particles, s = b.tree.size, f = b.features.size();
     w->slots = kSlots + planes;
     w->tree.take(b.tree, take<R>(at, tree::Work<R>::count(b.tree)));
-    for (R** p :
-         {&w->x, &w->v, &w->dx, &w->force, &w->spare, &w->here, &w->there, &w->low, &w->high})
+    for (R** p : {&w->x, &w->v, &w->dx, &w->force, &w->spare, &w->here, &w->there})
       *p = take<R>(at, n);
     for (R** p : {&w->q, &w->y, &w->total, &w->goal, &w->done, &w->row}) *p = take<R>(at, s);
     w->last_press = take<R>(at, b.limits.size());
@@ -130,6 +143,8 @@ struct LaneWork {
     w->limits = take<LimitRow<R>>(at, b.limits.size());
     w->row_of = take<int>(at, f * w->slots);
     w->obstacle_of = take<int>(at, f * w->slots * W);
+    w->reach = take<Reach>(at, b.tree.particles);
+    w->near = take<NearPair>(at, f * W);
     w->pressing = take<int>(at, f * w->slots + b.limits.size());
     w->z = take<R>(at, 0);
     w->contact_count = w->limit_count = 0;
