@@ -44,9 +44,9 @@ struct PackScratch {
   Roomy<LeftOver> left_over;
   Roomy<int> slots;  ///< per feature: used ones
   Roomy<Contact> found;
-  Points predicted;       ///< [m] 3 x N: where free motions lead; of the pack's bodies only
-  Batch parts[2];         ///< of a body's step in parts, in turn
-  Eigen::MatrixXd start;  ///< 6 x n: x and v of that body before
+  Points predicted;           ///< [m] 3 x N: where free motions lead; of the pack's bodies only
+  Batch parts[2];             ///< of a body's step in parts, in turn
+  std::vector<double> start;  ///< x and v of that body before: 6 n
 };
 
 }  // namespace fast

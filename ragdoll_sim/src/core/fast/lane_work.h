@@ -22,7 +22,7 @@ using tree::V3;
 template <class R>
 struct ContactRow {
   const Feature* feature;
-  R* z;           ///< 3 per coordinate of the feature's row
+  R* z;           ///< 3 per coordinate of the feature's row; null: not worked out
   V3<R> axes[3];  ///< normal, tangents
   V3<R> motion;   ///< [m] of the surface
   R weight;       ///< of Feature::b
@@ -30,7 +30,8 @@ struct ContactRow {
   R allowed;      ///< [m] least gap that the step has to reach
   R friction, restitution, approach;
   R answer_normal, answer_tangent;    ///< [1/kg] the larger one of the tangents
-  R inverse_normal, inverse_tangent;  ///< 1 / answers; 0 where there is no contact
+  R waits;                            ///< 1 where there is a contact that takes no part
+  R inverse_normal, inverse_tangent;  ///< 1 / answers; 0 where none takes part
   R press, last;                      ///< [kg m] along the normal, and in the last step
   R pull[2];                          ///< [kg m] of friction, along the tangents
   R gap;                              ///< [m] at the present coordinates, less what is allowed
@@ -41,8 +42,9 @@ struct ContactRow {
 template <class R>
 struct LimitRow {
   const FastLimit* limit;
-  R* z;
+  R* z;       ///< null: not worked out
   R answer;   ///< [1/(kg m^2)]
+  R waits;    ///< 1 where it is near and takes no part
   R inverse;  ///< 0 where it does not take part
   R value;    ///< [rad] at the present coordinates, less what is allowed
   R allowed;
@@ -90,9 +92,10 @@ struct LaneWork {
   Reach* reach;                            ///< per particle, of the solid that is looked at
   NearPair* near;                          ///< likewise
   int near_particles = 0, near_count = 0;  ///< near_particles: they stand before sticks
+  int* awake;                              ///< contact rows that take part in a lane
   int* pressing;                           ///< contact rows, then limit rows, of the velocity stage
   int pressing_contacts = 0, pressing_limits = 0;
-  int contact_count = 0, limit_count = 0, slots = 0;
+  int contact_count = 0, awake_count = 0, limit_count = 0, slots = 0;
   V3<R> shift;              ///< [m] of the pin
   V3<R> whole;              ///< [kg m] h times the momentum of the free motion
   R off;                    ///< largest squared sine; stretch at the start
@@ -114,7 +117,7 @@ struct LaneWork {
         tree::Work<R>::count(b.tree) + 7 * n + 6 * s + b.limits.size() + planes;
     return sizeof(LaneWork) + 64 + sizeof(R) * (numbers + z) + sizeof(ContactRow<R>) * rows +
            sizeof(LimitRow<R>) * b.limits.size() +
-           sizeof(int) * (2 * rows + rows * W + b.limits.size()) + sizeof(NearPair) * f * W +
+           sizeof(int) * (3 * rows + rows * W + b.limits.size()) + sizeof(NearPair) * f * W +
            sizeof(Reach) * b.tree.particles + 2048;
   }
 
@@ -145,9 +148,10 @@ struct LaneWork {
     w->obstacle_of = take<int>(at, f * w->slots * W);
     w->reach = take<Reach>(at, b.tree.particles);
     w->near = take<NearPair>(at, f * W);
+    w->awake = take<int>(at, f * w->slots);
     w->pressing = take<int>(at, f * w->slots + b.limits.size());
     w->z = take<R>(at, 0);
-    w->contact_count = w->limit_count = 0;
+    w->contact_count = w->awake_count = w->limit_count = 0;
     return w;
   }
 };

@@ -46,10 +46,8 @@ class PackRun {
  private:
   int ragdollOf(int l) const { return scratch_.order[batch_.begin + l]; }
 
-  void prepare() {
-    predicted_.resize(3, model_.size());
+  void setStep() {
     const SolverSpec& solver = model_.solver;
-    const int n = 3 * body_.tree.particles, limits = static_cast<int>(body_.limits.size());
     step_.h = h_;
     for (int c = 0; c < 3; ++c) step_.gravity[c] = model_.gravity[c];
     step_.keep = solver.damping > 0 ? std::exp(-solver.damping * h_) : 1;
@@ -59,10 +57,17 @@ class PackRun {
     step_.solids = scratch_.solids.data();
     step_.solid_count = static_cast<int>(scratch_.solids.size());
     step_.whole = !scratch_.moving_planes.empty();
+  }
+
+  void prepare() {
+    predicted_.resize(3, model_.size());
+    const int n = 3 * body_.tree.particles, limits = static_cast<int>(body_.limits.size());
+    setStep();
     const std::size_t bytes = method_.memory(body_, step_.plane_count) + 64;
     if (pack_.memory.size() < bytes) pack_.memory.resize(bytes);
     room_ = impulseRoom(body_, step_.plane_count);
     pack_.spare.resize(2 * kMaxLanes * n);
+    if (static_cast<int>(pack_.start.size()) < 2 * n) pack_.start.resize(2 * n);
     pack_.limit_impulses.assign(kMaxLanes * limits + 1, 0.0);
     if (static_cast<int>(pack_.impulses.size()) < kMaxLanes * room_)
       pack_.impulses.resize(kMaxLanes * room_);
@@ -338,17 +343,35 @@ void clear(Batch& batch) {
   batch.contacts = batch.limited = 0;
 }
 
-/// What a pack has left, in parts of the step: an impact is located better the shorter they are.
-/// at: of scratch.order. Whether they came through; else the body is where it was.
+/// A body's x and v, to the last bit.
+class Kept {
+ public:
+  /// REQUIRES: room for 6 n.
+  Kept(State& state, int first, int n, std::vector<double>& room)
+      : x_(state.x.data() + 3 * first), v_(state.v.data() + 3 * first), n_(3 * n), room_(room) {
+    std::copy_n(x_, n_, room_.data());
+    std::copy_n(v_, n_, room_.data() + n_);
+  }
+  void restore() const {
+    std::copy_n(room_.data(), n_, x_);
+    std::copy_n(room_.data() + n_, n_, v_);
+  }
+
+ private:
+  double *x_, *v_;
+  int n_;
+  std::vector<double>& room_;
+};
+
+/// What a pack has left, in parts of the step: what turns over an edge or is stopped errs by less
+/// the shorter they are. at: of scratch.order. Whether they came through; else the body is where it
+/// was.
 bool stepInParts(const StepContext& context, const FastScratch& scratch, PackScratch& pack,
                  Batch& batch, int at) {
-  const Ragdoll& r = context.model.ragdolls[scratch.order[at]];
-  State& state = context.state;
-  const int n = scratch.bodies[batch.system].tree.particles;
-  pack.start.resize(6, n);
-  pack.start.topRows(3) = state.x.middleCols(r.first, n);
-  pack.start.bottomRows(3) = state.v.middleCols(r.first, n);
+  const Kept start(context.state, context.model.ragdolls[scratch.order[at]].first,
+                   scratch.bodies[batch.system].tree.particles, pack.start);
   const std::vector<CachedImpulse>* last = nullptr;
+  int limited = 0;
   for (int part = 0; part < kParts; ++part) {
     Batch& own = pack.parts[part % 2];
     clear(own);
@@ -357,16 +380,16 @@ bool stepInParts(const StepContext& context, const FastScratch& scratch, PackScr
     own.count = 1;
     PackRun(context, context.h / kParts, last, scratch, pack, own).run();
     if (!own.left.empty()) {
-      state.x.middleCols(r.first, n) = pack.start.topRows(3);
-      state.v.middleCols(r.first, n) = pack.start.bottomRows(3);
+      start.restore();
       return false;
     }
+    limited = std::max(limited, own.limited);
     last = &own.impulses;
   }
   const Batch& end = pack.parts[(kParts - 1) % 2];
   append(end.impulses, batch.impulses);
   batch.contacts += end.contacts;
-  batch.limited += end.limited;
+  batch.limited += limited;
   return true;
 }
 
