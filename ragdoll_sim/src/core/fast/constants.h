@@ -47,9 +47,8 @@ constexpr double kMostStretch = 1e-3;  ///< of a length at the start: the body i
 /// which goes alone.
 constexpr double kPackFull = 0.3;
 
-/// What a pack leaves is made again in so many parts of the step, by a body alone, before it goes
-/// to shake: some 20 us in place of 400. Two leave penetrations a fifth larger, eight are no
-/// better.
+/// What a pack leaves is made again in so many parts of the step before it goes to shake: some 20
+/// us of a body alone in place of 400. Two leave penetrations a fifth larger, eight are no better.
 constexpr int kParts = 4;
 
 constexpr double kSelfNear = 1e-3;  ///< [m] limbs this near touch

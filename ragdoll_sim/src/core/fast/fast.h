@@ -45,8 +45,9 @@ struct PackScratch {
   Roomy<int> slots;  ///< per feature: used ones
   Roomy<Contact> found;
   Points predicted;           ///< [m] 3 x N: where free motions lead; of the pack's bodies only
-  Batch parts[2];             ///< of a body's step in parts, in turn
-  std::vector<double> start;  ///< x and v of that body before: 6 n
+  Batch parts[2];             ///< of a step in parts, in turn
+  Roomy<int> again, moving;   ///< ragdolls that are stepped in parts; that came through so far
+  std::vector<double> start;  ///< x and v of these before: 6 n each
 };
 
 }  // namespace fast

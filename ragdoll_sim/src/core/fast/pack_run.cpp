@@ -18,12 +18,15 @@ constexpr double kKept = 0.5;
 /// One pack on its way through a step.
 class PackRun {
  public:
-  /// last: impulses of the part of the step before, of the one body; null: those of the state.
-  PackRun(const StepContext& context, double h, const std::vector<CachedImpulse>* last,
-          const FastScratch& scratch, PackScratch& pack, Batch& batch)
+  /// order: ragdolls, of which the batch has some. last: impulses of the part of the step before;
+  /// null: those of the state.
+  PackRun(const StepContext& context, double h, const int* order,
+          const std::vector<CachedImpulse>* last, const FastScratch& scratch, PackScratch& pack,
+          Batch& batch)
       : model_(context.model),
         inputs_(context.inputs),
         h_(h),
+        order_(order),
         last_(last),
         force_(context.force),
         scratch_(scratch),
@@ -44,7 +47,7 @@ class PackRun {
   }
 
  private:
-  int ragdollOf(int l) const { return scratch_.order[batch_.begin + l]; }
+  int ragdollOf(int l) const { return order_[batch_.begin + l]; }
 
   void setStep() {
     const SolverSpec& solver = model_.solver;
@@ -67,7 +70,8 @@ class PackRun {
     if (pack_.memory.size() < bytes) pack_.memory.resize(bytes);
     room_ = impulseRoom(body_, step_.plane_count);
     pack_.spare.resize(2 * kMaxLanes * n);
-    if (static_cast<int>(pack_.start.size()) < 2 * n) pack_.start.resize(2 * n);
+    if (static_cast<int>(pack_.start.size()) < 2 * kMaxLanes * n)
+      pack_.start.resize(2 * kMaxLanes * n);
     pack_.limit_impulses.assign(kMaxLanes * limits + 1, 0.0);
     if (static_cast<int>(pack_.impulses.size()) < kMaxLanes * room_)
       pack_.impulses.resize(kMaxLanes * room_);
@@ -109,7 +113,9 @@ class PackRun {
     if (force_) lane.force = force_->data() + 3 * r.first;
     lane.driven = scratch_.driven;
     if (last_)
-      for (const CachedImpulse& last : *last_) takeImpulse(last, r, lane);
+      for (const CachedImpulse& last : *last_) {
+        if (last.ragdoll == index) takeImpulse(last, r, lane);
+      }
     else
       for (int k = scratch_.first_impulse[index]; k < scratch_.first_impulse[index + 1]; ++k)
         takeImpulse(state_.impulses[scratch_.cached[k]], r, lane);
@@ -291,7 +297,7 @@ class PackRun {
     const Lane& lane = lanes_[l];
     const int index = ragdollOf(l);
     if (!lane.good || (lane.deep && sinks(index)) || touchesItself(index)) {
-      batch_.left.push_back(batch_.begin + l);
+      batch_.left.push_back(index);
       return;
     }
     const Ragdoll& r = model_.ragdolls[index];
@@ -323,6 +329,7 @@ class PackRun {
   const Model& model_;
   const Inputs& inputs_;
   double h_;
+  const int* order_;
   const std::vector<CachedImpulse>* last_;
   const Points* force_;
   const FastScratch& scratch_;
@@ -343,69 +350,83 @@ void clear(Batch& batch) {
   batch.contacts = batch.limited = 0;
 }
 
-/// A body's x and v, to the last bit.
-class Kept {
+/// What a pack has left, in parts of the step: what turns over an edge or is stopped errs by less
+/// the shorter they are.
+class Parts {
  public:
-  /// REQUIRES: room for 6 n.
-  Kept(State& state, int first, int n, std::vector<double>& room)
-      : x_(state.x.data() + 3 * first), v_(state.v.data() + 3 * first), n_(3 * n), room_(room) {
-    std::copy_n(x_, n_, room_.data());
-    std::copy_n(v_, n_, room_.data() + n_);
+  Parts(const StepContext& context, const FastScratch& scratch, PackScratch& pack, Batch& batch)
+      : context_(context), scratch_(scratch), pack_(pack), batch_(batch) {
+    std::swap(pack.again, batch.left);
+    n_ = 3 * scratch.bodies[batch.system].tree.particles;
   }
-  void restore() const {
-    std::copy_n(room_.data(), n_, x_);
-    std::copy_n(room_.data() + n_, n_, v_);
+
+  /// Leaves what does not come through either where it was.
+  void run() {
+    exchange(false);
+    pack_.moving = pack_.again;
+    batch_.left.clear();
+    const std::vector<CachedImpulse>* last = nullptr;
+    for (int part = 0; part < kParts && !pack_.moving.empty(); ++part) {
+      Batch& own = pack_.parts[part % 2];
+      clear(own);
+      own.system = batch_.system;
+      own.begin = 0;
+      own.count = static_cast<int>(pack_.moving.size());
+      PackRun(context_, context_.h / kParts, pack_.moving.data(), last, scratch_, pack_, own).run();
+      append(own.left, batch_.left);
+      const auto stays = [&own](int index) { return has(own.left, index); };
+      pack_.moving.erase(std::remove_if(pack_.moving.begin(), pack_.moving.end(), stays),
+                         pack_.moving.end());
+      last = &own.impulses;
+      if (part + 1 == kParts) add(own);
+    }
+    exchange(true);
   }
 
  private:
-  double *x_, *v_;
-  int n_;
-  std::vector<double>& room_;
-};
-
-/// What a pack has left, in parts of the step: what turns over an edge or is stopped errs by less
-/// the shorter they are. at: of scratch.order. Whether they came through; else the body is where it
-/// was.
-bool stepInParts(const StepContext& context, const FastScratch& scratch, PackScratch& pack,
-                 Batch& batch, int at) {
-  const Kept start(context.state, context.model.ragdolls[scratch.order[at]].first,
-                   scratch.bodies[batch.system].tree.particles, pack.start);
-  const std::vector<CachedImpulse>* last = nullptr;
-  int limited = 0;
-  for (int part = 0; part < kParts; ++part) {
-    Batch& own = pack.parts[part % 2];
-    clear(own);
-    own.system = batch.system;
-    own.begin = at;
-    own.count = 1;
-    PackRun(context, context.h / kParts, last, scratch, pack, own).run();
-    if (!own.left.empty()) {
-      start.restore();
-      return false;
-    }
-    limited = std::max(limited, own.limited);
-    last = &own.impulses;
+  static bool has(const Roomy<int>& all, int index) {
+    return std::find(all.begin(), all.end(), index) != all.end();
   }
-  const Batch& end = pack.parts[(kParts - 1) % 2];
-  append(end.impulses, batch.impulses);
-  batch.contacts += end.contacts;
-  batch.limited += limited;
-  return true;
-}
+
+  void add(const Batch& end) {
+    append(end.impulses, batch_.impulses);
+    batch_.contacts += end.contacts;
+    batch_.limited += end.limited;
+  }
+
+  /// Keeps x and v, or gives them back to what is left.
+  void exchange(bool back) {
+    for (std::size_t i = 0; i < pack_.again.size(); ++i) {
+      if (back && !has(batch_.left, pack_.again[i])) continue;
+      const int first = 3 * context_.model.ragdolls[pack_.again[i]].first;
+      for (double* state : {context_.state.x.data() + first, context_.state.v.data() + first}) {
+        const bool is_v = state != context_.state.x.data() + first;
+        double* kept = pack_.start.data() + n_ * (2 * i + is_v);
+        if (back)
+          std::copy_n(kept, n_, state);
+        else
+          std::copy_n(state, n_, kept);
+      }
+    }
+  }
+
+  const StepContext& context_;
+  const FastScratch& scratch_;
+  PackScratch& pack_;
+  Batch& batch_;
+  int n_ = 0;  ///< 3 per particle
+};
 
 }  // namespace
 
 void stepPack(const StepContext& context, const FastScratch& scratch, PackScratch& pack,
               Batch& batch) {
-  PackRun(context, context.h, nullptr, scratch, pack, batch).run();
+  const int* order = scratch.order.data();
+  PackRun(context, context.h, order, nullptr, scratch, pack, batch).run();
   const Model& model = context.model;
-  const bool apart = !scratch.driven && scratch.moving_planes.empty() && !model.self_collision &&
-                     model.systems[batch.system].pins.empty();
-  std::size_t kept = 0;
-  for (const int at : batch.left)
-    if (!apart || !stepInParts(context, scratch, pack, batch, at))
-      batch.left[kept++] = scratch.order[at];
-  batch.left.resize(kept);
+  if (!batch.left.empty() && !scratch.driven && scratch.moving_planes.empty() &&
+      !model.self_collision && model.systems[batch.system].pins.empty())
+    Parts(context, scratch, pack, batch).run();
 }
 
 }  // namespace ragdoll::fast
