@@ -25,6 +25,15 @@ namespace ragdoll {
 
 namespace fast {
 
+/// Bodies of one system that are stepped together, and what came of it.
+struct Batch {
+  int system = 0;
+  int begin = 0, count = 0;  ///< of FastScratch::order
+  Roomy<CachedImpulse> impulses;
+  Roomy<int> left;  ///< ragdolls for the direct method
+  int contacts = 0, limited = 0;
+};
+
 /// What one pack is prepared in.
 struct PackScratch {
   std::vector<char> memory;
@@ -35,16 +44,10 @@ struct PackScratch {
   Roomy<LeftOver> left_over;
   Roomy<int> slots;  ///< per feature: used ones
   Roomy<Contact> found;
-  Points predicted;  ///< [m] 3 x N: where free motions lead; of the pack's bodies only
-};
-
-/// Bodies of one system that are stepped together, and what came of it.
-struct Batch {
-  int system = 0;
-  int begin = 0, count = 0;  ///< of FastScratch::order
-  Roomy<CachedImpulse> impulses;
-  Roomy<int> left;  ///< ragdolls for the direct method
-  int contacts = 0, limited = 0;
+  Points predicted;           ///< [m] 3 x N: where free motions lead; of the pack's bodies only
+  Batch parts[2];             ///< of a step in parts, in turn
+  Roomy<int> again, moving;   ///< ragdolls that are stepped in parts; that came through so far
+  std::vector<double> start;  ///< x and v of these before: 6 n each
 };
 
 }  // namespace fast

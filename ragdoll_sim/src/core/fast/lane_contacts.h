@@ -61,11 +61,8 @@ RAGDOLL_SECTION void setAnswer(const FastBody& b, L& w, ContactRow<typename L::R
   }
   const R apart = first - second;
   const R largest = N(0.5) * (first + second + squareRoot(apart * apart + N(4) * mixed * mixed));
-  const auto here = less(R{}, row.inverse_normal);  // 1 where there is a contact
   row.answer_normal = own;
   row.answer_tangent = largest;
-  row.inverse_normal = select(here, N(1) / atLeast(own, N(1e-12)), R{});
-  row.inverse_tangent = select(here, N(1) / atLeast(largest, N(1e-12)), R{});
 }
 
 template <class L>
@@ -77,7 +74,9 @@ RAGDOLL_INLINE ContactRow<typename L::R>& newRow(const FastBody& b, L& w, int fe
   row.feature = &b.features[feature];
   row.axes[0] = {R{}, R{}, R{} + typename L::N(1)};
   row.axes[1] = row.motion = V3<R>{};  // axes[1]: the last step's impulse, until there are tangents
-  row.weight = row.start = row.friction = row.restitution = row.inverse_normal = R{};
+  row.weight = row.start = row.friction = row.restitution = row.waits = R{};
+  row.inverse_normal = row.inverse_tangent = R{};
+  row.z = nullptr;
   return row;
 }
 
@@ -101,7 +100,7 @@ RAGDOLL_INLINE void setPlaneRows(const FastBody& b, const PackStep& step, L& w, 
     row.start = -reach;
     row.friction = R{} + N(plane.friction);
     row.restitution = R{} + N(plane.restitution);
-    row.inverse_normal = select(near, R{} + N(1), R{});
+    row.waits = select(near, R{} + N(1), R{});
     for (int l = 0; l < L::W; ++l) w.obstacle_of[(w.contact_count - 1) * L::W + l] = plane.obstacle;
   }
 }
@@ -122,7 +121,7 @@ RAGDOLL_INLINE void setLaneContact(const LaneContact& c, int l, ContactRow<typen
   setLane(row.start, l, N(-c.offset - c.radius));
   setLane(row.friction, l, N(c.friction));
   setLane(row.restitution, l, N(c.restitution));
-  setLane(row.inverse_normal, l, N(1));
+  setLane(row.waits, l, N(1));
   setLane(row.axes[1].x, l, N(share * c.impulse[0]));
   setLane(row.axes[1].y, l, N(share * c.impulse[1]));
   setLane(row.axes[1].z, l, N(share * c.impulse[2]));
@@ -156,7 +155,7 @@ RAGDOLL_SECTION void setStart(const PackStep& step, const L& w, ContactRow<typen
   tree::basis(n, row.axes[1], row.axes[2]);
   const R along = dot(n, impulse);
   // Nothing where it did not press along this normal.
-  const auto pressed = both(less(R{}, along), less(R{}, row.inverse_normal));
+  const auto pressed = both(less(R{}, along), less(R{}, row.waits));
   row.press = select(pressed, along, R{});
   for (int c = 0; c < 2; ++c) row.pull[c] = select(pressed, dot(row.axes[c + 1], impulse), R{});
   row.last = row.press;
@@ -170,7 +169,7 @@ RAGDOLL_SECTION void setStart(const PackStep& step, const L& w, ContactRow<typen
 template <class L>
 RAGDOLL_SECTION void setContacts(const FastBody& b, const PackStep& step, const Lane* lanes, L& w) {
   using R = typename L::R;
-  w.contact_count = 0;
+  w.contact_count = w.awake_count = 0;
   const int features = static_cast<int>(b.features.size());
   w.met = less(R{}, R{});
   bool others = false;
@@ -197,70 +196,7 @@ RAGDOLL_SECTION void setContacts(const FastBody& b, const PackStep& step, const 
   for (int i = 0; i < w.contact_count; ++i) {
     ContactRow<R>& row = w.contacts[i];
     setStart(step, w, row);
-    w.met = either(w.met, less(R{}, row.inverse_normal));
-    setAnswer(b, w, row);
-  }
-}
-
-/// Gaps and slips at the present coordinates (w.dx).
-template <class L>
-RAGDOLL_SECTION void measureContacts(L& w) {
-  using R = typename L::R;
-  for (int i = 0; i < w.contact_count; ++i) {
-    ContactRow<R>& row = w.contacts[i];
-    const V3<R> moved = atFeature(*row.feature, row.weight, w.dx), slip = moved - row.motion;
-    row.gap = row.start + dot(row.axes[0], moved) - row.allowed;
-    for (int c = 0; c < 2; ++c) row.slip[c] = dot(row.axes[c + 1], slip);
-  }
-}
-
-/// y += z (press, pull).
-template <class L>
-RAGDOLL_INLINE void push(L& w, const ContactRow<typename L::R>& row, const typename L::R& press,
-                         const typename L::R* pull) {
-  const typename L::R p[3] = {press, pull[0], pull[1]};
-  pushAlong<3>(row.feature->row, row.z, p, w);
-}
-
-/// Presses a row so that moved[0] comes to nothing, and rubs against the other two within the cone;
-/// moved: at the impulses (press, pull), which change where `takes` is true.
-template <class L>
-RAGDOLL_INLINE void pressRow(L& w, const ContactRow<typename L::R>& row, const typename L::R* moved,
-                             const typename L::Mask& takes, typename L::R& press,
-                             typename L::R* pull) {
-  using R = typename L::R;
-  using N = typename L::N;
-  const R pressed = select(takes, larger(press - moved[0] * row.inverse_normal, R{}), press);
-  if (!any(either(less(R{}, pressed), less(R{}, press)))) return;  // nothing changes
-  R wanted[2];
-  for (int c = 0; c < 2; ++c) wanted[c] = pull[c] - row.inverse_tangent * moved[c + 1];
-  const R size2 = wanted[0] * wanted[0] + wanted[1] * wanted[1], most = row.friction * pressed;
-  const auto slips = less(most * most, size2);
-  if (any(slips)) {
-    const R share = select(slips, most / squareRoot(atLeast(size2, N(1e-30))), R{} + N(1));
-    for (int c = 0; c < 2; ++c) wanted[c] = share * wanted[c];
-  }
-  R change[2];
-  for (int c = 0; c < 2; ++c) {
-    wanted[c] = select(takes, wanted[c], pull[c]);
-    change[c] = wanted[c] - pull[c];
-    w.change = larger(w.change, row.answer_tangent * (signOf(change[c]) * change[c]));
-  }
-  const R more = pressed - press;
-  w.change = larger(w.change, row.answer_normal * (signOf(more) * more));
-  push(w, row, more, change);
-  press = pressed;
-  for (int c = 0; c < 2; ++c) pull[c] = wanted[c];
-}
-
-template <class L>
-RAGDOLL_SECTION void sweepContacts(L& w) {
-  using R = typename L::R;
-  for (int i = 0; i < w.contact_count; ++i) {
-    ContactRow<R>& row = w.contacts[i];
-    R moved[3] = {row.gap, row.slip[0], row.slip[1]};
-    addAlong<3>(w, row.feature->row, row.z, moved);
-    pressRow(w, row, moved, w.unsettled, row.press, row.pull);
+    w.met = either(w.met, less(R{}, row.waits));
   }
 }
 

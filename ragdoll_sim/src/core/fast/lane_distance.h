@@ -59,8 +59,8 @@ RAGDOLL_INLINE Way<R> wayTo(const V3<R>& p, const Solid& o) {
 template <class R>
 struct StickAxis {
   V3<R> a, v;
-  V3<R> rate;  ///< 1 / v
-  typename tree::NumberOf<R>::Type radius, taper;
+  V3<R> rate;       ///< 1 / v
+  R radius, taper;  ///< [m]
 
   V3<R> at(const R& t) const { return a + t * v; }
 };
@@ -72,8 +72,9 @@ RAGDOLL_INLINE R inverseOf(const R& a) {
   return sign / atLeast(sign * a, N(kOnCore));
 }
 
-template <class R, class N>
-RAGDOLL_INLINE StickAxis<R> stickAxis(const V3<R>& a, const V3<R>& b, N radius_a, N radius_b) {
+template <class R>
+RAGDOLL_INLINE StickAxis<R> stickAxis(const V3<R>& a, const V3<R>& b, const R& radius_a,
+                                      const R& radius_b) {
   const V3<R> v = b - a;
   return {a, v, {inverseOf(v.x), inverseOf(v.y), inverseOf(v.z)}, radius_a, radius_b - radius_a};
 }
@@ -103,7 +104,7 @@ RAGDOLL_INLINE Slope<R> slopeAt(const StickAxis<R>& k, const Solid& o, const R& 
 template <class R>
 RAGDOLL_INLINE auto shrinks(const StickAxis<R>& k, const Slope<R>& s) {
   using N = typename tree::NumberOf<R>::Type;
-  const N taper2 = k.taper * (k.taper < 0 ? -k.taper : k.taper);
+  const R taper2 = k.taper * (signOf(k.taper) * k.taper);
   return less(s.half * (signOf(s.half) * s.half), taper2 * s.span2 + N(kOnCore * kOnCore));
 }
 
@@ -132,7 +133,8 @@ RAGDOLL_INLINE NearestPlace<R> nearestPlace(const StickAxis<R>& k, const Solid& 
     }
   const R rate = one / atLeast(high.half - low.half, N(kOnCore * kOnCore));
   R span2 = low.span2, t{};
-  for (int i = 0; i < (k.taper == 0 ? 1 : 2); ++i) {  // its distance there is not known at first
+  const bool tapers = any(either(less(R{}, k.taper), less(k.taper, R{})));
+  for (int i = 0; i < (tapers ? 2 : 1); ++i) {  // its distance there is not known at first
     const R share = (k.taper * squareRoot(span2) - low.half) * rate;
     t = lo + (hi - lo) * select(less(share, one), atLeast(share, N(0)), one);
     const V3<R> e = excess(k.at(t), o);

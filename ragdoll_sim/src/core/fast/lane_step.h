@@ -1,9 +1,10 @@
-// One step of a pack of bodies: reads as a table of contents. docs/fast.md#step.
+// One step of a pack of bodies. docs/fast.md#step.
 #pragma once
 
-#include "core/fast/lane_contacts.h"
 #include "core/fast/lane_limits.h"
+#include "core/fast/lane_presses.h"
 #include "core/fast/lane_search.h"
+#include "core/fast/pack_transpose.h"
 
 namespace ragdoll::fast {
 
@@ -364,11 +365,11 @@ RAGDOLL_SECTION void startRates(const PackStep& step, bool free, const V3<typena
                              step.gravity[2] * step.gravity[2]);
   const R least = R{} + N(kBounce * g * step.h);
   int* list = w.pressing;
-  for (int i = 0; i < w.contact_count; ++i) {
-    ContactRow<R>& row = w.contacts[i];
+  for (int i = 0; i < w.awake_count; ++i) {
+    ContactRow<R>& row = w.contacts[w.awake[i]];
     const auto presses = less(R{}, row.press);
     if (!any(presses)) continue;
-    *list++ = i;
+    *list++ = w.awake[i];
     row.inverse_normal = select(presses, row.inverse_normal, R{});
     row.inverse_tangent = select(presses, row.inverse_tangent, R{});
     const V3<R> rate = atFeature(*row.feature, row.weight, w.dx) + kick - row.motion;
@@ -498,22 +499,21 @@ RAGDOLL_SECTION void storePresses(const FastBody& b, const PackStep& step, Lane*
 
 /// What the rounds have not brought to its bounds is not for a pack (w.off above its own).
 template <class L>
-RAGDOLL_SECTION void checkBounds(const FastBody& b, L& w) {
+RAGDOLL_SECTION void checkBounds(L& w) {
   using R = typename L::R;
   using N = typename L::N;
-  measureContacts(w);
-  measureLimits(b, w);
   for (int i = 0; i < w.contact_count; ++i) {
     const ContactRow<R>& row = w.contacts[i];
     const auto worse =
         both(less(row.gap + row.allowed, R{} - N(kMostDeep)), less(row.gap, R{} - N(kWorse)));
-    const auto deep = both(worse, less(R{}, row.inverse_normal));
+    const auto deep = both(worse, less(R{}, row.inverse_normal + row.waits));
     w.off = select(deep, R{} + N(1), w.off);
   }
   for (int i = 0; i < w.limit_count; ++i) {
     const LimitRow<R>& row = w.limits[i];
     if (row.limit->compliance > 0) continue;
-    const auto deep = both(less(row.value, R{} - N(kMostAngle)), less(R{}, row.inverse));
+    const auto deep =
+        both(less(row.value, R{} - N(kMostAngle)), less(R{}, row.inverse + row.waits));
     w.off = select(deep, R{} + N(1), w.off);
   }
 }
@@ -522,9 +522,10 @@ RAGDOLL_SECTION void checkBounds(const FastBody& b, L& w) {
 template <class L>
 RAGDOLL_SECTION void startRows(L& w) {
   using R = typename L::R;
-  for (int i = 0; i < w.contact_count; ++i)
-    if (any(less(R{}, w.contacts[i].press)))
-      push(w, w.contacts[i], w.contacts[i].press, w.contacts[i].pull);
+  for (int i = 0; i < w.awake_count; ++i) {
+    const ContactRow<R>& row = w.contacts[w.awake[i]];
+    if (any(less(R{}, row.press))) push(w, row, row.press, row.pull);
+  }
   for (int i = 0; i < w.limit_count; ++i)
     if (any(less(R{}, w.limits[i].press)))
       pushAlong<1>(w.limits[i].limit->row, w.limits[i].z, &w.limits[i].press, w);
@@ -544,7 +545,8 @@ RAGDOLL_SECTION void sweepRows(L& w) {
   }
 }
 
-/// As moveOn, of the lanes that are not solved yet; what is left then is of second order.
+/// As moveOn, of the lanes that are not solved yet; what is left then is of second order, and what
+/// has come near.
 template <class L>
 RAGDOLL_SECTION void endRound(const FastBody& b, L& w) {
   using R = typename L::R;
@@ -567,7 +569,8 @@ RAGDOLL_SECTION void endRound(const FastBody& b, L& w) {
   }
   setPose(b, w);
   const auto turns = less(R{} + N(kSettled), (before + after) * change);
-  w.unsolved = both(w.unsolved, either(turns, w.unsettled));
+  const auto sunk = either(measureContacts(b, w), measureLimits(b, w));
+  w.unsolved = both(w.unsolved, either(sunk, either(turns, w.unsettled)));
 }
 
 template <class L>
@@ -580,17 +583,14 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
   setContacts(b, step, lanes, w);
   setLimits(b, step, w);
   w.unsolved = less(R{}, R{} + N(1));
+  measureContacts(b, w);
   for (int round = 0; round < kNewton && any(w.unsolved); ++round) {
     setRest(b, w);
-    measureContacts(w);
-    if (round == 0)
-      startRows(w);
-    else
-      measureLimits(b, w);
+    if (round == 0) startRows(w);
     sweepRows(w);
     endRound(b, w);
   }
-  checkBounds(b, w);
+  checkBounds(w);
   R touched{};
   for (int i = 0; i < w.contact_count; ++i)
     touched = larger(touched, select(less(R{}, w.contacts[i].press), R{} + N(1), R{}));

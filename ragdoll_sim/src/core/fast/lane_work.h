@@ -22,7 +22,7 @@ using tree::V3;
 template <class R>
 struct ContactRow {
   const Feature* feature;
-  R* z;           ///< 3 per coordinate of the feature's row
+  R* z;           ///< 3 per coordinate of the feature's row; null: not worked out
   V3<R> axes[3];  ///< normal, tangents
   V3<R> motion;   ///< [m] of the surface
   R weight;       ///< of Feature::b
@@ -30,7 +30,8 @@ struct ContactRow {
   R allowed;      ///< [m] least gap that the step has to reach
   R friction, restitution, approach;
   R answer_normal, answer_tangent;    ///< [1/kg] the larger one of the tangents
-  R inverse_normal, inverse_tangent;  ///< 1 / answers; 0 where there is no contact
+  R waits;                            ///< 1 where there is a contact that takes no part
+  R inverse_normal, inverse_tangent;  ///< 1 / answers; 0 where none takes part
   R press, last;                      ///< [kg m] along the normal, and in the last step
   R pull[2];                          ///< [kg m] of friction, along the tangents
   R gap;                              ///< [m] at the present coordinates, less what is allowed
@@ -41,13 +42,25 @@ struct ContactRow {
 template <class R>
 struct LimitRow {
   const FastLimit* limit;
-  R* z;
+  R* z;       ///< null: not worked out
   R answer;   ///< [1/(kg m^2)]
+  R waits;    ///< 1 where it is near and takes no part
   R inverse;  ///< 0 where it does not take part
   R value;    ///< [rad] at the present coordinates, less what is allowed
   R allowed;
   R compliance;   ///< of a soft limit (LimitRow::eulerSoftness)
   R press, last;  ///< [kg m^2], and in the last step
+};
+
+/// A particle or stick of a lane that comes near a solid.
+struct NearPair {
+  int feature = 0, lane = 0;
+};
+
+/// Lanes in which a particle's bounds reach below the upper and above the lower faces of where
+/// something may touch a solid: 16 bits each for x, y, z.
+struct Reach {
+  std::uint64_t below = 0, above = 0;
 };
 
 /// set: tells units of different instruction sets apart, which must not share functions.
@@ -59,27 +72,30 @@ struct LaneWork {
   using Mask = decltype(less(R{}, R{}));
 
   tree::Work<R> tree;
-  R *x, *v, *dx;  ///< 3 per particle: [m] from origin, [m/s], [m]
-  R* spare;       ///< scratch, 3 per particle
-  R* force;       ///< [kg m] h^2 times pokes, per particle; only if forced
-  R *q, *y;       ///< tangent coordinates, and L times what they still change by
-  R* total;       ///< L times the coordinates
-  R* goal;        ///< L^-T T^T times the momentum of the free motion and all impulses
-  R* done;        ///< the same of the present coordinates
-  R* row;         ///< scratch, per coordinate
-  R *here, *there, *low, *high;  ///< [m] 3 per particle, in a solid's frame: at both ends of the
-                                 ///< step, and bounds
-  R* last_press;                 ///< [kg m^2] per limit: of the last step
-  R* offset;                     ///< [m] per plane, from the lanes' origins
+  R *x, *v, *dx;    ///< 3 per particle: [m] from origin, [m/s], [m]
+  R* spare;         ///< scratch, 3 per particle
+  R* force;         ///< [kg m] h^2 times pokes, per particle; only if forced
+  R *q, *y;         ///< tangent coordinates, and L times what they still change by
+  R* total;         ///< L times the coordinates
+  R* goal;          ///< L^-T T^T times the momentum of the free motion and all impulses
+  R* done;          ///< the same of the present coordinates
+  R* row;           ///< scratch, per coordinate
+  R *here, *there;  ///< [m] 3 per particle, in a solid's frame: at both ends of the step
+  R* last_press;    ///< [kg m^2] per limit: of the last step
+  R* offset;        ///< [m] per plane, from the lanes' origins
   ContactRow<R>* contacts;
   LimitRow<R>* limits;
   R* z;  ///< room for the rows'
   R* z_next;
-  int* row_of;       ///< per feature and slot: its contact row, -1
-  int* obstacle_of;  ///< per contact row and lane
-  int* pressing;     ///< contact rows, then limit rows, of the velocity stage
+  int* row_of;                             ///< per feature and slot: its contact row, -1
+  int* obstacle_of;                        ///< per contact row and lane
+  Reach* reach;                            ///< per particle, of the solid that is looked at
+  NearPair* near;                          ///< likewise
+  int near_particles = 0, near_count = 0;  ///< near_particles: they stand before sticks
+  int* awake;                              ///< contact rows that take part in a lane
+  int* pressing;                           ///< contact rows, then limit rows, of the velocity stage
   int pressing_contacts = 0, pressing_limits = 0;
-  int contact_count = 0, limit_count = 0, slots = 0;
+  int contact_count = 0, awake_count = 0, limit_count = 0, slots = 0;
   V3<R> shift;              ///< [m] of the pin
   V3<R> whole;              ///< [kg m] h times the momentum of the free motion
   R off;                    ///< largest squared sine; stretch at the start
@@ -98,10 +114,11 @@ struct LaneWork {
     const std::size_t slots = kSlots + planes, rows = f * slots;
     const std::size_t z = (3 * rows + b.limits.size()) * b.longest_row;
     const std::size_t numbers =
-        tree::Work<R>::count(b.tree) + 9 * n + 6 * s + b.limits.size() + planes;
+        tree::Work<R>::count(b.tree) + 7 * n + 6 * s + b.limits.size() + planes;
     return sizeof(LaneWork) + 64 + sizeof(R) * (numbers + z) + sizeof(ContactRow<R>) * rows +
            sizeof(LimitRow<R>) * b.limits.size() +
-           sizeof(int) * (2 * rows + rows * W + b.limits.size()) + 2048;
+           sizeof(int) * (3 * rows + rows * W + b.limits.size()) + sizeof(NearPair) * f * W +
+           sizeof(Reach) * b.tree.particles + 2048;
   }
 
   template <class T>
@@ -120,8 +137,7 @@ struct LaneWork {
     const std::size_t n = 3 * b.tree.particles, s = b.tree.size, f = b.features.size();
     w->slots = kSlots + planes;
     w->tree.take(b.tree, take<R>(at, tree::Work<R>::count(b.tree)));
-    for (R** p :
-         {&w->x, &w->v, &w->dx, &w->force, &w->spare, &w->here, &w->there, &w->low, &w->high})
+    for (R** p : {&w->x, &w->v, &w->dx, &w->force, &w->spare, &w->here, &w->there})
       *p = take<R>(at, n);
     for (R** p : {&w->q, &w->y, &w->total, &w->goal, &w->done, &w->row}) *p = take<R>(at, s);
     w->last_press = take<R>(at, b.limits.size());
@@ -130,9 +146,12 @@ struct LaneWork {
     w->limits = take<LimitRow<R>>(at, b.limits.size());
     w->row_of = take<int>(at, f * w->slots);
     w->obstacle_of = take<int>(at, f * w->slots * W);
+    w->reach = take<Reach>(at, b.tree.particles);
+    w->near = take<NearPair>(at, f * W);
+    w->awake = take<int>(at, f * w->slots);
     w->pressing = take<int>(at, f * w->slots + b.limits.size());
     w->z = take<R>(at, 0);
-    w->contact_count = w->limit_count = 0;
+    w->contact_count = w->awake_count = w->limit_count = 0;
     return w;
   }
 };

@@ -4,8 +4,6 @@
 #pragma once
 
 #include <cmath>
-#include <cstring>
-#include <utility>
 #if defined(__SSE2__)
 #include <immintrin.h>
 #endif
@@ -101,6 +99,27 @@ RAGDOLL_INLINE bool any(const PackMask<T, W>& m) {
 }
 RAGDOLL_INLINE bool any(bool m) { return m; }
 
+/// The lanes where it holds, a bit each.
+template <class T, int W>
+RAGDOLL_INLINE unsigned lanesOf(const PackMask<T, W>& m) {
+#if defined(__AVX512DQ__)
+  if constexpr (sizeof(m) == 64 && sizeof(T) == 8) return _mm512_movepi64_mask((__m512i)m.m);
+  if constexpr (sizeof(m) == 64 && sizeof(T) == 4) return _mm512_movepi32_mask((__m512i)m.m);
+#endif
+#if defined(__AVX__)
+  if constexpr (sizeof(m) == 32 && sizeof(T) == 8) return _mm256_movemask_pd((__m256d)m.m);
+  if constexpr (sizeof(m) == 32 && sizeof(T) == 4) return _mm256_movemask_ps((__m256)m.m);
+#endif
+#if defined(__SSE2__)
+  if constexpr (sizeof(m) == 16 && sizeof(T) == 8) return _mm_movemask_pd((__m128d)m.m);
+  if constexpr (sizeof(m) == 16 && sizeof(T) == 4) return _mm_movemask_ps((__m128)m.m);
+#endif
+  unsigned bits = 0;
+  for (int i = 0; i < W; ++i) bits |= (m.m[i] ? 1u : 0u) << i;
+  return bits;
+}
+RAGDOLL_INLINE unsigned lanesOf(bool m) { return m ? 1 : 0; }
+
 template <class T, int W>
 RAGDOLL_INLINE Pack<T, W> squareRoot(const Pack<T, W>& a) {
   typedef typename Pack<T, W>::Vector V;
@@ -152,52 +171,6 @@ RAGDOLL_INLINE double lane(double a, int) { return a; }
 RAGDOLL_INLINE float lane(float a, int) { return a; }
 RAGDOLL_INLINE void setLane(double& a, int, double value) { a = value; }
 RAGDOLL_INLINE void setLane(float& a, int, float value) { a = value; }
-
-template <int s, class V, std::size_t... I>
-RAGDOLL_INLINE void swapBlocks(V& a, V& b, std::index_sequence<I...>) {
-  constexpr int W = sizeof...(I);
-  const V lo = a, hi = b;
-#if defined(__clang__)
-  a = __builtin_shufflevector(lo, hi, (I & s ? W + I - s : I)...);
-  b = __builtin_shufflevector(lo, hi, (I & s ? W + I : I + s)...);
-#else
-  typedef decltype(lo < hi) Index;
-  a = __builtin_shuffle(lo, hi, Index{(I & s ? W + I - s : I)...});
-  b = __builtin_shuffle(lo, hi, Index{(I & s ? W + I : I + s)...});
-#endif
-}
-
-/// a[i], lane k <-> a[k], lane i.
-template <int s = 1, class T, int W>
-RAGDOLL_INLINE void transpose(Pack<T, W>* a) {
-  if constexpr (s < W) {
-    for (int i = 0; i < W; ++i)
-      if (!(i & s)) swapBlocks<s>(a[i].v, a[i + s].v, std::make_index_sequence<W>());
-    transpose<2 * s>(a);
-  }
-}
-
-/// W doubles that follow each other.
-template <int W>
-struct Doubles {
-  typedef double Vector __attribute__((vector_size(W * sizeof(double))));
-  Vector v;
-
-  static RAGDOLL_INLINE Doubles at(const double* from) {
-    Doubles out;
-    std::memcpy(&out.v, from, sizeof(out.v));
-    return out;
-  }
-  RAGDOLL_INLINE void to(double* there) const { std::memcpy(there, &v, sizeof(v)); }
-};
-template <class T, int W>
-RAGDOLL_INLINE Pack<T, W> numbersOf(const Doubles<W>& a) {
-  return {__builtin_convertvector(a.v, typename Pack<T, W>::Vector)};
-}
-template <class T, int W>
-RAGDOLL_INLINE Doubles<W> doublesOf(const Pack<T, W>& a) {
-  return {__builtin_convertvector(a.v, typename Doubles<W>::Vector)};
-}
 
 /// What W lanes of T are: T itself for one.
 template <class T, int W>

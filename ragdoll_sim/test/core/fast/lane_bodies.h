@@ -74,6 +74,7 @@ struct LaneBodies {
     w.unsettled = w.unsolved = true;
     for (int k = 0; k < body.tree.size; ++k) w.q[k] = w.y[k] = 0;
     fast::setPose(body, w);
+    fast::measureContacts(body, w);
     return w;
   }
 

@@ -30,7 +30,6 @@ TEST(LaneContacts, APlaceOnARodAnswersByItsShares) {
   fast::LaneContact contact;
   contact.feature = rod.body.particles;
   contact.weight = 0.3;
-  contact.offset = -1;
   contact.radius = 0.25;
   rod.lanes[0].contacts = &contact;
   rod.lanes[0].contact_count = 1;
@@ -38,7 +37,7 @@ TEST(LaneContacts, APlaceOnARodAnswersByItsShares) {
   ASSERT_EQ(w.contact_count, 1);
   const Row& row = w.contacts[0];
   EXPECT_NEAR(1 / row.inverse_normal, 0.7 * 0.7 + 0.3 * 0.3, 1e-14);
-  EXPECT_NEAR(row.start, 1 - 0.25, 1e-15);
+  EXPECT_NEAR(row.start, -0.25, 1e-15);
   w.dx[2] = 0.1;
   w.dx[5] = -0.2;
   EXPECT_NEAR(fast::atFeature(*row.feature, row.weight, w.dx).z, 0.7 * 0.1 - 0.3 * 0.2, 1e-15);
@@ -53,6 +52,7 @@ TEST(LaneContacts, APlaceOnAnyStickAnswersAsTheWholeTreeDoes) {
   Points moved(3, one.body.tree.particles);
   fast::LaneContact contact;
   contact.weight = 0.3;
+  contact.offset = 10;  // all of it is below
   one.lanes[0].contacts = &contact;
   one.lanes[0].contact_count = 1;
   const int features = static_cast<int>(one.body.features.size());
@@ -82,6 +82,24 @@ TEST(LaneContacts, AreOfWhatIsNear) {
   EXPECT_EQ(count(1.001 * near, Vec3(0, 0, -3)), 1);  // the motion leads there
 }
 
+/// What is near takes part once a round has brought it as near as kWake.
+TEST(LaneContacts, WaitUntilTheyAreNear) {
+  static_assert(fast::kWake < 0.008 && 0.008 < fast::kNear, "a contact that waits");
+  for (const double beyond : {fast::kWake, 1e-4, -1e-4}) {
+    Scene scene = ballOver(0.008, 1, Vec3::Zero(), floorPlane());
+    scene.gravity.setZero();
+    LaneBodies ball(scene);
+    OneLane& w = ball.rows();
+    ASSERT_EQ(w.contact_count, 1);
+    EXPECT_EQ(w.awake_count, 0);
+    EXPECT_EQ(w.contacts[0].inverse_normal, 0);
+    w.dx[2] = beyond - 0.008;
+    EXPECT_EQ(fast::measureContacts(ball.body, w), beyond < 0);
+    EXPECT_EQ(w.awake_count, beyond < fast::kWake ? 1 : 0);
+    EXPECT_EQ(w.contacts[0].inverse_normal, beyond < fast::kWake ? 1 : 0);  // 1 kg
+  }
+}
+
 /// [N] -> [kg m]: h^2 / 2 times, split along the normal and along the floor. A fifth of what is
 /// violated is undone.
 TEST(LaneContacts, BeginAtTheLastStepsImpulses) {
@@ -107,7 +125,7 @@ TEST(LaneContacts, ASweepPressesTheGapOutAndRubsWithinTheCone) {
     ASSERT_EQ(w.contact_count, 1);
     w.dx[0] = along;
     w.dx[2] = -deep;
-    fast::measureContacts(w);
+    fast::measureContacts(ball.body, w);
     fast::sweepContacts(w);
     const Row& row = w.contacts[0];
     const double rubs = std::min(mu * deep, along);
@@ -127,7 +145,7 @@ TEST(LaneContacts, NeverPull) {
   w.contacts[0].pull[0] = 0.001;
   fast::push(w, w.contacts[0], w.contacts[0].press, w.contacts[0].pull);
   w.dx[2] = 0.1;
-  fast::measureContacts(w);
+  fast::measureContacts(ball.body, w);
   fast::sweepContacts(w);
   EXPECT_EQ(w.contacts[0].press, 0);
   EXPECT_EQ(w.contacts[0].pull[0], 0);

@@ -95,10 +95,12 @@ TEST(LaneLimits, HaveTheirDerivativesAsRows) {
   }
 }
 
-/// A neck, in the plane y z, that stands 10 degrees beyond its cone.
+/// A neck, in the plane y z, that stands 10 degrees beyond its cone, or as far from its middle as
+/// is said.
 struct BentNeck : LaneBodies {
-  BentNeck(double stiffness, double damping) : LaneBodies(sceneOf(neckOf(stiffness, damping))) {
-    const Eigen::AngleAxisd bend(rad(40), Vec3::UnitX());
+  BentNeck(double stiffness, double damping, double bend_deg = 40)
+      : LaneBodies(sceneOf(neckOf(stiffness, damping))) {
+    const Eigen::AngleAxisd bend(rad(bend_deg), Vec3::UnitX());
     Points& x = bodies[0].x;
     x.col(kHead) = x.col(kBase) + bend * (x.col(kHead) - x.col(kBase));
   }
@@ -113,6 +115,22 @@ struct BentNeck : LaneBodies {
   }
   static constexpr int kBase = 0, kHead = 6;
 };
+
+/// From where it is near, two degrees, to where it takes part, one.
+TEST(LaneLimits, WaitUntilTheyAreNear) {
+  const auto rows = [](double bend_deg, int& awake) {
+    BentNeck one(std::numeric_limits<double>::infinity(), 0, bend_deg);
+    const OneLane& w = one.rows();
+    awake = w.limit_count > 0 && w.limits[0].inverse > 0;
+    return w.limit_count;
+  };
+  int awake = 0;
+  EXPECT_EQ(rows(26, awake), 0);
+  EXPECT_EQ(rows(28, awake), 1);
+  EXPECT_FALSE(awake);
+  EXPECT_EQ(rows(29.5, awake), 1);
+  EXPECT_TRUE(awake);
+}
 
 TEST(LaneLimits, ASweepTurnsBackWhatIsAllowed) {
   BentNeck one(std::numeric_limits<double>::infinity(), 0);

@@ -57,5 +57,51 @@ TEST_F(LaneSearch, APlaneKeepsSticksApartAllTheWay) {
   EXPECT_GT(apart_, 300);
 }
 
+/// A stick comes near where the box about both ends' ways, with their radii, meets the bound.
+TEST_F(LaneSearch, SticksComeNearWhereTheBoundsOfBothEndsDo) {
+  const V3<double> bound{0.1, 0.05, 0.15};
+  Feature stick;
+  stick.a = 0;
+  stick.b = 1;
+  int near = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const V3<double> at[4] = {place(), place(), place(), place()};
+    const Reach reach[2] = {reachOf(at[0], at[1], 0.05, bound), reachOf(at[2], at[3], 0.1, bound)};
+    const auto meets = [&](double V3<double>::*c) {
+      const double a[2] = {at[0].*c, at[1].*c}, b[2] = {at[2].*c, at[3].*c};
+      const auto wide = std::minmax({a[0] - 0.05, a[1] - 0.05, a[0] + 0.05, a[1] + 0.05, b[0] - 0.1,
+                                     b[1] - 0.1, b[0] + 0.1, b[1] + 0.1});
+      return wide.first < bound.*c && wide.second > -(bound.*c);
+    };
+    const bool expected = meets(&V3<double>::x) && meets(&V3<double>::y) && meets(&V3<double>::z);
+    EXPECT_EQ(comesNear(stick, reach), expected ? 1u : 0u);
+    near += expected;
+  }
+  EXPECT_GT(near, 100);
+  EXPECT_LT(near, 1900);
+}
+
+/// A batch has each pair's own numbers, and no more pairs than there are.
+TEST_F(LaneSearch, BatchesTakePairsOfAnyLane) {
+  using Two = LaneWork<double, 2, 7>;
+  Pack<double, 2> at[6];
+  for (int i = 0; i < 6; ++i) at[i].v = Pack<double, 2>::Vector{1.0 * i, 10.0 * i};
+  const NearPair pairs[] = {{0, 1}, {1, 0}, {1, 1}};
+  SolidPlace<Pack<double, 2>> s{};
+  s.at1.x.v = Pack<double, 2>::Vector{3, 4};
+  Pack<double, 2> margin;
+  margin.v = Pack<double, 2>::Vector{0.1, 0.2};
+  const auto particle = [](const NearPair& p) { return p.feature; };
+  const auto full = batchOf<Two>(pairs, 3, margin, s);
+  EXPECT_EQ(lanesOf(full.mask), 3u);
+  EXPECT_EQ(lane(full.ofParticles(at, particle).y, 0), 10);  // particle 0 in lane 1
+  EXPECT_EQ(lane(full.ofParticles(at, particle).y, 1), 4);   // particle 1 in lane 0
+  EXPECT_EQ(lane(full.margin, 0), 0.2);
+  EXPECT_EQ(lane(full.at1.x, 1), 3);
+  const auto rest = batchOf<Two>(pairs + 2, 1, margin, s);
+  EXPECT_EQ(lanesOf(rest.mask), 1u);
+  EXPECT_EQ(lane(rest.ofParticles(at, particle).x, 0), 30);
+}
+
 }  // namespace
 }  // namespace ragdoll::fast

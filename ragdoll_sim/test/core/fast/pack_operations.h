@@ -49,18 +49,19 @@ void operateOn(const N* a, const N* b, int count, N* out) {
   }
 }
 
-/// Whether any of the first W lanes is set, says `any`.
+/// Which of the first W lanes are set, says `lanesOf`; 0 where `any` says that none is.
 template <class N, int W>
-bool anyOf(const bool* lanes) {
+unsigned lanesOf(const bool* lanes) {
   typename fast::RealOf<N, W>::Type x{}, zero{};
   for (int l = 0; l < W; ++l) fast::setLane(x, l, N(lanes[l] ? 1 : 0));
-  return fast::any(fast::less(zero, x));
+  const auto set = fast::less(zero, x);
+  return fast::any(set) ? fast::lanesOf(set) : 0;
 }
 
 template <int W64, int W32>
 constexpr PackUnit unitOf() {
-  return {{W64, &operateOn<double, W64>, &anyOf<double, W64>},
-          {W32, &operateOn<float, W32>, &anyOf<float, W32>}};
+  return {{W64, &operateOn<double, W64>, &lanesOf<double, W64>},
+          {W32, &operateOn<float, W32>, &lanesOf<float, W32>}};
 }
 
 }  // namespace

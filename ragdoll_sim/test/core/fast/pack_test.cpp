@@ -116,15 +116,17 @@ TYPED_TEST(PackOf, ChoosesAsItIsDefined) {
   }
 }
 
-TYPED_TEST(PackOf, KnowsOfAnyLane) {
+TYPED_TEST(PackOf, KnowsOfAnyLaneAndOfWhich) {
   for (const PackUnit* unit : units()) {
     const PackFunctions<TypeParam>& pack = functionsOf(*unit, TypeParam());
     bool lanes[kMostLanes] = {};
-    EXPECT_FALSE(pack.any(lanes)) << pack.lanes;
+    EXPECT_EQ(pack.lanes_of(lanes), 0u) << pack.lanes;
     for (int l = 0; l < pack.lanes; ++l) {
       lanes[l] = true;
-      EXPECT_TRUE(pack.any(lanes)) << l << " of " << pack.lanes;
-      lanes[l] = false;
+      EXPECT_EQ(pack.lanes_of(lanes), 1u << l) << pack.lanes;
+      lanes[0] = true;
+      EXPECT_EQ(pack.lanes_of(lanes), 1u << l | 1u) << pack.lanes;
+      lanes[l] = lanes[0] = false;
     }
   }
 }

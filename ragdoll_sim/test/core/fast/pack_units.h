@@ -33,7 +33,7 @@ template <class N>
 struct PackFunctions {
   int lanes;
   void (*operate)(const N* a, const N* b, int count, N* out);
-  bool (*any)(const bool* lanes);
+  unsigned (*lanes_of)(const bool* lanes);  ///< a bit each
 };
 
 struct PackUnit {

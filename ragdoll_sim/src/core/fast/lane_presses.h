@@ -1,0 +1,98 @@
+// Contacts of a pack in the rounds: who takes part, gaps, and what presses. docs/fast.md#contacts.
+#pragma once
+
+#include "core/fast/lane_contacts.h"
+
+namespace ragdoll::fast {
+
+/// Lets the contacts take part that wait, where they are near now or pressed in the last step: most
+/// of those that a step may meet, it does not. Returns the lanes where such a one is too deep.
+template <class L>
+RAGDOLL_INLINE auto wake(const FastBody& b, L& w, ContactRow<typename L::R>& row) {
+  using R = typename L::R;
+  using N = typename L::N;
+  const auto near = either(less(row.gap, R{} + N(kWake)), less(R{}, row.press));
+  const auto wakes = both(less(R{}, row.waits), near);
+  if (any(wakes)) {
+    if (!row.z) setAnswer(b, w, row);
+    const auto invert = [&wakes](const R& answer, R& inverse) {
+      inverse = select(wakes, N(1) / atLeast(answer, N(1e-12)), inverse);
+    };
+    invert(row.answer_normal, row.inverse_normal);
+    invert(row.answer_tangent, row.inverse_tangent);
+    row.waits = select(wakes, R{}, row.waits);
+  }
+  return both(wakes, less(row.gap, R{}));
+}
+
+/// Gaps and slips at the present coordinates (w.dx), and who takes part. Returns the lanes where
+/// what took no part yet is too deep.
+template <class L>
+RAGDOLL_SECTION typename L::Mask measureContacts(const FastBody& b, L& w) {
+  using R = typename L::R;
+  auto sunk = less(R{}, R{});
+  w.awake_count = 0;
+  for (int i = 0; i < w.contact_count; ++i) {
+    ContactRow<R>& row = w.contacts[i];
+    const V3<R> moved = atFeature(*row.feature, row.weight, w.dx);
+    row.gap = row.start + dot(row.axes[0], moved) - row.allowed;
+    sunk = either(sunk, wake(b, w, row));
+    if (!row.z) continue;
+    w.awake[w.awake_count++] = i;
+    const V3<R> slip = moved - row.motion;
+    for (int c = 0; c < 2; ++c) row.slip[c] = dot(row.axes[c + 1], slip);
+  }
+  return sunk;
+}
+
+/// y += z (press, pull).
+template <class L>
+RAGDOLL_INLINE void push(L& w, const ContactRow<typename L::R>& row, const typename L::R& press,
+                         const typename L::R* pull) {
+  const typename L::R p[3] = {press, pull[0], pull[1]};
+  pushAlong<3>(row.feature->row, row.z, p, w);
+}
+
+/// Presses a row so that moved[0] comes to nothing, and rubs against the other two within the cone;
+/// moved: at the impulses (press, pull), which change where `takes` is true.
+template <class L>
+RAGDOLL_INLINE void pressRow(L& w, const ContactRow<typename L::R>& row, const typename L::R* moved,
+                             const typename L::Mask& takes, typename L::R& press,
+                             typename L::R* pull) {
+  using R = typename L::R;
+  using N = typename L::N;
+  const R pressed = select(takes, larger(press - moved[0] * row.inverse_normal, R{}), press);
+  if (!any(either(less(R{}, pressed), less(R{}, press)))) return;  // nothing changes
+  R wanted[2];
+  for (int c = 0; c < 2; ++c) wanted[c] = pull[c] - row.inverse_tangent * moved[c + 1];
+  const R size2 = wanted[0] * wanted[0] + wanted[1] * wanted[1], most = row.friction * pressed;
+  const auto slips = less(most * most, size2);
+  if (any(slips)) {
+    const R share = select(slips, most / squareRoot(atLeast(size2, N(1e-30))), R{} + N(1));
+    for (int c = 0; c < 2; ++c) wanted[c] = share * wanted[c];
+  }
+  R change[2];
+  for (int c = 0; c < 2; ++c) {
+    wanted[c] = select(takes, wanted[c], pull[c]);
+    change[c] = wanted[c] - pull[c];
+    w.change = larger(w.change, row.answer_tangent * (signOf(change[c]) * change[c]));
+  }
+  const R more = pressed - press;
+  w.change = larger(w.change, row.answer_normal * (signOf(more) * more));
+  push(w, row, more, change);
+  press = pressed;
+  for (int c = 0; c < 2; ++c) pull[c] = wanted[c];
+}
+
+template <class L>
+RAGDOLL_SECTION void sweepContacts(L& w) {
+  using R = typename L::R;
+  for (int i = 0; i < w.awake_count; ++i) {
+    ContactRow<R>& row = w.contacts[w.awake[i]];
+    R moved[3] = {row.gap, row.slip[0], row.slip[1]};
+    addAlong<3>(w, row.feature->row, row.z, moved);
+    pressRow(w, row, moved, w.unsettled, row.press, row.pull);
+  }
+}
+
+}  // namespace ragdoll::fast
