@@ -79,13 +79,14 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture,
   if (reset_by_ && now >= *reset_by_) newcomer_ = true, reset_by_.reset();
   const bool all = newcomer_.exchange(false), slow = all || now >= next_sticks_;
   if (slow) next_sticks_ = now + kStickPeriod;
-  const bool again = all || divided_ || now >= next_obstacles_;
+  const bool again = all || now >= next_obstacles_;
   if (again) next_obstacles_ = now + kAgain;
   message_.markers.clear();
   addObstacles(world, again);
   addScenery(world, posture, slow);
   if (!message_.markers.empty()) scenery_.publisher().publish(message_);
   if (!markers_.isHeard()) return;
+  if (divided_ && !again) addObstacles(world, true);  // its queue is soon full
   if (slow) addSticks(world, posture);
   addBodies(world, posture, now, all);
   send();

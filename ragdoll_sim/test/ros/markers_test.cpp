@@ -169,6 +169,7 @@ TEST(Markers, AreAllToldWhenTheClockGoesBack) {
 /// What has come of a crowd of `count` bodies 2 m apart once each has been told of.
 class Crowd {
  public:
+  static constexpr int kMore = 10;  ///< pictures after that
   Crowd(int count, bool frames) : count_(count), markers_(nh_, "world", "capsules") {
     const std::string model = "model: human, count: " + std::to_string(count);
     Snapshot world = standing();
@@ -179,13 +180,23 @@ class Crowd {
     world.tracker.emplace(*world.model);
     world.tracker->reset(world.state);
     markers_.useFrames(frames);
-    listener_ = nh_.subscribe<MarkerArray>(
-        "markers", 0, [this](const MarkerArray::ConstPtr& message) { hear(*message); });
+    const auto listen = [&](const char* topic, int& floors) {
+      return nh_.subscribe<MarkerArray>(
+          topic, 0, [this, &floors](const MarkerArray::ConstPtr& m) { hear(*m, floors); });
+    };
+    listener_ = listen("markers", floors_);
+    scenery_listener_ = listen("scenery", scenery_floors_);
     auto now = Simulation::Clock::now();
-    all_ = waitFor([&] {
+    const auto draw = [&] {
       markers_.publish(world, world.tracker->now(), now += std::chrono::milliseconds(34));
-      return static_cast<int>(bodies_.size()) == count_;
+    };
+    all_ = waitFor([&] {
+      draw();
+      return static_cast<int>(bodies_.size()) == count_ && scenery_floors_ > 0;
     });
+    floors_ = scenery_floors_ = 0;
+    for (int i = 0; i < kMore; ++i) draw();
+    all_ = all_ && waitFor([&] { return frames || floors_ >= kMore; });
     for (int i = 0; i < count; ++i)
       pelvises_.push_back(world.tracker->now().frames[world.tracker->firstFrame(i)]);
   }
@@ -194,17 +205,22 @@ class Crowd {
   std::size_t largest() const { return largest_; }
   const std::vector<Marker>& body(int i) { return bodies_[i]; }
   const Pose& pelvis(int i) const { return pelvises_[i]; }
+  /// How often ~scenery had the floor in kMore pictures.
+  int sceneryFloors() const { return scenery_floors_; }
 
  private:
-  void hear(const MarkerArray& message) {
+  void hear(const MarkerArray& message, int& floors) {
     largest_ = std::max<std::size_t>(largest_, ros::serialization::serializationLength(message));
-    for (const Marker& m : message.markers)
+    for (const Marker& m : message.markers) {
+      floors += m.ns == "obstacles";
       if (m.ns == "coat") bodies_[(m.id - 1) / BodyMarkers::kIds].push_back(m);
+    }
   }
   ros::NodeHandle nh_{"~"};
   int count_;
   MarkerPublisher markers_;
-  ros::Subscriber listener_;
+  ros::Subscriber listener_, scenery_listener_;
+  int floors_ = 0, scenery_floors_ = 0;
   std::map<int, std::vector<Marker>> bodies_;
   std::vector<Pose> pelvises_;
   std::size_t largest_ = 0;
@@ -217,6 +233,7 @@ TEST(Markers, OfManyBodiesAreInManyMessages) {
     Crowd crowd(50, frames);
     ASSERT_TRUE(crowd.all());
     EXPECT_LT(crowd.largest(), 1000100u);
+    EXPECT_LT(crowd.sceneryFloors(), 3);
     for (const Marker& m : crowd.body(49)) {
       EXPECT_EQ(m.lifetime.toSec(), frames ? 0 : 1.25);  // three pictures tell of all
       if (frames) continue;
