@@ -16,8 +16,8 @@ constexpr double kStretch = 0.005;      ///< of a stick; more is seen at the joi
 constexpr double kTurn = 0.35;          ///< [rad] from which on the light looks wrong
 constexpr double kRelightRate = 9000;   ///< [bytes/s]
 constexpr double kMostRelit = 150.0 * kTriangles;  ///< [bytes] at once: one piece
-constexpr std::chrono::seconds kCalm{1};    ///< after it was bent
-constexpr std::chrono::seconds kAgain{60};  ///< what a viewer has lost it has again so soon
+constexpr std::chrono::seconds kCalm{1};           ///< after it was bent
+constexpr std::chrono::seconds kAgain{60};         ///< what a viewer has lost it has again so soon
 
 }  // namespace
 

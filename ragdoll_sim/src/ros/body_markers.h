@@ -48,7 +48,8 @@ class BodyMarkers {
 
   bool isStraight(const Model& model, const Posture& posture) const;
   void makePieces(const FrameTracker& tracker);
-  visualization_msgs::Marker light(Piece& piece, const Posture& posture, Clock::time_point now) const;
+  visualization_msgs::Marker light(Piece& piece, const Posture& posture,
+                                   Clock::time_point now) const;
   void relight(const FrameTracker& tracker, const Posture& posture, Clock::time_point now,
                std::vector<visualization_msgs::Marker>& out);
   void stream(double lifetime, std::vector<visualization_msgs::Marker>& out) const;

@@ -23,14 +23,14 @@ constexpr double kBodyLifetime = 0.5;       ///< [s]
 constexpr double kForever = 0;              ///< [s]
 constexpr int kMarkerQueue =
     16;  ///< messages kept for a slow listener: what is told once is not dropped
-constexpr std::size_t kMostMessage = 1000000;  ///< [bytes] of a message, unless one marker has more:
-                                               ///< roscpp counts the messages of a queue only
-constexpr std::size_t kMostBodies = 8000000;   ///< [bytes] of a picture: 22 of the default coat
-constexpr double kBodiesAtOnce = 20;           ///< as many live kBodyLifetime, more live longer
-constexpr double kPokeLifetime = 0.15;  ///< [s] a poke of one step is seen this long
-constexpr double kPullWidth = 0.01;     ///< [m]
-constexpr double kStickWidth = 0.012;   ///< [m]
-constexpr double kPinMargin = 0.015;    ///< [m] of a pin's ball around the particle's
+constexpr std::size_t kMostMessage = 1000000;  ///< [bytes] of a message, unless one marker has
+                                               ///< more: roscpp counts the messages of a queue only
+constexpr std::size_t kMostBodies = 8000000;  ///< [bytes] of a picture: 22 of the default coat
+constexpr double kBodiesAtOnce = 20;          ///< as many live kBodyLifetime, more live longer
+constexpr double kPokeLifetime = 0.15;        ///< [s] a poke of one step is seen this long
+constexpr double kPullWidth = 0.01;           ///< [m]
+constexpr double kStickWidth = 0.012;         ///< [m]
+constexpr double kPinMargin = 0.015;          ///< [m] of a pin's ball around the particle's
 const Rgba kStickColor{0.15f, 0.16f, 0.19f, 1};
 const Rgba kPokeColor{0.92f, 0.26f, 0.21f, 0.95f};
 

@@ -1,5 +1,5 @@
-// What the body looks like: primitives for a viewer, free of ROS. Bodies of one skeleton can share a
-// Coat, which is then where it was put last.
+// What the body looks like: primitives for a viewer, free of ROS. Bodies of one skeleton can share
+// a Coat, which is then where it was put last.
 //
 // none; sticks: spheres and lines of the particle system itself; boxes: a box around every bone and
 // group (the thesis, sec. 5.5); capsules: one mesh of rounded limbs, trunk, head, hands and feet;
