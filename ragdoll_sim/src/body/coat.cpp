@@ -43,7 +43,7 @@ CoatShape body(const Mesh& mesh) {
 
 struct Coat::Impl {
   const Skeleton skeleton;
-  const int first_particle, first_part;
+  int first_particle, first_part;
   std::unique_ptr<RigidCoat> rigid;
   std::unique_ptr<Skin> skin;
 
@@ -86,6 +86,12 @@ Coat::Coat(CoatKind kind, const Model& model, const FrameTracker& tracker, int r
 Coat::~Coat() = default;
 Coat::Coat(Coat&&) noexcept = default;
 Coat& Coat::operator=(Coat&&) noexcept = default;
+
+void Coat::update(const Posture& posture, const FrameTracker& tracker, int ragdoll) {
+  impl_->first_particle = tracker.firstParticle(ragdoll);
+  impl_->first_part = tracker.firstPart(ragdoll);
+  update(posture);
+}
 
 void Coat::update(const Posture& posture) {
   const Skeleton& skeleton = impl_->skeleton;

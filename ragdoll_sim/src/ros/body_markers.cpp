@@ -13,40 +13,38 @@ using visualization_msgs::Marker;
 
 constexpr std::size_t kTriangles = 64;  ///< of a piece at most: 8 kB, so that each is told quickly
 constexpr double kStretch = 0.005;      ///< of a stick; more is seen at the joints
-constexpr double kLifetime = 0.5;       ///< [s] of what is told anew each time
 constexpr double kTurn = 0.35;          ///< [rad] from which on the light looks wrong
 constexpr double kRelightRate = 9000;   ///< [bytes/s]
-constexpr std::chrono::seconds kCalm{1};    ///< after it was bent
-constexpr std::chrono::seconds kAgain{60};  ///< what a viewer has lost it has again so soon
-
-double sizeOf(const Marker& marker) {
-  return static_cast<double>(ros::serialization::serializationLength(marker));
-}
+constexpr double kMostRelit = 150.0 * kTriangles;  ///< [bytes] at once: one piece
+constexpr std::chrono::seconds kCalm{1};           ///< after it was bent
+constexpr std::chrono::seconds kAgain{60};         ///< what a viewer has lost it has again so soon
 
 }  // namespace
 
-BodyMarkers::BodyMarkers(CoatKind kind, const std::string& world_frame, const Model& model,
-                         const FrameTracker& tracker, int ragdoll, int first_id)
-    : coat_(kind, model, tracker, ragdoll),
-      ragdoll_(ragdoll),
-      first_id_(first_id),
-      world_frame_(world_frame) {
-  for (std::size_t k = 0; k < coat_.shapes().size(); ++k) {
+double BodyMarkers::Piece::bytes() const {
+  constexpr std::size_t kVertex = 24 + 16;  // its place and its colour
+  return static_cast<double>(ros::serialization::serializationLength(marker) +
+                             3 * triangles.size() * kVertex);
+}
+
+BodyMarkers::BodyMarkers(std::shared_ptr<Coat> coat, const std::string& world_frame, int ragdoll,
+                         int first_id)
+    : coat_(std::move(coat)), ragdoll_(ragdoll), first_id_(first_id) {
+  for (std::size_t k = 0; k < coat_->shapes().size(); ++k) {
     Marker m;
     m.header.frame_id = world_frame;  // stamp 0: to be shown whenever it arrives
     m.ns = "coat";
     m.id = first_id_ + static_cast<int>(k);
     m.action = Marker::ADD;
-    m.lifetime = ros::Duration(kLifetime);
     shapes_.push_back(std::move(m));
   }
-  makePieces(tracker);
 }
 
 /// None if a part has no frame that turns with it.
 void BodyMarkers::makePieces(const FrameTracker& tracker) {
-  if (coat_.shapes().size() != 1 || coat_.shapes()[0].parts.empty()) return;
-  const CoatShape& shape = coat_.shapes()[0];
+  prepared_ = true;
+  if (coat_->shapes().size() != 1 || coat_->shapes()[0].parts.empty()) return;
+  const CoatShape& shape = coat_->shapes()[0];
   const FrameTree& tree = tracker.tree(ragdoll_);
   std::map<int, std::vector<Piece>> by_part;
   for (std::size_t t = 0; t < shape.mesh.triangles.size(); ++t) {
@@ -74,7 +72,6 @@ void BodyMarkers::makePieces(const FrameTracker& tracker) {
       m.pose = toPose(Pose());
       m.scale = toVector3(Vec3::Ones());
       m.color = toColor(shape.color);
-      m.lifetime = ros::Duration(0);
       m.frame_locked = true;
       pieces_.push_back(std::move(piece));
     }
@@ -82,8 +79,10 @@ void BodyMarkers::makePieces(const FrameTracker& tracker) {
 }
 
 void BodyMarkers::append(const Model& model, const FrameTracker& tracker, const Posture& posture,
-                         Clock::time_point now, bool all, bool frames, std::vector<Marker>& out) {
+                         Clock::time_point now, bool frames, double lifetime,
+                         std::vector<Marker>& out) {
   if (shapes_.empty()) return;
+  if (frames && !prepared_) makePieces(tracker);
   // Not of what is shown: between two moments of a limb that turns fast it is on the chord.
   if (lockable_ && !isStraight(model, tracker.now())) bent_ = now;
   const bool bent = bent_ != Clock::time_point{} && now - bent_ < kCalm;
@@ -91,20 +90,14 @@ void BodyMarkers::append(const Model& model, const FrameTracker& tracker, const 
   const bool other = streaming != streaming_;
   if (other) clear(streaming, out);
   streaming_ = streaming;
-  if (streaming) {
-    stream(posture, out);
-  } else if (all || other) {
-    coat_.update(posture);
-    for (Piece& piece : pieces_) {
-      light(piece, posture);
-      piece.told = now;
-      out.push_back(piece.marker);
-    }
-    relit_ = now;
-    budget_ = 0;
-  } else {
-    relight(posture, now, out);
-  }
+  const bool all = untold_ || other;
+  untold_ = false;
+  if (!streaming && !all) return relight(tracker, posture, now, out);
+  coat_->update(posture, tracker, ragdoll_);
+  if (streaming) return stream(lifetime, out);
+  for (Piece& piece : pieces_) out.push_back(light(piece, posture, now));
+  relit_ = now;
+  budget_ = 0;
 }
 
 bool BodyMarkers::isStraight(const Model& model, const Posture& posture) const {
@@ -117,26 +110,27 @@ bool BodyMarkers::isStraight(const Model& model, const Posture& posture) const {
 }
 
 /// From the coat as it is now.
-void BodyMarkers::light(Piece& piece, const Posture& posture) {
-  const Mesh& mesh = coat_.shapes()[0].mesh;
+Marker BodyMarkers::light(Piece& piece, const Posture& posture, Clock::time_point now) const {
+  const Mesh& mesh = coat_->shapes()[0].mesh;
   const Pose& frame = posture.frames[piece.frame];
   const Quat inverse = frame.orientation.conjugate();
   piece.lit = posture.parts[piece.part];
-  piece.marker.points.clear();
-  piece.marker.colors.clear();
+  piece.told = now;
+  Marker m = piece.marker;
   for (const int t : piece.triangles)
     for (const int v : mesh.triangles[t]) {
-      piece.marker.points.push_back(toPoint(inverse * (mesh.vertices.col(v) - frame.position)));
-      piece.marker.colors.push_back(toColor(mesh.colors[v]));
+      m.points.push_back(toPoint(inverse * (mesh.vertices.col(v) - frame.position)));
+      m.colors.push_back(toColor(mesh.colors[v]));
     }
+  return m;
 }
 
 /// The piece whose light is most wrong, or one that was told long ago, as soon as the budget allows
 /// it.
-void BodyMarkers::relight(const Posture& posture, Clock::time_point now, std::vector<Marker>& out) {
-  const double most = 150.0 * kTriangles;  // one piece
+void BodyMarkers::relight(const FrameTracker& tracker, const Posture& posture,
+                          Clock::time_point now, std::vector<Marker>& out) {
   budget_ += kRelightRate * std::chrono::duration<double>(now - relit_).count();
-  budget_ = std::min(budget_, most);
+  budget_ = std::min(budget_, kMostRelit);
   relit_ = now;
   Piece* worst = nullptr;
   double turn = kTurn;
@@ -146,19 +140,18 @@ void BodyMarkers::relight(const Posture& posture, Clock::time_point now, std::ve
   }
   for (Piece& piece : pieces_)
     if (!worst && now - piece.told > kAgain) worst = &piece;
-  if (!worst || budget_ < sizeOf(worst->marker)) return;
-  coat_.update(posture);
-  light(*worst, posture);
-  worst->told = now;
-  budget_ -= sizeOf(worst->marker);
-  out.push_back(worst->marker);
+  if (!worst || budget_ < worst->bytes()) return;
+  coat_->update(posture, tracker, ragdoll_);
+  out.push_back(light(*worst, posture, now));
+  budget_ -= worst->bytes();
 }
 
-void BodyMarkers::stream(const Posture& posture, std::vector<Marker>& out) {
-  coat_.update(posture);
+/// The coat as it is now.
+void BodyMarkers::stream(double lifetime, std::vector<Marker>& out) const {
   for (std::size_t k = 0; k < shapes_.size(); ++k) {
-    toMarker(coat_.shapes()[k], shapes_[k]);
     out.push_back(shapes_[k]);
+    out.back().lifetime = ros::Duration(lifetime);
+    toMarker(coat_->shapes()[k], out.back());
   }
 }
 

@@ -15,7 +15,7 @@ class CallbackThreads {
   ~CallbackThreads();
 
  private:
-  static constexpr double kPatience = 1;  ///< [s] with nothing to call, until one looks around
+  static constexpr double kPatience = 10;  ///< [s] with nothing to call, until one looks around
   void run();
 
   std::atomic<bool> ends_{false};

@@ -22,11 +22,15 @@ constexpr std::chrono::seconds kReset{1};   ///< a slow rviz has seen a clock th
 constexpr double kBodyLifetime = 0.5;       ///< [s]
 constexpr double kForever = 0;              ///< [s]
 constexpr int kMarkerQueue =
-    32;  ///< messages kept for a slow listener: what is told once is not dropped
-constexpr double kPokeLifetime = 0.15;  ///< [s] a poke of one step is seen this long
-constexpr double kPullWidth = 0.01;     ///< [m]
-constexpr double kStickWidth = 0.012;   ///< [m]
-constexpr double kPinMargin = 0.015;    ///< [m] of a pin's ball around the particle's
+    16;  ///< messages kept for a slow listener: what is told once is not dropped
+constexpr std::size_t kMostMessage = 1000000;  ///< [bytes] of a message, unless one marker has
+                                               ///< more: roscpp counts the messages of a queue only
+constexpr std::size_t kMostBodies = 8000000;  ///< [bytes] of a picture: 22 of the default coat
+constexpr double kBodiesAtOnce = 20;          ///< as many live kBodyLifetime, more live longer
+constexpr double kPokeLifetime = 0.15;        ///< [s] a poke of one step is seen this long
+constexpr double kPullWidth = 0.01;           ///< [m]
+constexpr double kStickWidth = 0.012;         ///< [m]
+constexpr double kPinMargin = 0.015;          ///< [m] of a pin's ball around the particle's
 const Rgba kStickColor{0.15f, 0.16f, 0.19f, 1};
 const Rgba kPokeColor{0.92f, 0.26f, 0.21f, 0.95f};
 
@@ -82,19 +86,58 @@ void MarkerPublisher::publish(const Snapshot& world, const Posture& posture,
   addScenery(world, posture, slow);
   if (!message_.markers.empty()) scenery_.publisher().publish(message_);
   if (!markers_.isHeard()) return;
+  if (divided_ && !again) addObstacles(world, true);  // its queue is soon full
   if (slow) addSticks(world, posture);
   addBodies(world, posture, now, all);
-  if (!message_.markers.empty()) markers_.publisher().publish(message_);
+  send();
 }
 
+void MarkerPublisher::makeBodies(const Snapshot& world) {
+  std::map<int, std::shared_ptr<Coat>> coats;  // by skeleton
+  for (int i = 0; i < world.tracker->ragdolls(); ++i) {
+    std::shared_ptr<Coat>& coat = coats[world.model->ragdolls[i].skeleton];
+    if (!coat) coat = std::make_shared<Coat>(kind_, *world.model, *world.tracker, i);
+    bodies_.emplace_back(coat, world_frame_, i, 1 + i * BodyMarkers::kIds);
+  }
+}
+
+/// In turn, as many as a picture may have.
 void MarkerPublisher::addBodies(const Snapshot& world, const Posture& posture,
                                 Simulation::Clock::time_point now, bool all) {
-  if (bodies_.empty())
-    for (int i = 0; i < world.tracker->ragdolls(); ++i)
-      bodies_.emplace_back(kind_, world_frame_, *world.model, *world.tracker, i,
-                           1 + i * BodyMarkers::kIds);
-  for (BodyMarkers& body : bodies_)
-    body.append(*world.model, *world.tracker, posture, now, all, frames_, message_.markers);
+  if (bodies_.empty()) makeBodies(world);
+  if (all)
+    for (BodyMarkers& body : bodies_) body.tellAll();
+  const double lifetime =
+      kBodyLifetime * std::max(1.0, static_cast<double>(bodies_.size()) / kBodiesAtOnce);
+  std::vector<Marker>& markers = message_.markers;
+  std::size_t bytes = 0;
+  for (std::size_t told = 0; told < bodies_.size() && bytes < kMostBodies; ++told) {
+    std::size_t counted = markers.size();
+    bodies_[next_body_].append(*world.model, *world.tracker, posture, now, frames_, lifetime,
+                               markers);
+    next_body_ = (next_body_ + 1) % bodies_.size();
+    for (; counted < markers.size(); ++counted)
+      bytes += ros::serialization::serializationLength(markers[counted]);
+  }
+}
+
+/// The picture, in messages of kMostMessage.
+void MarkerPublisher::send() {
+  visualization_msgs::MarkerArray part;
+  std::size_t bytes = 0;
+  divided_ = false;
+  for (Marker& marker : message_.markers) {
+    const std::size_t more = ros::serialization::serializationLength(marker);
+    if (!part.markers.empty() && bytes + more > kMostMessage) {
+      markers_.publisher().publish(part);
+      part.markers.clear();
+      bytes = 0;
+      divided_ = true;
+    }
+    bytes += more;
+    part.markers.push_back(std::move(marker));
+  }
+  if (!part.markers.empty()) markers_.publisher().publish(part);
 }
 
 void MarkerPublisher::addScenery(const Snapshot& world, const Posture& posture, bool slow) {
@@ -122,6 +165,8 @@ void MarkerPublisher::startScene(const Snapshot& world) {
   }();
   clear();
   bodies_.clear();  // made for the first that wants them
+  next_body_ = 0;
+  divided_ = false;
   contact_markers_.clear();
 
   obstacles_.clear();

@@ -11,6 +11,7 @@
 #include <visualization_msgs/MarkerArray.h>
 
 #include <atomic>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -60,8 +61,10 @@ class MarkerPublisher {
 
  private:
   void startScene(const Snapshot& world);
+  void makeBodies(const Snapshot& world);
   void addBodies(const Snapshot& world, const Posture& posture, Simulation::Clock::time_point now,
                  bool all);
+  void send();
   void addScenery(const Snapshot& world, const Posture& posture, bool slow);
   visualization_msgs::Marker marker(const std::string& ns, int id, double lifetime) const;
   void addSticks(const Snapshot& world, const Posture& posture);
@@ -81,6 +84,8 @@ class MarkerPublisher {
   std::shared_ptr<const Scene> scene_;
   CoatKind kind_ = CoatKind::kNone;
   std::vector<BodyMarkers> bodies_;
+  std::size_t next_body_ = 0;  ///< that the next message begins with
+  bool divided_ = false;       ///< the last picture was of several messages
   bool frames_ = true;
   std::vector<visualization_msgs::Marker> obstacles_;
   std::vector<Poke> pokes_;  ///< that acted since the last message

@@ -153,9 +153,9 @@ void Publisher::tick(Why why) {
   if (!between) publishState(now, why);
   if (!between) publishJoints(shown, now);
   if (Clock::now() + kHandlesEarly >= handles_.due()) handles_.update();
-  out_.send();
   markers_.useFrames(tfBodies() == "all");
   markers_.publish(world_, shown);
+  out_.send();
   metrics_.publish(world_, toHeader(parameters_.world_frame, now));
 }
 

@@ -15,9 +15,9 @@
 namespace ragdoll {
 
 /// How many messages of so many bytes each may wait for a listener: `most`, halved until they take
-/// no more than 64 MB. roscpp counts messages only, and keeps them for a listener that has stopped.
+/// no more than 10 MB. roscpp counts messages only, and keeps them for a listener that has stopped.
 inline int queueLength(int most, std::size_t bytes) {
-  constexpr std::size_t kQueueBytes = 64000000;
+  constexpr std::size_t kQueueBytes = 10000000;
   while (most > 1 && static_cast<std::size_t>(most) * bytes > kQueueBytes) most /= 2;
   return most;
 }

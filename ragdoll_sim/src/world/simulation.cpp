@@ -13,8 +13,8 @@ using std::chrono::milliseconds;
 constexpr milliseconds kNap{2};  ///< shortest sleep; several short steps share one wake-up
 /// Where steps are light, who looks at the world makes those that are due: one wake-up for both.
 constexpr milliseconds kLongNap{100};
-constexpr std::chrono::microseconds kLightStep{250};  ///< a step that takes less is
-constexpr milliseconds kMostCatchUp{2};               ///< for steps, by who looks
+constexpr std::chrono::microseconds kLightStep{1000};  ///< a step that takes less is
+constexpr milliseconds kMostCatchUp{2};                ///< for steps, by who looks
 constexpr milliseconds kMaxLag{250};  ///< a simulation that is later than this does not catch up
 constexpr milliseconds kPoll{1};      ///< how often another clock is looked at
 constexpr std::chrono::minutes kLatenessWindow{1};

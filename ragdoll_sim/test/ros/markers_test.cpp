@@ -166,6 +166,83 @@ TEST(Markers, AreAllToldWhenTheClockGoesBack) {
   ros::Time::init();
 }
 
+/// What has come of a crowd of `count` bodies 2 m apart once each has been told of.
+class Crowd {
+ public:
+  static constexpr int kMore = 10;  ///< pictures after that
+  Crowd(int count, bool frames) : count_(count), markers_(nh_, "world", "capsules") {
+    const std::string model = "model: human, count: " + std::to_string(count);
+    Snapshot world = standing();
+    world.scene = std::make_shared<Scene>(parseScene(
+        "ragdolls: [{name: r, " + model + ", spacing: [2, 0, 0]}]\nobstacles: [{type: plane}]\n"));
+    world.model = std::make_shared<Model>(buildModel(*world.scene));
+    world.state = startState(*world.model);
+    world.tracker.emplace(*world.model);
+    world.tracker->reset(world.state);
+    markers_.useFrames(frames);
+    const auto listen = [&](const char* topic, int& floors) {
+      return nh_.subscribe<MarkerArray>(
+          topic, 0, [this, &floors](const MarkerArray::ConstPtr& m) { hear(*m, floors); });
+    };
+    listener_ = listen("markers", floors_);
+    scenery_listener_ = listen("scenery", scenery_floors_);
+    auto now = Simulation::Clock::now();
+    const auto draw = [&] {
+      markers_.publish(world, world.tracker->now(), now += std::chrono::milliseconds(34));
+    };
+    all_ = waitFor([&] {
+      draw();
+      return static_cast<int>(bodies_.size()) == count_ && scenery_floors_ > 0;
+    });
+    floors_ = scenery_floors_ = 0;
+    for (int i = 0; i < kMore; ++i) draw();
+    all_ = all_ && waitFor([&] { return frames || floors_ >= kMore; });
+    for (int i = 0; i < count; ++i)
+      pelvises_.push_back(world.tracker->now().frames[world.tracker->firstFrame(i)]);
+  }
+  bool all() const { return all_; }
+  /// [bytes] of a message, at most.
+  std::size_t largest() const { return largest_; }
+  const std::vector<Marker>& body(int i) { return bodies_[i]; }
+  const Pose& pelvis(int i) const { return pelvises_[i]; }
+  /// How often ~scenery had the floor in kMore pictures.
+  int sceneryFloors() const { return scenery_floors_; }
+
+ private:
+  void hear(const MarkerArray& message, int& floors) {
+    largest_ = std::max<std::size_t>(largest_, ros::serialization::serializationLength(message));
+    for (const Marker& m : message.markers) {
+      floors += m.ns == "obstacles";
+      if (m.ns == "coat") bodies_[(m.id - 1) / BodyMarkers::kIds].push_back(m);
+    }
+  }
+  ros::NodeHandle nh_{"~"};
+  int count_;
+  MarkerPublisher markers_;
+  ros::Subscriber listener_, scenery_listener_;
+  int floors_ = 0, scenery_floors_ = 0;
+  std::map<int, std::vector<Marker>> bodies_;
+  std::vector<Pose> pelvises_;
+  std::size_t largest_ = 0;
+  bool all_ = false;
+};
+
+/// roscpp keeps a number of messages for who reads slowly, of whatever size.
+TEST(Markers, OfManyBodiesAreInManyMessages) {
+  for (const bool frames : {false, true}) {
+    Crowd crowd(50, frames);
+    ASSERT_TRUE(crowd.all());
+    EXPECT_LT(crowd.largest(), 1000100u);
+    EXPECT_LT(crowd.sceneryFloors(), 3);
+    for (const Marker& m : crowd.body(49)) {
+      EXPECT_EQ(m.lifetime.toSec(), frames ? 0 : 1.25);  // three pictures tell of all
+      if (frames) continue;
+      for (const geometry_msgs::Point& p : m.points)
+        ASSERT_LT(std::abs(p.x - crowd.pelvis(49).position.x()), 1);
+    }
+  }
+}
+
 /// A particle that an obstacle gives so many newtons over 0.01 s.
 Touch touch(int particle, const Vec3& force) {
   Touch t;

@@ -65,6 +65,7 @@ class Node:
         test.addCleanup(self.end, signal.SIGKILL)
         self.client = wait_for(self.settings, name)
         self.model = wait_for(lambda: rostopic_model(self.name), 'a model')
+        rospy.wait_for_service(self.name + '/load_scene', LIMIT)  # offered once its settings are written
 
     def settings(self):
         try:

@@ -1,4 +1,5 @@
-// What the body looks like: primitives for a viewer, free of ROS. One Coat per ragdoll.
+// What the body looks like: primitives for a viewer, free of ROS. Bodies of one skeleton can share
+// a Coat, which is then where it was put last.
 //
 // none; sticks: spheres and lines of the particle system itself; boxes: a box around every bone and
 // group (the thesis, sec. 5.5); capsules: one mesh of rounded limbs, trunk, head, hands and feet;
@@ -52,6 +53,8 @@ class Coat {
 
   CoatKind kind() const { return kind_; }
   void update(const Posture& posture);
+  /// Puts it on another of the ragdolls that have the same skeleton.
+  void update(const Posture& posture, const FrameTracker& tracker, int ragdoll);
   const std::vector<CoatShape>& shapes() const { return shapes_; }
 
  private:
