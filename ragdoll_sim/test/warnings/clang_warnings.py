@@ -87,9 +87,10 @@ def sources_of(entry):
 
 
 def joins(unit, entry, own):
-    """Whether the sources of an entry go with those of a unit, each of a unity build."""
-    return (is_of_several(unit[0]) and is_of_several(entry) and len(unit[1]) + len(own) <= AT_ONCE
-            and options_of(unit[0]) == options_of(entry))
+    """Whether the sources of an entry go with those of a unit: a unity build of one target."""
+    target = os.path.dirname(source_of(entry))
+    return (is_of_several(entry) and is_of_several(unit[0]) and len(unit[1]) + len(own) <= AT_ONCE
+            and os.path.dirname(source_of(unit[0])) == target)
 
 
 def units_below(commands, folders):
