@@ -61,5 +61,38 @@ TEST(ImpactEnergy, IsNotTakenOutOfWhatFliesBy) {
     }
 }
 
+/// A ball pushes a lying limb onto a solid that throws it back: of the two impacts at once one
+/// gives energy, and the other one's loss does not make up for it.
+TEST(ImpactEnergy, OfOneIsNotMadeUpForByTheLossOfAnother) {
+  const Scene scene = parseScene(R"(
+gravity: [0, 0, 0]
+ragdoll_collision: true
+self_collision: false
+ragdolls:
+  - name: a
+    velocity: [0, 0, 0]
+    model:
+      particles:
+        p0: {position: [0, 0.028452194886, -0.141989775491], mass: 2.35668322056, radius: 0.0201049649887}
+        p1: {position: [-0.107472385569, 0.111572191074, 0.00997002723254], mass: 0.463537435953, radius: 0.0201049649887}
+      sticks: [[p0, p1]]
+      segments:
+        s0: {from: p0, to: p1, mass: 0.312160318858, gyration: 0.289}
+  - name: s
+    velocity: [-3.71954705397, -0.143211727886, 0.273234720498]
+    model:
+      particles:
+        p0: {position: [0.0461714456586, 0.0702471707386, -0.0906601643436], mass: 6.11345590793, radius: 0.0514168730717}
+obstacles:
+  - {type: capsule, from: [-0.313279284143, 0.120235148353, -0.444570483719], to: [-0.313279284143, 0.158494612301, 0.55469735496], radius: 0.176967501621, restitution: 1, friction: 0.6}
+)");
+  const Points exact = endOfImpacts(scene, Method::kRk, 1.0 / 4000, 0.048);
+  EXPECT_LT(largest(endOfImpacts(scene, Method::kRk, 1.0 / 1000, 0.048) - exact), 1e-10);
+  for (const double rate : {1000.0, 4000.0})
+    EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.048) - exact),
+              20 / (rate * rate))
+        << rate;
+}
+
 }  // namespace
 }  // namespace ragdoll::test
