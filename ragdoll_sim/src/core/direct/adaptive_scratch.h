@@ -17,9 +17,9 @@ struct AdaptiveScratch {
   std::vector<SavedMotion> start;   ///< what a part begins with: of the island's bodies, by ragdoll
   std::size_t logged = 0;           ///< likewise
   std::vector<SavedMotion> coarse;  ///< likewise: what a part in one came to
-  /// What pressed at the end of the last part that stood, and of the one at hand: taken once, and
-  /// its halves.
-  Roomy<CachedImpulse> before, once, middle, after;
+  /// What pressed at the end of the last part that stood, and in the middle and at the end of the
+  /// one at hand.
+  Roomy<CachedImpulse> before, middle, after;
 };
 
 }  // namespace ragdoll

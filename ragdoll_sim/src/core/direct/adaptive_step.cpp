@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 #include "core/direct/begin_step.h"
 #include "core/direct/constants.h"
@@ -24,7 +25,17 @@ class StepParts {
  public:
   StepParts(const StepContext& whole, const std::vector<int>& bodies,
             const std::vector<int>& sleepers)
-      : whole_(whole), s_(whole.ws.adaptive), bodies_(bodies), sleepers_(sleepers) {
+      : whole_(whole),
+        s_(whole.ws.adaptive),
+        part_{whole.model,  s_.inputs,   whole.h,  whole.force,    whole.guarded,
+              false,        whole.state, whole.ws, whole.supports, whole.log,
+              whole.worker, &s_.before,  whole.h},
+        island_(part_, scratchOf(part_).island),
+        bodies_(bodies),
+        sleepers_(sleepers) {
+    // Whatever a part's length: it does not tell what else would follow if what counts as touching
+    // were still open.
+    part_.tolerances = tolerancesFor(0);
     s_.inputs = whole.inputs;
     s_.obstacles = whole.state.obstacles;
     s_.pins.clear();
@@ -47,8 +58,8 @@ class StepParts {
 
   /// By rk without contact, error: what it made [m]. False: not in this way, and nothing is moved.
   bool takeFreely(double from, double part, double& error, StepReport& report);
-  /// As it comes, in two halves unless the step guard acts; returns the error that it made [m].
-  double takeTwice(double from, double part, StepReport& report);
+  /// As it comes; allowed: [m] that its error may be. Returns that [m].
+  double take(double from, double part, double allowed, StepReport& report);
 
   double& next() const {
     const Ragdoll& r = whole_.model.ragdolls[bodies_[0]];
@@ -57,33 +68,29 @@ class StepParts {
   }
 
  private:
-  StepContext contextOf(double part, const Impulses& before) const {
-    StepContext context{whole_.model,  s_.inputs,    part,      whole_.force,    whole_.guarded,
-                        false,         whole_.state, whole_.ws, whole_.supports, whole_.log,
-                        whole_.worker, &before,      whole_.h};
-    // Whatever its length: the two halves do not tell what else would follow if what counts as
-    // touching were still open.
-    context.tolerances = tolerancesFor(0);
-    return context;
-  }
   void saveIn(std::vector<SavedMotion>& saved) const;
   /// Where pins and obstacles are at both ends of a part.
   void lead(double from, double part);
-  /// One part: as it comes, from what pressed before it to what does so at its end. second: of the
-  /// two halves; their error is then known, and taken out where the motion is smooth.
-  void take(double from, double part, const Impulses& before, Impulses& after, StepReport& report,
-            bool second = false);
-  /// Whether nothing but the same limits pressed, in one and in halves.
-  bool isSmooth(const StepReport& part) const;
+  /// Makes ready for a part, from what pressed before it.
+  void begin(double from, double part, const Impulses& before);
+  /// From what pressed before it to what does so at its end; returns its defect [m].
+  double takeOnce(double from, double part, const Impulses& before, Impulses& after,
+                  StepReport& report);
+  /// Instead of what it came to in one; returns the halves' error [m]. Where the motion is smooth
+  /// it is taken out of them.
+  double takeHalves(double from, double part, StepReport& report);
+  /// Whether nothing but the same limits pressed as before, in one and at each end.
+  bool isSmooth(const StepReport& part, std::initializer_list<const Impulses*> ends) const;
   /// Extrapolates the halves and what came in one to fourth order, and back onto the sticks.
-  void refine(Island& island);
-  /// [m]; swing: [s] in which a velocity's error becomes one of positions.
-  double distanceFromCoarse(double swing) const;
+  void refine();
+  /// [m] of positions, and of velocities in kSwingTime.
+  double distanceFromCoarse() const;
 
   const StepContext& whole_;
   AdaptiveScratch& s_;
+  StepContext part_;  ///< in which the present part is taken
+  Island island_;
   const std::vector<int>&bodies_, &sleepers_;
-  double error_ = 0;  ///< [m] of the last two halves
 };
 
 void StepParts::lead(double from, double part) {
@@ -114,7 +121,7 @@ void StepParts::restore() {
   if (whole_.log) whole_.log->impulses.resize(s_.logged);
 }
 
-double StepParts::distanceFromCoarse(double swing) const {
+double StepParts::distanceFromCoarse() const {
   const State& state = whole_.state;
   double x = 0, v = 0;
   for (const int i : bodies_) {
@@ -125,24 +132,25 @@ double StepParts::distanceFromCoarse(double swing) const {
       v = std::max(v, (state.v.col(first + k) - coarse.v.col(k)).squaredNorm());
     }
   }
-  const double distance = std::max(std::sqrt(x), swing * std::sqrt(v));
+  const double distance = std::max(std::sqrt(x), kSwingTime * std::sqrt(v));
   return std::isfinite(distance) ? distance : kUnknownRate;
 }
 
-bool StepParts::isSmooth(const StepReport& part) const {
+bool StepParts::isSmooth(const StepReport& part,
+                         std::initializer_list<const Impulses*> ends) const {
   const auto same = [](const CachedImpulse& a, const CachedImpulse& b) {
     return a.a < 0 && a.a == b.a && a.b == b.b && a.ragdoll == b.ragdoll;
   };
-  const auto press = [&](const Impulses& now) {
-    return std::equal(now.begin(), now.end(), s_.before.begin(), s_.before.end(), same);
+  const auto press = [&](const Impulses* now) {
+    return std::equal(now->begin(), now->end(), s_.before.begin(), s_.before.end(), same);
   };
-  return part.substeps == 1 && part.guarded == 0 && part.limited == 0 && press(s_.once) &&
-         press(s_.middle) && press(s_.after);
+  return part.substeps == 1 && part.guarded == 0 && part.limited == 0 &&
+         std::all_of(ends.begin(), ends.end(), press);
 }
 
-void StepParts::refine(Island& island) {
-  for (Body* body : island.bodies) {
-    const double share = 1 / kDoubling;
+void StepParts::refine() {
+  const double share = 1 / kDoubling;
+  for (Body* body : island_.bodies) {
     const SavedMotion& coarse = s_.coarse[body->index];
     body->motion.dx = share * (body->x() - coarse.x);
     if (!satisfySticksAlongNew(*body)) continue;
@@ -154,30 +162,19 @@ void StepParts::refine(Island& island) {
   }
 }
 
-void StepParts::take(double from, double part, const Impulses& before, Impulses& after,
-                     StepReport& report, bool second) {
+void StepParts::begin(double from, double part, const Impulses& before) {
   lead(from, part);
-  const StepContext context = contextOf(part, before);
-  Island island(context, scratchOf(context).island);
-  bindIsland(island, bodies_, sleepers_);
-  stepIsland(island, report);
-  after.clear();
-  for (const Body* body : island.bodies) append(body->cache.impulses(), after);
-  append(island.pairs.cache.impulses(), after);
-  if (!second) return;
-  const bool smooth = isSmooth(report);
-  error_ = (smooth ? distanceFromCoarse(kSwingTime) : kOfJumps * distanceFromCoarse(0)) / kDoubling;
-  if (smooth) refine(island);
+  part_.h = part;
+  part_.before = &before;
+  bindIsland(island_, bodies_, sleepers_);
+  island_.s.defect = 0;
 }
 
 bool StepParts::takeFreely(double from, double part, double& error, StepReport& report) {
-  lead(from, part);
-  const StepContext context = contextOf(part, s_.before);
-  Island island(context, scratchOf(context).island);
-  bindIsland(island, bodies_, sleepers_);
-  if (!island.isLone()) return false;
-  beginStep(island, report);
-  if (!moveFreely(island, part, error)) {
+  begin(from, part, s_.before);
+  if (!island_.isLone()) return false;
+  beginStep(island_, report);
+  if (!moveFreely(island_, part, error)) {
     restore();
     return false;
   }
@@ -185,20 +182,41 @@ bool StepParts::takeFreely(double from, double part, double& error, StepReport& 
   return true;
 }
 
-double StepParts::takeTwice(double from, double part, StepReport& report) {
-  StepReport once;
-  take(from, part, s_.before, s_.once, once);
-  if (once.guarded > 0) {  // in the substeps that the halves would take: the two would agree
-    report += once;
-    return kUnknownRate;
-  }
+double StepParts::takeOnce(double from, double part, const Impulses& before, Impulses& after,
+                           StepReport& report) {
+  begin(from, part, before);
+  stepIsland(island_, report);
+  after.clear();
+  for (const Body* body : island_.bodies) append(body->cache.impulses(), after);
+  append(island_.pairs.cache.impulses(), after);
+  return island_.s.defect;
+}
+
+double StepParts::takeHalves(double from, double part, StepReport& report) {
   saveIn(s_.coarse);
   restore();
   const double half = 0.5 * part;
-  take(from, half, s_.before, s_.middle, report);
-  report.substeps = std::max(report.substeps, once.substeps);
-  take(from + half, half, s_.middle, s_.after, report, true);
-  return error_;
+  takeOnce(from, half, s_.before, s_.middle, report);
+  takeOnce(from + half, half, s_.middle, s_.after, report);
+  const double error = distanceFromCoarse() / kDoubling;
+  if (!isSmooth(report, {&s_.middle, &s_.after})) return error;
+  refine();
+  return kOfRefined * error;
+}
+
+double StepParts::take(double from, double part, double allowed, StepReport& report) {
+  StepReport once;
+  const double error = kOfDefect * takeOnce(from, part, s_.before, s_.after, once);
+  const bool known = error < kUnknownRate && once.unresolved == 0;
+  const bool smooth = isSmooth(once, {&s_.after});
+  const bool stands = !smooth || (part > kLongPart * whole_.h && error <= allowed);
+  // rk's motions have no defect: their halves tell. What the guard takes implicitly has no error.
+  if (known ? stands : once.guarded > 0) {
+    report += once;
+    return known ? error : kUnknownRate;
+  }
+  report.substeps = once.substeps;
+  return takeHalves(from, part, report);
 }
 
 }  // namespace
@@ -215,7 +233,8 @@ void stepWithinTolerance(const StepContext& context, const std::vector<int>& bod
     parts.save();
     const bool free = solver.method == Method::kRk &&
                       parts.takeFreely(control.from(), control.part(), error, part);
-    if (!free) error = parts.takeTwice(control.from(), control.part(), part);
+    if (!free)
+      error = parts.take(control.from(), control.part(), control.allowed(kOrderOfShake), part);
     if (control.accepts(error, free ? kOrderOfRk : kOrderOfShake)) {
       parts.keep();
       stood.contacts = 0;  // those of the last one are told

@@ -54,10 +54,14 @@ constexpr double kRedoGain = 3e-4;
 constexpr double kMostGiven = 0.01;
 
 // --- Adaptive steps.
-/// How much more the positions' error counts where something is met or let go: velocities, which
-/// jump a little sooner or later there, do not. 1: 1 window in 5 with contact is off at 1e-4 m/s.
-/// 12: 5 windows of 80 at 1e-3 m/s, not 3, for 3 to 6 % less.
-constexpr double kOfJumps = 16;
+/// Of leapfrog's defect: the error. Of 79, 79 and 70 windows of contact at 1e-2, 1e-3 and 1e-4 m/s
+/// 1, 3 and 4 are off; half: 3, 4 and 5, for a fifth less; double: 1, 2 and 3, for a third more.
+constexpr double kOfDefect = 6;
+/// Of the error of two halves: what is extrapolated from them has at most. Half and double: as many
+/// windows are off; at 1e-4 m/s a tenth less, a fourth more.
+constexpr double kOfRefined = 0.1;
+/// Of the step: where nothing is met, a part that is shorter is taken in two halves at once.
+constexpr double kLongPart = 0.1;
 /// [s] at a tolerance of 1 m/s; shorter with its square root, as of a method of second order.
 constexpr double kShortestPart = 5e-3;
 constexpr double kReserved = 0.5;       ///< of the tolerance, for the parts that follow in a step

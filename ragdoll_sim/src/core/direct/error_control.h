@@ -17,6 +17,7 @@ class ErrorControl {
   bool done() const;
   double part() const { return part_; }  ///< [s] to be taken next,
   double from() const;                   ///< [s] from the step's start on
+  double allowed(int order) const;       ///< [m] that it may err by; of order: as accepts()
 
   /// Whether a part may stand whose error [m] falls with its length to the power of order + 1.
   bool accepts(double error, int order);
@@ -24,8 +25,6 @@ class ErrorControl {
   void tell(int bodies, StepReport& report) const;
 
  private:
-  /// [m] that the present part may have.
-  double allowed(int order) const;
   /// Whether shorter parts have less error per second, as those of a smooth motion have.
   bool helps(double rate, int order);
   void choosePart();

@@ -68,6 +68,7 @@ struct IslandScratch {
   RowValues rates;  ///< [m/s] where contacts are logged: before the velocity stage
   CommonTurns turns;
   std::size_t logged = 0;  ///< entries of the contact log before the present substep
+  double defect = 0;       ///< [m] of the motions of a part of a step that stood, together
   std::vector<RowValues> parts;
   Roomy<int> ragdolls;     ///< of the bodies
   std::vector<int> place;  ///< of each ragdoll among them; of others: anything

@@ -34,7 +34,8 @@ struct StepContext {
   double whole = 0;  ///< [s] the step that h is a part of; 0: all of it
   Tolerances tolerances = tolerancesFor(h);
 
-  double wholeStep() const { return whole > 0 ? whole : h; }
+  bool isPart() const { return whole > 0; }
+  double wholeStep() const { return isPart() ? whole : h; }
 };
 
 }  // namespace ragdoll

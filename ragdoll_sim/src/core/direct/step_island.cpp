@@ -116,6 +116,7 @@ bool takeSubsteps(Island& island, double h, StepReport& report) {
       for (Body* body : island.bodies) restorePins(*body, body->saved.v);
     control.accept(trial.took, trial.limited || verdict.gain > 0);
     report.contacts += trial.contacts;
+    island.s.defect += trial.defect;
     if (trial.handed_over) report.handed_over += static_cast<int>(island.bodies.size());
   }
   control.tell(report);

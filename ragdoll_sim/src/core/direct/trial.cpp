@@ -57,7 +57,10 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
   }
   trial.ok = cutShort(island, impact.time, h, trial);
   if (!trial.ok) return trial;
-  restoreAfterImpact(island, finishMotion(island, impact.time, true, Stage::kImpact, damping), h);
+  const VelocitySolution solution =
+      finishMotion(island, impact.time, true, Stage::kImpact, damping);
+  trial.defect = solution.defect;
+  restoreAfterImpact(island, solution, h);
   return trial;
 }
 
@@ -66,7 +69,8 @@ Trial moveToEdge(Island& island, double edge, double h) {
   takeEdge(island);
   Trial trial{edge};
   trial.ok = cutShort(island, edge, h, trial);
-  if (trial.ok) finishMotion(island, edge, true, Stage::kMotion, edge - 0.5 * h);
+  if (trial.ok)
+    trial.defect = finishMotion(island, edge, true, Stage::kMotion, edge - 0.5 * h).defect;
   return trial;
 }
 
@@ -84,7 +88,7 @@ Trial leapfrog(Island& island, double h) {
   const double edge = timeOfEdge(island, h);
   if (edge < std::min(impact.time, h)) return moveToEdge(island, edge, h);
   if (impact.time <= h) return moveToImpact(island, impact, h);
-  finishMotion(island, h, true, Stage::kMotion, 0.5 * h);
+  trial.defect = finishMotion(island, h, true, Stage::kMotion, 0.5 * h).defect;
   return trial;
 }
 
@@ -139,6 +143,7 @@ Trial takeExplicitTrial(Island& island, double h) {
   if (solver.method == Method::kRk && (island.isLone() || solver.events)) {
     const SmoothTrial smooth = island.isLone() ? moveSmoothly(island, h) : moveTogether(island, h);
     trial = {smooth.took, smooth.ok, smooth.contacts, smooth.exact};
+    trial.defect = kUnknownRate;
   }
   if (trial.ok && trial.took == 0) {
     trial = leapfrog(island, h);
@@ -155,15 +160,17 @@ Trial takeTrial(Island& island, const SubstepControl& control, StepReport& repor
       return takeExplicitTrial(island, control.substep());
     case Way::kImplicit:
       dampWithin(island, control.substep());
-      return implicitTrial(island, control.substep(), report);
+      trial = implicitTrial(island, control.substep(), report);
+      break;
     case Way::kRigid:
       dampWithin(island, control.substep());
       trial.limited = moveRigidly(island, control.substep(), report);
-      return trial;
+      break;
     case Way::kAlone:
       trial.took = control.left();
       trial.limited = stepEachAlone(island, control.left(), report);
   }
+  trial.defect = kUnknownRate;
   return trial;
 }
 

@@ -15,6 +15,7 @@ struct Trial {
   bool exact = false;        ///< by rk from event to event
   bool handed_over = false;  ///< rk was asked for, and this is leapfrog
   bool limited = false;      ///< energy was taken out within
+  double defect = 0;  ///< [m] of leapfrog's motion in a part of a step; of others not known
 };
 
 /// By the control's way, over its substep or to the first impact.

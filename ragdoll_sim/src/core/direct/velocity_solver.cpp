@@ -333,13 +333,14 @@ const RowValues& pushVelocities(Island& island, int first_pair, const Solution& 
 }
 
 /// One solution of an impact.
-VelocitySolution solveImpact(Island& island, int first_pair, const Solution& of) {
+void solveImpact(Island& island, int first_pair, const Solution& of, VelocitySolution& solution) {
   std::vector<double>& before = island.s.energies;
   before.clear();
   for (Body* body : island.bodies) before.push_back(kineticEnergy(*body));
   const RowValues& impulses = pushVelocities(island, first_pair, of);
   keepPressed(island, first_pair, impulses, island.pairs.met);
-  return {&impulses, &before};
+  solution.impulses = &impulses;
+  solution.energies = &before;
 }
 
 bool touches(const Island& island) {
@@ -374,6 +375,16 @@ void releaseSprings(Body& body, double h) {
   }
 }
 
+double leapfrogDefect(const Island& island, double h) {
+  double most = 0;
+  for (const Body* body : island.bodies)
+    for (int k = 0; k < body->n; ++k)
+      most = std::max(most,
+                      (body->motion.dx.col(k) - 0.5 * h * (body->saved.v.col(k) + body->v().col(k)))
+                          .squaredNorm());
+  return std::sqrt(most);
+}
+
 VelocitySolution finishMotion(Island& island, double h, bool leapfrog, Stage stage,
                               double damping) {
   findTouchingPairs(island, h, leapfrog);
@@ -396,11 +407,14 @@ VelocitySolution bounce(Island& island, Stage stage) {
 
 VelocitySolution solveVelocities(Island& island, Stage stage, double h, double damping) {
   const bool moves = stage == Stage::kMotion || stage == Stage::kImpact;
+  const bool measured = moves && island.context.isPart();
+  VelocitySolution solution;
   JointSchur& joint = island.s.joint;
   joint.clear(island.opensOverlaps());
   if (!touches(island)) {
     dampWithin(island, damping);
-    return {};
+    if (measured) solution.defect = leapfrogDefect(island, h);
+    return solution;
   }
   for (Body* body : island.bodies) {
     buildTouchingRows(*body, h);
@@ -419,12 +433,14 @@ VelocitySolution solveVelocities(Island& island, Stage stage, double h, double d
       lockHit(island, first_pair);
     else if (h > 0)
       lockComing(island, first_pair);
-    const RowValues& impulses = pushVelocities(island, first_pair, {h}, damping);
-    if (stage == Stage::kMotion) return {&impulses};
+    solution.impulses = &pushVelocities(island, first_pair, {h}, damping);
+    if (measured) solution.defect = leapfrogDefect(island, h);
+    if (stage == Stage::kMotion) return solution;
     if (pressesItself(island)) restoreAngularMomentum(island, h, Held::kBeforeImpact);
-    keepPressed(island, first_pair, impulses, island.pairs.met);
+    keepPressed(island, first_pair, *solution.impulses, island.pairs.met);
   }
-  return solveImpact(island, first_pair, {h, true, stage != Stage::kStop});
+  solveImpact(island, first_pair, {h, true, stage != Stage::kStop}, solution);
+  return solution;
 }
 
 }  // namespace ragdoll

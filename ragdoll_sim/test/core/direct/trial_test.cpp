@@ -38,6 +38,31 @@ TEST(Trial, EndsAtTheImpact) {
   }
 }
 
+/// A rod that turns by sin(phi) = h omega in a step of SHAKE moves by 2 r sin(phi / 2); its velocities
+/// are omega r along both ends of that turn.
+TEST(Trial, TellsInAPartOfAStepHowFarItIsFromTheTrapezoidalRule) {
+  constexpr double kSpin = 12, kRadius = 0.5;
+  Scene scene = weightless(oneStick());
+  scene.ragdolls[0].angular_velocity = Vec3(0, 0, kSpin);
+  const auto defect = [&](bool part) {
+    DirectIsland one(scene);
+    one.context.whole = part ? 2 * one.h : 0;
+    save(one.island);
+    return takeExplicitTrial(one.island, one.h).defect;
+  };
+  const double turn = std::asin(kSpin * scene.solver.step);
+  EXPECT_NEAR(defect(true), 2 * kRadius * std::pow(std::sin(0.5 * turn), 3), 1e-9);
+  EXPECT_EQ(defect(false), 0);
+}
+
+/// What an impact changes of the velocities is no error of the motion to it.
+TEST(Trial, TellsNoErrorOfAnImpact) {
+  DirectIsland one(fallOnto(0.03));
+  one.context.whole = 2 * one.h;
+  save(one.island);
+  EXPECT_LT(takeExplicitTrial(one.island, one.h).defect, 1e-9);
+}
+
 /// Half of what decays in the motion before it, half after it.
 TEST(Trial, DampsAtBothEndsOfTheMotion) {
   Scene scene = weightless(oneParticle(2));
