@@ -250,6 +250,11 @@ Vec3 turnOf(const std::vector<Body*>& bodies, TurnOf of) {
                bodies, [](const Body& body) { return body.x(); },
                [](const Body& body) { return body.v(); })
         .rate;
+  if (of == TurnOf::kStart)
+    return spinOfGroup(
+               bodies, [](const Body& body) -> const Points& { return body.saved.x; },
+               [](const Body& body) -> const Points& { return body.saved.v; })
+        .rate;
   for (Body* body : bodies) body->moved = body->x() + 0.5 * body->motion.dx;
   return spinOfGroup(
              bodies, [](const Body& body) -> const Points& { return body.moved; },
