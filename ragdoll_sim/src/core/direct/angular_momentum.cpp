@@ -1,6 +1,7 @@
 #include "core/direct/angular_momentum.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/direct/constants.h"
@@ -243,6 +244,17 @@ int countPressing(const Island& island) {
   return count;
 }
 
+/// How many bodies turn, and in how many groups: other groups are more or fewer.
+std::array<int, 2> countTurning(const CommonTurns& turns) {
+  std::array<int, 2> count{0, 0};
+  for (std::size_t k = 0; k < turns.turn.size(); ++k) {
+    if (turns.turn[k].isZero(0)) continue;
+    ++count[0];
+    count[1] += turns.first[k] == static_cast<int>(k);
+  }
+  return count;
+}
+
 /// Of bodies that press on each other.
 Vec3 turnOf(const std::vector<Body*>& bodies, TurnOf of) {
   if (of == TurnOf::kVelocity)
@@ -304,8 +316,8 @@ const CommonTurns& findTurns(Island& island, TurnOf of, Held when) {
 bool turnsAnew(Island& island) {
   const CommonTurns& turns = island.s.turns;
   if (turns.pressing < 0 || countPressing(island) == turns.pressing) return false;
-  const bool turned = turns.any();
-  return findTurns(island, TurnOf::kMotion, Held::kAfterImpact).any() || turned;
+  const std::array<int, 2> before = countTurning(turns);
+  return countTurning(findTurns(island, TurnOf::kMotion, Held::kAfterImpact)) != before;
 }
 
 Vec3 commonTurn(const Island& island, const CommonTurns& turns, const Contact& pair) {
