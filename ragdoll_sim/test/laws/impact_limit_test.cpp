@@ -48,8 +48,8 @@ obstacles: [{type: plane, friction: 0}]
     EXPECT_LT(limit.distance(rate), 2 / (rate * rate)) << rate;
 }
 
-/// Two rods that glance off each other and slide, in the air and while the floor throws one up. What
-/// they meet by, or what has just thrown them off, told whether they slip beside their spin:
+/// Two rods that glance off each other and slide, in the air and while the floor throws one up.
+/// What they meet by, or what has just thrown them off, told whether they slip beside their spin:
 /// 1.9e-4 m off at 250 Hz, 2.6e-6 m at 16000 Hz.
 TEST(ImpactLimit, OfRodsThatGlanceOff) {
   const LimitOfImpacts limit(R"(

@@ -167,8 +167,8 @@ double liftingWork(const Island& island, double took) {
   return work;
 }
 
-/// Whether an obstacle has pressed the body in its motion; before an impact: not one that it reached
-/// with its end, which may have taken what rounding left.
+/// Whether an obstacle has pressed the body in its motion; before an impact: not one that it
+/// reached with its end, which may have taken what rounding left.
 bool hasPressed(const Body& body, Held when) {
   const std::vector<CachedImpulse>& impulses = body.cache.impulses();
   if (when == Held::kAfterImpact)

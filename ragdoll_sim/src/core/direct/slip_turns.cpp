@@ -135,8 +135,7 @@ double timeOfTurn(Island& island, const VelocitySolution& solution, double h) {
   if (!turns.contact || turns.contact->obstacle >= 0) return first;
   // Bodies that slide on each other turn together otherwise than at the end.
   const Vec3 end = turnOf(island, island.s.turns, turns);
-  const Vec3 start =
-      turnOf(island, findTurns(island, TurnOf::kStart, Held::kBeforeImpact), turns);
+  const Vec3 start = turnOf(island, findTurns(island, TurnOf::kStart, Held::kBeforeImpact), turns);
   return timeOfTurn(island, p, turns, slipAtStart(island, turns, start), 0.5 * (start + end), h);
 }
 

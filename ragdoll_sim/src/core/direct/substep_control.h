@@ -27,9 +27,9 @@ class SubstepControl {
   bool done() const;
   Way way() const { return way_; }
   double substep() const { return cut_ > 0 ? cut_ : substep_; }  ///< [s] of the next trial
-  double left() const { return left_; }        ///< [s]
-  bool guarded() const { return guarded_; }    ///< some trial was not explicit
-  bool limited() const { return limited_; }    ///< of some, energy was taken out
+  double left() const { return left_; }                          ///< [s]
+  bool guarded() const { return guarded_; }                      ///< some trial was not explicit
+  bool limited() const { return limited_; }                      ///< of some, energy was taken out
 
   /// Whether the trial may be done again for more exactness: at half (kMaxSubsteps of them at most,
   /// 1 if squeezed; below h / most implicitly); and so that what its tension has become is halved
