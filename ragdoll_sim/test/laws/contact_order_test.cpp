@@ -36,6 +36,28 @@ TEST(ContactOrder, OfASlipThatTurns) {
   expectSecondOrder(AcrossSlope::scene(), AcrossSlope::kTime, AcrossSlope::end(), 5e-6);
 }
 
+/// A ball that slides up a slope, to rest, and down again: friction jumps to its other side.
+/// 1.7e-4 m off at 250 Hz and 2.7e-6 m at 16000 Hz where the motion goes on over that.
+TEST(ContactOrder, OfASlipThatTurnsBack) {
+  const double slope = 3, weight = 9, friction = 0.2, speed = 0.4, time = 0.3;
+  Scene scene = sceneOf(oneParticle(1, 0.05), Vec3(0, 0, 0.05));
+  scene.gravity = Vec3(slope, 0, -weight);
+  scene.ragdolls[0].velocity = Vec3(-speed, 0, 0);
+  scene.obstacles = {floorPlane(friction)};
+  const double up = speed / (slope + friction * weight);
+  const double down = (slope - friction * weight) / 2 * (time - up) * (time - up);
+  const Vec3 exact(down - speed * up / 2, 0, 0.05);
+  for (const double rate : {250, 500, 1000, 4000})
+    EXPECT_LT((endAwake(scene, Method::kShake, rate, time) - exact).norm(), 1e-12) << rate;
+  // All but back: 1.8e-4 m off at 250 and 500 Hz, 8e-5 m at 1000 Hz where nothing is cut.
+  scene.ragdolls[0].velocity = Vec3(-speed, 0.01, 0);
+  Scene events = scene;
+  events.solver.events = true;
+  const Points end = endAwake(events, Method::kRk, 1000, time);
+  for (const double rate : {250, 500, 1000})
+    EXPECT_LT((endAwake(scene, Method::kShake, rate, time) - end).norm(), 0.012 / rate) << rate;
+}
+
 /// Down a sphere, straight: by an integration of the angle.
 TEST(ContactOrder, OfANormalThatTurns) {
   const double radius = 0.5, ball = 0.05, friction = 0.1, speed = 0.3, time = 0.3;

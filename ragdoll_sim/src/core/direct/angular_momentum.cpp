@@ -1,6 +1,7 @@
 #include "core/direct/angular_momentum.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/direct/constants.h"
@@ -97,7 +98,10 @@ void giveSpin(Island& island, const std::vector<Body*>& bodies, const Vec3& cent
 /// that time, so that half of the spin's turn is missing as well. What an impact took came back in
 /// it (restoreAfterImpact).
 void restoreGroup(Island& island, const std::vector<Body*>& bodies, double took, Held when) {
-  if (isHeld(island, bodies, when)) return;
+  // One alone has lost little until an obstacle hits it: less than is known of what pokes gave it.
+  if (bodies.size() == 1) when = Held::kAfterImpact;
+  const bool turns = bodies.size() > 1 || bodies[0]->n > 1;
+  if (!turns || isHeld(island, bodies, when)) return;
   const auto x0 = [](const Body& body) -> const Points& { return body.saved.x; };
   const auto v0 = [](const Body& body) -> const Points& { return body.saved.v; };
   const auto x1 = [](const Body& body) { return body.x(); };
@@ -191,7 +195,7 @@ void takeImpactGain(Island& island, const std::vector<Body*>& bodies, bool held,
 /// Whether a contact between two bodies presses in the present stage.
 bool pressesNow(const Island& island, std::size_t i, TurnOf of) {
   const PairSet& pairs = island.pairs;
-  if (of == TurnOf::kVelocity) return true;  // of those that touch
+  if (of != TurnOf::kMotion) return true;  // of those that touch
   const int row = pairs.row[i];
   if (row < 0) return false;
   const bool pushed = row < island.s.total.size() && island.s.total[row] > 0;
@@ -209,12 +213,59 @@ bool pressesOnSleeper(const Island& island, const std::vector<Contact>& contacts
   return false;
 }
 
+/// Whether a body presses on an obstacle in its motion, or goes on touching it: not what an impact
+/// has thrown off just before it, nor what is reached with its end.
+bool staysInMotion(const Body& body) {
+  const ConstraintSet& set = body.constraints;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const Contact& c = set.contacts[i];
+    const int row = set.row[i];
+    if (c.obstacle < 0 || row < 0 || isReached(set.role[i])) continue;
+    if (row < body.total.size() && body.total[row] > 0) return true;
+    if (!c.isSoft() && gapAfter(body, c) < body.context->tolerances.touching) return true;
+  }
+  return false;
+}
+
+/// Whether something outside holds bodies of a group, other than sleepers.
+bool isHeld(const Island& island, const std::vector<Body*>& bodies, TurnOf of, Held when) {
+  if (of != TurnOf::kMotion) return isHeld(island, bodies, when);
+  return std::any_of(bodies.begin(), bodies.end(), [](const Body* body) {
+    return !body->pinned->pins.empty() || staysInMotion(*body);
+  });
+}
+
+/// How many contacts between bodies press in their motions, and bodies on obstacles.
+int countPressing(const Island& island) {
+  int count = 0;
+  for (std::size_t i = 0; i < island.pairs.contacts.size(); ++i)
+    count += pressesNow(island, i, TurnOf::kMotion);
+  for (const Body* body : island.bodies) count += staysInMotion(*body);
+  return count;
+}
+
+/// How many bodies turn, and in how many groups: other groups are more or fewer.
+std::array<int, 2> countTurning(const CommonTurns& turns) {
+  std::array<int, 2> count{0, 0};
+  for (std::size_t k = 0; k < turns.turn.size(); ++k) {
+    if (turns.turn[k].isZero(0)) continue;
+    ++count[0];
+    count[1] += turns.first[k] == static_cast<int>(k);
+  }
+  return count;
+}
+
 /// Of bodies that press on each other.
 Vec3 turnOf(const std::vector<Body*>& bodies, TurnOf of) {
   if (of == TurnOf::kVelocity)
     return spinOfGroup(
                bodies, [](const Body& body) { return body.x(); },
                [](const Body& body) { return body.v(); })
+        .rate;
+  if (of == TurnOf::kStart)
+    return spinOfGroup(
+               bodies, [](const Body& body) -> const Points& { return body.saved.x; },
+               [](const Body& body) -> const Points& { return body.saved.v; })
         .rate;
   for (Body* body : bodies) body->moved = body->x() + 0.5 * body->motion.dx;
   return spinOfGroup(
@@ -241,14 +292,16 @@ const CommonTurns& findTurns(Island& island, TurnOf of, Held when) {
       of == TurnOf::kMotion ? island.pairs.contacts : island.pairs.touching.contacts;
   CommonTurns& turns = island.s.turns;
   turns.turn.assign(island.bodies.size(), Vec3::Zero());
+  turns.pressing = -1;
   startGroups(island, turns.first);
   if (!anyRubs(island, pairs, of)) return turns;
+  turns.pressing = of == TurnOf::kMotion ? countPressing(island) : 0;
   std::vector<int>& group_of = island.s.group;
   startGroups(island, group_of);
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (pressesNow(island, i, of)) join(island, pairs[i].ragdoll, pairs[i].other, group_of);
   forEachGroup(island, group_of, [&](const std::vector<Body*>& bodies) {
-    if (isHeld(island, bodies, when) || pressesOnSleeper(island, pairs, of, bodies)) return;
+    if (isHeld(island, bodies, of, when) || pressesOnSleeper(island, pairs, of, bodies)) return;
     const Vec3 turn = turnOf(bodies, of);
     const int first = island.placeOf(bodies[0]->index);
     for (const Body* body : bodies) {
@@ -258,6 +311,13 @@ const CommonTurns& findTurns(Island& island, TurnOf of, Held when) {
     }
   });
   return turns;
+}
+
+bool turnsAnew(Island& island) {
+  const CommonTurns& turns = island.s.turns;
+  if (turns.pressing < 0 || countPressing(island) == turns.pressing) return false;
+  const std::array<int, 2> before = countTurning(turns);
+  return countTurning(findTurns(island, TurnOf::kMotion, Held::kAfterImpact)) != before;
 }
 
 Vec3 commonTurn(const Island& island, const CommonTurns& turns, const Contact& pair) {

@@ -20,9 +20,13 @@ namespace ragdoll {
 /// Whether contacts between the bodies, or contacts or limits of one, pressed in the last motion.
 bool pressesItself(const Island& island);
 
-/// How the bodies turn together in their motions (dx), or by their velocities. Until the next call.
-enum class TurnOf { kMotion, kVelocity };
+/// How the bodies turn together in their motions (dx), by their velocities, or by those from which
+/// their motions began. Until the next call.
+enum class TurnOf { kMotion, kVelocity, kStart };
 const CommonTurns& findTurns(Island& island, TurnOf of, Held when);
+/// Whether by what presses now they turn otherwise in their motions than they did when turns were
+/// found last; finds them if so.
+bool turnsAnew(Island& island);
 /// That of both sides of a contact: between bodies none where they do not press on each other; of a
 /// body's own contacts, whose turn is given.
 Vec3 commonTurn(const Island& island, const CommonTurns& turns, const Contact& pair);

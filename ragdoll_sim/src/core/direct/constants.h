@@ -35,6 +35,12 @@ constexpr double kRestSteps = 4;  ///< what comes slower than gravity in four st
 constexpr double kLimb = 0.6;     ///< [m] on which gravity turns a limb. 0.1: shake loses its order
 constexpr double kLeastPull = 1;  ///< [m/s^2] where gravity is less: other limbs pull, too
 constexpr int kMaxLocated = 8;    ///< in one step; later ones press over their whole substep
+/// Tangent of the angle by which a slip turns in one motion. Half: 1 % more cost of two bodies;
+/// double: slips that all but end are up to twice as far off.
+constexpr double kTurns = 1;
+/// Of the weight: less friction is not worth a shorter motion where its slip turns. Half: 1 % more
+/// cost; double: a ball that turns back on a slope, with friction 0.2, is of first order.
+constexpr double kWorthATurn = 0.15;
 
 // --- Step guard (substep_control.h).
 /// h Omega of a substep; 2: the edge of stability. Half: x1.2 cost; double: energy rises x4, of
@@ -129,6 +135,9 @@ constexpr double kShortEnough = 1.01;   ///< of the shortest part
 constexpr double kUnknownRate = 1e300;  ///< [m/s] where no motion was found
 constexpr double kTurned = 1e-9;        ///< [rad] of a plane: more than rounding
 constexpr double kAtEdge = 1e-7;        ///< [m] nearer to it is on it
+constexpr double kStillSlides = 1e-3;   ///< of a slip: more left of it has not ended
+constexpr double kAcross = 1e-3;        ///< of friction: less is missing along a slip that goes on
+constexpr double kSlidesBack = 1.01;    ///< of friction: less that drives a slip hardly moves it
 constexpr double kParting = 1e-5;       ///< [m/s] what leaves slower after an impact stays
 constexpr double kSnap = 1e-6;          ///< of the substep: nearer to its ends is there
 constexpr double kNothingLeft = 1e-9;   ///< of the step: rounding of what was taken

@@ -167,16 +167,31 @@ double liftingWork(const Island& island, double took) {
   return work;
 }
 
+/// Whether an obstacle has pressed the body in its motion; before an impact: not one that it
+/// reached with its end, which may have taken what rounding left.
+bool hasPressed(const Body& body, Held when) {
+  const std::vector<CachedImpulse>& impulses = body.cache.impulses();
+  if (when == Held::kAfterImpact)
+    return std::any_of(impulses.begin(), impulses.end(),
+                       [](const CachedImpulse& c) { return c.obstacle >= 0; });
+  const ConstraintSet& set = body.constraints;
+  for (std::size_t i = 0; i < set.contacts.size() && i < set.row.size(); ++i) {
+    const int row = set.row[i];
+    if (set.contacts[i].obstacle >= 0 && row >= 0 && row < body.total.size() &&
+        body.total[row] > 0 && !isReached(set.role[i]))
+      return true;
+  }
+  return false;
+}
+
 /// Whether an obstacle touches the body or presses it. One that it leaves has pushed it in an
 /// impact, maybe.
 bool meetsObstacle(const Body& body, Held when) {
-  const std::vector<CachedImpulse>& impulses = body.cache.impulses();
   const TouchingSet& touching = body.touching;
   for (std::size_t i = 0; i < touching.contacts.size(); ++i)
     if (touching.contacts[i].obstacle >= 0 && (when == Held::kAfterImpact || !touching.hit[i]))
       return true;
-  return std::any_of(impulses.begin(), impulses.end(),
-                     [](const CachedImpulse& c) { return c.obstacle >= 0; });
+  return hasPressed(body, when);
 }
 
 }  // namespace

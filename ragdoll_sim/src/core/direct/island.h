@@ -43,6 +43,7 @@ struct PairSet : ContactSet {
 struct CommonTurns {
   Roomy<Vec3, kRoomForBodies> turn;  ///< [rad] of the motion, or [rad/s]; of each body
   Roomy<int, kRoomForBodies> first;  ///< of each body: place of the first of those it turns with
+  int pressing = 0;  ///< in motions: what counted as pressing; -1: nothing rubs
 
   /// Whether some do.
   bool any() const {

@@ -124,7 +124,8 @@ bool solveRows(Island& island, double h) {
     }
     if (!solveRound(island, {fresh, true, on_and_on}, b, p)) return false;
     const double now = worstResidual(island, true);
-    if (now < island.context.tolerances.contact) return true;
+    // What has not pressed before did not count among those that turn together: their slip does.
+    if (now < island.context.tolerances.contact && !turnsAnew(island)) return true;
     if (round > 1 && now > kSlop && now > kProgress * violation) return true;
     violation = now;
   }

@@ -104,6 +104,12 @@ bool takeSubsteps(Island& island, double h, StepReport& report) {
     save(island);
     setTime(island, control.left());
     const Trial trial = takeTrial(island, control, report);
+    if (trial.ok && trial.turn > 0) {
+      restore(island);
+      for (Body* body : island.bodies) ++body->located;
+      control.cut(trial.turn);
+      continue;
+    }
     if (trial.ok && losesAngularMomentum(island, trial, control.way()))
       restoreAngularMomentum(island, trial.took);
     const Verdict verdict = judge(island, trial, control);

@@ -64,6 +64,7 @@ void SubstepControl::accept(double took, bool limited) {
   limited_ = limited_ || limited;
   left_ -= took;
   ++taken_;
+  cut_ = 0;
   substep_ = std::min(substep_, left_);
 }
 
@@ -86,6 +87,7 @@ bool SubstepControl::ignoreMore() {
 }
 
 void SubstepControl::retry() {
+  cut_ = 0;
   Body& body = *island_.bodies[0];
   if (island_.isLone() && hasNoWayOut(body)) {
     body.overlaps = OverlapPolicy::kIgnoreDeep;

@@ -26,10 +26,10 @@ class SubstepControl {
 
   bool done() const;
   Way way() const { return way_; }
-  double substep() const { return substep_; }  ///< [s] of the next trial
-  double left() const { return left_; }        ///< [s]
-  bool guarded() const { return guarded_; }    ///< some trial was not explicit
-  bool limited() const { return limited_; }    ///< of some, energy was taken out
+  double substep() const { return cut_ > 0 ? cut_ : substep_; }  ///< [s] of the next trial
+  double left() const { return left_; }                          ///< [s]
+  bool guarded() const { return guarded_; }                      ///< some trial was not explicit
+  bool limited() const { return limited_; }                      ///< of some, energy was taken out
 
   /// Whether the trial may be done again for more exactness: at half (kMaxSubsteps of them at most,
   /// 1 if squeezed; below h / most implicitly); and so that what its tension has become is halved
@@ -41,6 +41,9 @@ class SubstepControl {
   void accept(double took, bool limited);
   /// After a failed trial that has been taken back.
   void retry();
+  /// The next trial alone is so long [s]: something happens there in the last one, which has been
+  /// taken back.
+  void cut(double time) { cut_ = time; }
   void tell(StepReport& report) const;
 
  private:
@@ -55,7 +58,7 @@ class SubstepControl {
   Island& island_;
   const double h_;
   Way way_ = Way::kExplicit;
-  double substep_, left_;
+  double substep_, left_, cut_ = 0;
   int taken_ = 0;
   bool guarded_ = false, limited_ = false;
 };

@@ -13,6 +13,7 @@
 #include "core/direct/motion.h"
 #include "core/direct/position_solver.h"
 #include "core/direct/rigid_fallback.h"
+#include "core/direct/slip_turns.h"
 #include "core/direct/smooth_motion.h"
 #include "core/direct/step_island.h"
 #include "core/direct/velocity_solver.h"
@@ -88,7 +89,10 @@ Trial leapfrog(Island& island, double h) {
   const double edge = timeOfEdge(island, h);
   if (edge < std::min(impact.time, h)) return moveToEdge(island, edge, h);
   if (impact.time <= h) return moveToImpact(island, impact, h);
-  trial.defect = finishMotion(island, h, true, Stage::kMotion, 0.5 * h).defect;
+  const VelocitySolution solution = finishMotion(island, h, true, Stage::kMotion, 0.5 * h);
+  trial.defect = solution.defect;
+  const double turn = timeOfTurn(island, solution, h);
+  if (turn < h) trial.turn = turn;
   return trial;
 }
 
