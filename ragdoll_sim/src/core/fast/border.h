@@ -86,6 +86,7 @@ struct PackStep {
   int plane_count = 0;
   const Solid* solids = nullptr;
   int solid_count = 0;
+  Deepest deepest = kMostDeep;  ///< what ends deeper in an obstacle is not for a pack
   bool whole = true;  ///< `predicted` of all lanes is wanted; else of those with what is left over
 };
 

@@ -140,6 +140,12 @@ RAGDOLL_INLINE V3<typename L::R> wholeOf(const FastBody& b, const typename L::R*
   return sum;
 }
 
+inline double massOf(const FastBody& b) {
+  double mass = 0;
+  for (int i = 0; i < b.tree.particles; ++i) mass += b.tree.mass[i];
+  return mass;
+}
+
 /// w.whole of the free motion, which stands in w.spare.
 template <class L>
 RAGDOLL_SECTION void setWhole(const FastBody& b, L& w) {
@@ -154,9 +160,7 @@ template <class L>
 RAGDOLL_SECTION void keepWhole(const FastBody& b, L& w, const typename L::R& held) {
   using R = typename L::R;
   using N = typename L::N;
-  double mass = 0;
-  for (int i = 0; i < b.tree.particles; ++i) mass += b.tree.mass[i];
-  const R share = select(less(R{}, held), R{}, R{} + N(1 / mass));
+  const R share = select(less(R{}, held), R{}, R{} + N(1 / massOf(b)));
   const V3<R> shift = share * (w.whole - wholeOf<L>(b, w.dx));
   for (int i = 0; i < 3 * b.tree.particles; i += 3) store3(load3(w.dx + i) + shift, w.dx + i);
 }
@@ -252,12 +256,12 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
       for (int i = 0; i < n; ++i) lanes[l].predicted[i] = lanes[l].x[i] + lane(w.dx[i], l);
 }
 
-/// [J] that what is pressed or hangs may have after a share of the step: what it had, and the work
-/// of forces along w.dx; no bound where something drives it or nothing holds it. What hangs has
-/// velocities of the middle of its steps: forces act along half of the step before, too.
+/// [J] that a body may have after a share of the step: what it had, and the work of forces along
+/// w.dx; no bound where something drives it. What hangs has velocities of the middle of its steps:
+/// forces act along half of the step before, too.
 template <class L>
-typename L::R energyBound(const FastBody& b, const PackStep& step, const Lane* lanes, L& w,
-                          const typename L::R& pressed, double share) {
+typename L::R energyBound(const FastBody& b, const PackStep& step, const Lane* lanes, const L& w,
+                          double share) {
   using R = typename L::R;
   using N = typename L::N;
   const bool hangs = b.tree.roots[0].pinned;
@@ -270,20 +274,20 @@ typename L::R energyBound(const FastBody& b, const PackStep& step, const Lane* l
       bound += N(b.tree.mass[i] * step.gravity[c]) * moved;
       if (w.forced) bound += N(1 / (step.h * step.h)) * w.force[k] * moved;
     }
-  R free = select(less(R{}, pressed), R{}, R{} + N(1));
   for (int l = 0; l < L::W; ++l)
-    if (lanes[l].driven) setLane(free, l, N(1));
-  return select(less(R{}, free), R{} + N(1e30), bound);
+    if (lanes[l].driven) setLane(bound, l, N(kNoBound));
+  return bound;
 }
 
 /// Draws back a motion that lifts a body by more than its energy: scales the coordinates.
 template <class L>
 RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* lanes, L& w,
-                                 const typename L::R& pressed) {
+                                 const typename L::R& held) {
   using R = typename L::R;
   using N = typename L::N;
   const R after = energyOf<L>(b, w.dx, 1 / (step.h * step.h));
-  const R bound = energyBound(b, step, lanes, w, pressed, 0.5);  // w.dx: of its middle
+  const R bound = select(less(R{}, held), energyBound(b, step, lanes, w, 0.5),  // w.dx: its middle
+                         R{} + N(kNoBound));
   const auto much = less(bound, after);
   if (!any(much)) return;
   // share^2 after = before + share work
@@ -497,18 +501,27 @@ RAGDOLL_SECTION void storePresses(const FastBody& b, const PackStep& step, Lane*
   }
 }
 
-/// What the rounds have not brought to its bounds is not for a pack (w.off above its own).
+/// Where something is deeper than it may be left.
 template <class L>
-RAGDOLL_SECTION void checkBounds(L& w) {
+RAGDOLL_INLINE typename L::Mask tooDeep(const PackStep& step, const L& w) {
   using R = typename L::R;
   using N = typename L::N;
+  auto deep = less(R{}, R{});
   for (int i = 0; i < w.contact_count; ++i) {
     const ContactRow<R>& row = w.contacts[i];
-    const auto worse =
-        both(less(row.gap + row.allowed, R{} - N(kMostDeep)), less(row.gap, R{} - N(kWorse)));
-    const auto deep = both(worse, less(R{}, row.inverse_normal + row.waits));
-    w.off = select(deep, R{} + N(1), w.off);
+    const auto worse = both(less(row.gap + row.allowed, R{} - N(step.deepest.particle)),
+                            less(row.gap, R{} - N(kWorse * step.deepest.particle)));
+    deep = either(deep, both(worse, less(R{}, row.inverse_normal + row.waits)));
   }
+  return deep;
+}
+
+/// What the rounds have not brought to its bounds is not for a pack (w.off above its own).
+template <class L>
+RAGDOLL_SECTION void checkBounds(const PackStep& step, L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  w.off = select(tooDeep(step, w), R{} + N(1), w.off);
   for (int i = 0; i < w.limit_count; ++i) {
     const LimitRow<R>& row = w.limits[i];
     if (row.limit->compliance > 0) continue;
@@ -584,13 +597,17 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
   setLimits(b, step, w);
   w.unsolved = less(R{}, R{} + N(1));
   measureContacts(b, w);
-  for (int round = 0; round < kNewton && any(w.unsolved); ++round) {
+  for (int round = 0; round < kMostRounds && any(w.unsolved); ++round) {
+    if (round >= kNewton) {
+      w.unsolved = both(w.unsolved, tooDeep(step, w));
+      if (!any(w.unsolved)) break;
+    }
     setRest(b, w);
     if (round == 0) startRows(w);
     sweepRows(w);
     endRound(b, w);
   }
-  checkBounds(w);
+  checkBounds(step, w);
   R touched{};
   for (int i = 0; i < w.contact_count; ++i)
     touched = larger(touched, select(less(R{}, w.contacts[i].press), R{} + N(1), R{}));
@@ -599,17 +616,15 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
   for (int i = 0; i < w.limit_count; ++i)
     if (w.limits[i].limit->compliance == 0)
       pressed = larger(pressed, select(less(R{}, w.limits[i].press), R{} + N(1), R{}));
-  const bool any_pressed = any(less(R{}, pressed));
-  if (any_pressed) {
-    w.before = energyOf<L>(b, w.v, 1.0);
-    limitMotion(b, step, lanes, w, held);
-  }
+  w.before = energyOf<L>(b, w.v, 1.0);
+  if (any(less(R{}, held))) limitMotion(b, step, lanes, w, held);
   keepWhole(b, w, held);
   tree::place(b.tree, w.tree, w.x, w.dx, w.x);  // the new positions
-  R bound{};
-  if (any_pressed) bound = energyBound(b, step, lanes, w, pressed, 1);
+  const N gain = N(0.5 * kFreeGain * kFreeGain * massOf(b));
+  const R slack = select(less(R{}, pressed), R{}, R{} + gain);
+  const R bound = energyBound(b, step, lanes, w, 1) + slack;
   endVelocities(b, step, w);
-  if (any_pressed) limitVelocities(b, step, lanes, w, bound, touched);
+  limitVelocities(b, step, lanes, w, bound, touched);
   findDeep(b, step, lanes, w);
   store(b, step, lanes, w);
   storePresses(b, step, lanes, w);

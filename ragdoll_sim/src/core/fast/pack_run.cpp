@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/detect.h"
 #include "core/contact/distance.h"
 #include "core/contact/pair_detect.h"
 #include "core/fast/constants.h"
@@ -18,14 +19,15 @@ constexpr double kKept = 0.5;
 /// One pack on its way through a step.
 class PackRun {
  public:
-  /// order: ragdolls, of which the batch has some. last: impulses of the part of the step before;
-  /// null: those of the state.
-  PackRun(const StepContext& context, double h, const int* order,
+  /// deepest: as PackStep has it. order: ragdolls, of which the batch has some. last: impulses of
+  /// the part of the step before; null: those of the state.
+  PackRun(const StepContext& context, double h, const Deepest& deepest, const int* order,
           const std::vector<CachedImpulse>* last, const FastScratch& scratch, PackScratch& pack,
           Batch& batch)
       : model_(context.model),
         inputs_(context.inputs),
         h_(h),
+        deepest_(deepest),
         order_(order),
         last_(last),
         force_(context.force),
@@ -52,6 +54,7 @@ class PackRun {
   void setStep() {
     const SolverSpec& solver = model_.solver;
     step_.h = h_;
+    step_.deepest = deepest_;
     for (int c = 0; c < 3; ++c) step_.gravity[c] = model_.gravity[c];
     step_.keep = solver.damping > 0 ? std::exp(-solver.damping * h_) : 1;
     step_.keep_inner = solver.joint_damping > 0 ? std::exp(-solver.joint_damping * h_) : 1;
@@ -228,45 +231,40 @@ class PackRun {
     return {x.cwiseMin(y).array() - pad, x.cwiseMax(y).array() + pad};
   }
 
-  /// Whether a stick may be deep in an obstacle, by their bounds: by how much these overlap along
-  /// an axis bounds the depth.
-  bool mayBeDeep(const Ragdoll& r, const SweptObstacle& m) const {
-    const Skeleton& s = model_.skeletonOf(r);
-    return std::any_of(s.sticks.begin(), s.sticks.end(), [&](const Stick& k) {
-      return k.a < s.named && k.b < s.named &&
-             overlap(boundsOf(s, r.first, k.a, k.b), m.bounds, -kMostStickDeep);
-    });
-  }
-
   /// Whether a particle has gone deep where no row held it off; predicted_: where the body is now.
   bool particlesSink(const Ragdoll& r, const SweptObstacle& m) const {
     const Skeleton& s = model_.skeletonOf(r);
     for (int i = 0; i < s.named; ++i) {
       if (body_.tree.roots[0].pinned && body_.tree.roots[0].particle == i) continue;
-      if (!overlap(boundsOf(s, r.first, i, i), m.bounds, -kMostDeep)) continue;
+      if (!overlap(boundsOf(s, r.first, i, i), m.bounds, -deepest_.particle)) continue;
       const Vec3 x0 = state_.x.col(r.first + i), x1 = predicted_.col(r.first + i);
       const double gap = signedDistanceValue(*m.obstacle, m.toEnd(x1)) - s.radius[i];
       const double before = signedDistanceValue(*m.obstacle, m.toStart(x0)) - s.radius[i];
-      if (gap < -kMostDeep && gap < before - kDeeper) return true;
+      if (gap < -deepest_.particle && gap < before - kDeeper * deepest_.particle) return true;
     }
     return false;
   }
 
-  /// Whether a stick has turned over an edge into an obstacle; predicted_: where the body is now.
-  bool sticksSink(int index) {
-    pack_.found.clear();
-    appendStickOverlaps(model_, scratch_.obstacles, state_.x, predicted_, index, kMostStickDeep,
-                        pack_.found);
-    return std::any_of(pack_.found.begin(), pack_.found.end(), [this](const Contact& c) {
-      double gap = -c.offset;
-      for (int k = 0; k < c.count; ++k)
-        gap += c.weight[k] * c.normal.dot(predicted_.col(c.particle[k]));
-      return gap < c.gap_start - kDeeper;
+  /// Whether a stick has turned over an edge into an obstacle, maybe with its axis; predicted_:
+  /// where the body is now. By how much bounds overlap along an axis bounds the depth.
+  bool sticksSink(const Ragdoll& r, const SweptObstacle& m) const {
+    const Skeleton& s = model_.skeletonOf(r);
+    return std::any_of(s.sticks.begin(), s.sticks.end(), [&](const Stick& k) {
+      if (k.a >= s.named || k.b >= s.named ||
+          !overlap(boundsOf(s, r.first, k.a, k.b), m.bounds, -deepest_.stick))
+        return false;
+      const int a = r.first + k.a, b = r.first + k.b;
+      const double gap = stickGap(*m.obstacle, m.toEnd(predicted_.col(a)),
+                                  m.toEnd(predicted_.col(b)), s.radius[k.a], s.radius[k.b]);
+      if (gap >= -deepest_.stick) return false;
+      const double before = stickGap(*m.obstacle, m.toStart(state_.x.col(a)),
+                                     m.toStart(state_.x.col(b)), s.radius[k.a], s.radius[k.b]);
+      return gap < before - kDeeper * deepest_.stick;
     });
   }
 
   /// Whether something is deep in an obstacle that no row has kept out.
-  bool sinks(int index) {
+  bool sinks(int index) const {
     const Ragdoll& r = model_.ragdolls[index];
     const Skeleton& s = model_.skeletonOf(r);
     Bounds all = boundsOf(s, r.first, 0, 0);
@@ -274,13 +272,11 @@ class PackRun {
       const Bounds one = boundsOf(s, r.first, i, i);
       all = {all.lo.cwiseMin(one.lo), all.hi.cwiseMax(one.hi)};
     }
-    bool sticks = false;
-    for (const SweptObstacle& m : scratch_.obstacles) {
-      if (!overlap(all, m.bounds, -kMostDeep)) continue;
-      if (particlesSink(r, m)) return true;
-      sticks = sticks || mayBeDeep(r, m);
-    }
-    return sticks && sticksSink(index);
+    return std::any_of(scratch_.obstacles.begin(), scratch_.obstacles.end(),
+                       [&](const SweptObstacle& m) {
+                         return overlap(all, m.bounds, -deepest_.particle) &&
+                                (particlesSink(r, m) || sticksSink(r, m));
+                       });
   }
 
   /// Whether limbs come near each other on the way: what touches is for shake.
@@ -329,6 +325,7 @@ class PackRun {
   const Model& model_;
   const Inputs& inputs_;
   double h_;
+  Deepest deepest_;
   const int* order_;
   const std::vector<CachedImpulse>* last_;
   const Points* force_;
@@ -372,7 +369,9 @@ class Parts {
       own.system = batch_.system;
       own.begin = 0;
       own.count = static_cast<int>(pack_.moving.size());
-      PackRun(context_, context_.h / kParts, pack_.moving.data(), last, scratch_, pack_, own).run();
+      PackRun(context_, context_.h / kParts, kMostDeep, pack_.moving.data(), last, scratch_, pack_,
+              own)
+          .run();
       append(own.left, batch_.left);
       const auto stays = [&own](int index) { return has(own.left, index); };
       pack_.moving.erase(std::remove_if(pack_.moving.begin(), pack_.moving.end(), stays),
@@ -421,12 +420,13 @@ class Parts {
 
 void stepPack(const StepContext& context, const FastScratch& scratch, PackScratch& pack,
               Batch& batch) {
-  const int* order = scratch.order.data();
-  PackRun(context, context.h, order, nullptr, scratch, pack, batch).run();
   const Model& model = context.model;
-  if (!batch.left.empty() && !scratch.driven && scratch.moving_planes.empty() &&
-      !model.self_collision && model.systems[batch.system].pins.empty())
-    Parts(context, scratch, pack, batch).run();
+  const bool parts = !scratch.driven && scratch.moving_planes.empty() && !model.self_collision &&
+                     model.systems[batch.system].pins.empty();
+  PackRun(context, context.h, parts ? kDeep : kMostDeep, scratch.order.data(), nullptr, scratch,
+          pack, batch)
+      .run();
+  if (parts && !batch.left.empty()) Parts(context, scratch, pack, batch).run();
 }
 
 }  // namespace ragdoll::fast
