@@ -139,7 +139,7 @@ class BodyBuilder {
     row.index.assign(all.begin(), all.end());
     for (const int above : row.index) {
       row.terms_begin.push_back(static_cast<int>(row.terms.size()));
-      for (int i = 0; i < row.size(); ++i) {
+      for (int i = row.size() - 1; i >= 0; --i) {
         const int below = row.index[i], begin = t.chain_begin[below];
         const auto end = t.chain.begin() + t.chain_begin[below + 1];
         const auto found = std::find(t.chain.begin() + begin, end, above);
