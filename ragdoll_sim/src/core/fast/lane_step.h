@@ -1,6 +1,7 @@
 // One step of a pack of bodies. docs/fast.md#step.
 #pragma once
 
+#include "core/fast/lane_guess.h"
 #include "core/fast/lane_limits.h"
 #include "core/fast/lane_presses.h"
 #include "core/fast/lane_search.h"
@@ -191,10 +192,8 @@ RAGDOLL_SECTION void setPose(const FastBody& b, L& w) {
 /// Changes the coordinates by L^-1 y.
 template <class L>
 RAGDOLL_SECTION void moveOn(const FastBody& b, L& w) {
-  for (int k = 0; k < b.tree.size; ++k) w.total[k] += w.y[k];
   tree::solveDown(b.tree, w.tree, w.y);
   for (int k = 0; k < b.tree.size; ++k) w.q[k] += w.y[k];
-  setPose(b, w);
 }
 
 /// How far lengths are from the model's at the start, in units of what is allowed, squared sines'
@@ -242,7 +241,7 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
   for (int i = 0; i < n; i += 3) store3(h * load3(w.v + i) + h2 * fall, w.spare + i);
   setWhole(b, w);
   setGoal(b, w);
-  for (int k = 0; k < t.size; ++k) w.q[k] = w.total[k] = R{};
+  for (int k = 0; k < t.size; ++k) w.q[k] = R{};
   if (t.roots[0].pinned) {
     setPose(b, w);
     setRest(b, w);
@@ -250,6 +249,8 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
     for (int k = 0; k < t.size; ++k) w.y[k] = w.goal[k];
   }
   moveOn(b, w);
+  extrapolate(b, w);
+  setPose(b, w);
   findSolids(b, step, lanes, w);
   for (int l = 0; l < L::W; ++l)
     if (lanes[l].predicted && (step.whole || lanes[l].hard_count > 0))
@@ -295,10 +296,7 @@ RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* 
   const R root = squareRoot(atLeast(work * work + N(4) * after * w.before, N(0)));
   const R share = (work + root) / atLeast(N(2) * after, N(1e-30));
   const R scale = select(much, atLeast(share, N(0)), R{} + N(1));
-  for (int k = 0; k < b.tree.size; ++k) {
-    w.q[k] = scale * w.q[k];
-    w.total[k] = scale * w.total[k];
-  }
+  for (int k = 0; k < b.tree.size; ++k) w.q[k] = scale * w.q[k];
   setPose(b, w);
   for (int l = 0; l < L::W; ++l) lanes[l].limited = lane(scale, l) < N(1 - kReportedShare);
 }
@@ -361,8 +359,8 @@ RAGDOLL_SECTION void sweepRates(L& w) {
 
 /// Where the velocity stage starts: half of what pressed in the step, against half of gravity.
 template <class L>
-RAGDOLL_SECTION void startRates(const PackStep& step, bool free, const V3<typename L::R>& kick,
-                                L& w) {
+RAGDOLL_SECTION void startRates(const FastBody& b, const PackStep& step, bool free,
+                                const V3<typename L::R>& kick, L& w) {
   using R = typename L::R;
   using N = typename L::N;
   const double g = std::sqrt(step.gravity[0] * step.gravity[0] + step.gravity[1] * step.gravity[1] +
@@ -391,9 +389,11 @@ RAGDOLL_SECTION void startRates(const PackStep& step, bool free, const V3<typena
     if (any(less(R{}, row.rate_press))) push(w, row, row.rate_press, row.rate_pull);
   }
   w.pressing_contacts = static_cast<int>(list - w.pressing);
+  const int* const limits = list;
   for (int i = 0; i < w.limit_count; ++i) {
     LimitRow<R>& row = w.limits[i];
     if (!any(less(R{}, row.press))) continue;
+    if (list == limits) tree::factorTimes(b.tree, w.tree, w.q, w.total);
     *list++ = i;
     row.allowed = select(less(row.last, row.press), row.last, row.press);
     if (row.limit->compliance > 0) {  // a spring's second half step, whatever the rate
@@ -420,7 +420,7 @@ RAGDOLL_SECTION void endVelocities(const FastBody& b, const PackStep& step, L& w
   const V3<R> kick = N(free ? 0.5 * step.h * step.h : 0) * spread3<L>(step.gravity);
   if (w.contact_count + w.limit_count > 0) {
     for (int k = 0; k < b.tree.size; ++k) w.y[k] = R{};
-    startRates(step, free, kick, w);
+    startRates(b, step, free, kick, w);
     if (w.pressing_contacts + w.pressing_limits > 0) {
       for (int sweep = 0; sweep < kRateSweeps; ++sweep) sweepRates(w);
       tree::solveDown(b.tree, w.tree, w.y);
@@ -566,10 +566,7 @@ RAGDOLL_SECTION void endRound(const FastBody& b, L& w) {
   using N = typename L::N;
   R before{}, after{}, change{};
   const auto largest = [](R& most, const R& value) { most = larger(most, signOf(value) * value); };
-  for (int k = 0; k < b.tree.size; ++k) {
-    w.goal[k] = w.done[k] + w.y[k];
-    w.total[k] = select(w.unsolved, w.total[k] + w.y[k], w.total[k]);
-  }
+  for (int k = 0; k < b.tree.size; ++k) w.goal[k] = w.done[k] + w.y[k];
   tree::solveDown(b.tree, w.tree, w.y);
   const int first_turn = b.tree.roots[0].pinned ? 0 : 3;
   for (int k = 0; k < b.tree.size; ++k) {

@@ -76,7 +76,7 @@ struct LaneWork {
   R* spare;         ///< scratch, 3 per particle
   R* force;         ///< [kg m] h^2 times pokes, per particle; only if forced
   R *q, *y;         ///< tangent coordinates, and L times what they still change by
-  R* total;         ///< L times the coordinates
+  R* total;         ///< scratch: L times the coordinates
   R* goal;          ///< L^-T T^T times the momentum of the free motion and all impulses
   R* done;          ///< the same of the present coordinates
   R* row;           ///< scratch, per coordinate
