@@ -147,6 +147,9 @@ class BodyBuilder {
       }
     }
     row.terms_begin.push_back(static_cast<int>(row.terms.size()));
+    if (!all.empty() &&
+        t.chain_begin[*all.rbegin() + 1] - t.chain_begin[*all.rbegin()] + 1 == row.size())
+      for (const int k : row.index) row.chain.push_back(t.chain_begin[k]);
     body_.longest_row = std::max(body_.longest_row, row.size());
     return row;
   }

@@ -98,9 +98,10 @@ class PackRun {
       } else {  // a lane for no body: the first one's again
         lanes_[l].x = lanes_[0].x;
         lanes_[l].v = lanes_[0].v;
-        lanes_[l].x1 = pack_.spare.data() + n * (kMaxLanes + l);
+        lanes_[l].x1 = lanes_[l].tried_x = pack_.spare.data() + n * (kMaxLanes + l);
+        lanes_[l].v1 = pack_.spare.data() + n * l;
       }
-      lanes_[l].v1 = pack_.spare.data() + n * l;
+      lanes_[l].tried_v = pack_.spare.data() + n * l;
     }
   }
 
@@ -110,7 +111,10 @@ class PackRun {
     const Ragdoll& r = model_.ragdolls[index];
     lane.x = state_.x.data() + 3 * r.first;
     lane.v = state_.v.data() + 3 * r.first;
-    lane.x1 = predicted_.data() + 3 * r.first;
+    lane.x1 = state_.x.data() + 3 * r.first;
+    lane.v1 = state_.v.data() + 3 * r.first;
+    lane.tried_x = predicted_.data() + 3 * r.first;
+    lane.on_trial = model_.self_collision;
     if (!scratch_.obstacles.empty() || step_.whole)
       lane.predicted = predicted_.data() + 3 * r.first;
     if (force_) lane.force = force_->data() + 3 * r.first;
@@ -136,6 +140,7 @@ class PackRun {
     if (last.a < 0) {
       if (-1 - last.a < static_cast<int>(body_.limits.size()))
         lane.limit_impulse[-1 - last.a] = last.impulse.x() / kKept;
+      lane.limits_pressed = true;
       return;
     }
     if (last.obstacle < 0) return;
@@ -298,8 +303,10 @@ class PackRun {
     }
     const Ragdoll& r = model_.ragdolls[index];
     const int n = 3 * body_.tree.particles;
-    std::copy_n(lane.x1, n, state_.x.data() + 3 * r.first);
-    std::copy_n(lane.v1, n, state_.v.data() + 3 * r.first);
+    if (lane.tried()) {
+      std::copy_n(lane.tried_x, n, lane.x1);
+      std::copy_n(lane.tried_v, n, lane.v1);
+    }
     const auto add = [&](int a, int b, int obstacle, const Vec3& impulse) {
       batch_.impulses.emplace_back();
       CachedImpulse& last = batch_.impulses.back();
