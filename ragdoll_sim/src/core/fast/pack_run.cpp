@@ -354,13 +354,14 @@ void clear(Batch& batch) {
   batch.contacts = batch.limited = 0;
 }
 
-/// What a pack has left, in parts of the step: what turns over an edge or is stopped errs by less
+/// What packs have left, in parts of the step: what turns over an edge or is stopped errs by less
 /// the shorter they are.
 class Parts {
  public:
   Parts(const StepContext& context, const FastScratch& scratch, PackScratch& pack, Batch& batch)
       : context_(context), scratch_(scratch), pack_(pack), batch_(batch) {
-    std::swap(pack.again, batch.left);
+    const auto first = scratch.again.begin() + batch.begin;
+    pack.again.assign(first, first + batch.count);
     n_ = 3 * scratch.bodies[batch.system].tree.particles;
   }
 
@@ -368,7 +369,6 @@ class Parts {
   void run() {
     exchange(false);
     pack_.moving = pack_.again;
-    batch_.left.clear();
     const std::vector<CachedImpulse>* last = nullptr;
     for (int part = 0; part < kParts && !pack_.moving.empty(); ++part) {
       Batch& own = pack_.parts[part % 2];
@@ -425,15 +425,23 @@ class Parts {
 
 }  // namespace
 
+bool stepsInParts(const StepContext& context, const FastScratch& scratch, int system) {
+  const Model& model = context.model;
+  return !scratch.driven && scratch.moving_planes.empty() && !model.self_collision &&
+         model.systems[system].pins.empty();
+}
+
 void stepPack(const StepContext& context, const FastScratch& scratch, PackScratch& pack,
               Batch& batch) {
-  const Model& model = context.model;
-  const bool parts = !scratch.driven && scratch.moving_planes.empty() && !model.self_collision &&
-                     model.systems[batch.system].pins.empty();
+  const bool parts = stepsInParts(context, scratch, batch.system);
   PackRun(context, context.h, parts ? kDeep : kMostDeep, scratch.order.data(), nullptr, scratch,
           pack, batch)
       .run();
-  if (parts && !batch.left.empty()) Parts(context, scratch, pack, batch).run();
+}
+
+void stepParts(const StepContext& context, const FastScratch& scratch, PackScratch& pack,
+               Batch& batch) {
+  Parts(context, scratch, pack, batch).run();
 }
 
 }  // namespace ragdoll::fast
