@@ -12,7 +12,7 @@ constexpr int kMostRounds = 6;
 constexpr int kSweeps = 4;            ///< Gauss-Seidel sweeps of each
 constexpr int kRateSweeps = 2;        ///< of the velocities at the end
 constexpr double kSettledRow = 2e-6;  ///< [m], [rad] sweeps that change less are the last
-constexpr double kSettled = 1e-5;     ///< [rad] linearised solves that leave less, by second order
+constexpr double kSettled = 1e-6;     ///< [rad] linearised solves that leave less, by second order
 
 constexpr double kRecovery = 0.2;  ///< of a violation, undone a step; 1 throws bodies up
 // As near boxes, spheres and capsules are looked for at most, beyond where the

@@ -384,8 +384,11 @@ class Parts {
       pack_.moving.erase(std::remove_if(pack_.moving.begin(), pack_.moving.end(), stays),
                          pack_.moving.end());
       last = &own.impulses;
-      if (part + 1 == kParts) add(own);
+      add(own, part + 1 == kParts);
     }
+    Roomy<CachedImpulse>& all = batch_.impulses;
+    const auto stayed = [this](const CachedImpulse& p) { return has(batch_.left, p.ragdoll); };
+    all.erase(std::remove_if(all.begin(), all.end(), stayed), all.end());
     exchange(true);
   }
 
@@ -394,10 +397,33 @@ class Parts {
     return std::find(all.begin(), all.end(), index) != all.end();
   }
 
-  void add(const Batch& end) {
-    append(end.impulses, batch_.impulses);
-    batch_.contacts += end.contacts;
-    batch_.limited += end.limited;
+  /// Contacts press with their mean over the step, limits as at its end.
+  void add(const Batch& part, bool last) {
+    for (std::size_t i = 0; i < part.impulses.size(); ++i) {
+      const CachedImpulse& p = part.impulses[i];
+      if (p.obstacle >= 0)
+        sameAs(part.impulses, i).impulse += (1.0 / kParts) * p.impulse;
+      else if (last)
+        batch_.impulses.push_back(p);
+    }
+    if (!last) return;
+    batch_.contacts += part.contacts;
+    batch_.limited += part.limited;
+  }
+
+  /// The batch's entry of the i-th impulse of a part: the same feature's with the same obstacle, in
+  /// their order.
+  CachedImpulse& sameAs(const Roomy<CachedImpulse>& part, std::size_t i) {
+    const CachedImpulse& p = part[i];
+    const auto same = [&p](const CachedImpulse& q) {
+      return q.ragdoll == p.ragdoll && q.a == p.a && q.b == p.b && q.obstacle == p.obstacle;
+    };
+    auto nth = std::count_if(part.begin(), part.begin() + i, same);
+    for (CachedImpulse& q : batch_.impulses)
+      if (same(q) && nth-- == 0) return q;
+    batch_.impulses.push_back(p);
+    batch_.impulses.back().impulse = Vec3::Zero();
+    return batch_.impulses.back();
   }
 
   /// Keeps x and v, or gives them back to what is left.
