@@ -35,6 +35,9 @@ struct RowShape {
   std::vector<int> index;  ///< coordinates, ascending, with all their ancestors
   std::vector<Term> terms;
   std::vector<int> terms_begin;  ///< per entry of `index` and one more
+  /// Where one coordinate has all the others as ancestors: per entry, where its row of L begins,
+  /// which has as many entries as stand before it.
+  std::vector<int> chain;
 
   int size() const { return static_cast<int>(index.size()); }
 };

@@ -139,7 +139,7 @@ class BodyBuilder {
     row.index.assign(all.begin(), all.end());
     for (const int above : row.index) {
       row.terms_begin.push_back(static_cast<int>(row.terms.size()));
-      for (int i = 0; i < row.size(); ++i) {
+      for (int i = row.size() - 1; i >= 0; --i) {
         const int below = row.index[i], begin = t.chain_begin[below];
         const auto end = t.chain.begin() + t.chain_begin[below + 1];
         const auto found = std::find(t.chain.begin() + begin, end, above);
@@ -147,6 +147,9 @@ class BodyBuilder {
       }
     }
     row.terms_begin.push_back(static_cast<int>(row.terms.size()));
+    if (!all.empty() &&
+        t.chain_begin[*all.rbegin() + 1] - t.chain_begin[*all.rbegin()] + 1 == row.size())
+      for (const int k : row.index) row.chain.push_back(t.chain_begin[k]);
     body_.longest_row = std::max(body_.longest_row, row.size());
     return row;
   }

@@ -35,10 +35,12 @@ struct LeftOver {
 
 /// One body of a pack.
 struct Lane {
-  const double* x = nullptr;        ///< [m] 3 n
-  const double* v = nullptr;        ///< [m/s] likewise
-  double* x1 = nullptr;             ///< [m] 3 n, out
-  double* v1 = nullptr;             ///< [m/s] likewise
+  const double* x = nullptr;  ///< [m] 3 n
+  const double* v = nullptr;  ///< [m/s] likewise
+  double* x1 = nullptr;       ///< [m] 3 n, out; may be x
+  double* v1 = nullptr;       ///< [m/s] likewise
+  double* tried_x = nullptr;  ///< in place of x1 where the body is deep or on trial
+  double* tried_v = nullptr;
   double* predicted = nullptr;      ///< [m] 3 n, out: where the free motion leads; may be null
   const double* force = nullptr;    ///< [N] 3 n of pokes; null: none
   double pull = 1;                  ///< of h^2 a: 1/2; 1 where v is the last step's mean
@@ -49,12 +51,16 @@ struct Lane {
   LeftOver* hard = nullptr;  ///< out of `predict`
   int hard_count = 0, hard_room = 0;
   double* limit_impulse = nullptr;  ///< [N m] per limit, in and out
+  bool limits_pressed = false;      ///< in: one of them is not 0
   LaneImpulse* impulses = nullptr;  ///< in: of the last step; out: room for impulse_room
   int impulse_count = 0;
-  bool good = true;      ///< out: x and v are there
-  bool pressed = false;  ///< out: an obstacle pressed
-  bool limited = false;  ///< out: its energy was limited
-  bool deep = false;     ///< out: something may be deep in a solid
+  bool good = true;       ///< out: x and v are there
+  bool pressed = false;   ///< out: an obstacle pressed
+  bool limited = false;   ///< out: its energy was limited
+  bool deep = false;      ///< out: something may be deep in a solid
+  bool on_trial = false;  ///< in: whether it may stay so is not for the pack to say
+
+  bool tried() const { return deep || on_trial; }
 };
 
 /// A plane that stands still.
@@ -86,6 +92,7 @@ struct PackStep {
   int plane_count = 0;
   const Solid* solids = nullptr;
   int solid_count = 0;
+  Deepest deepest = kMostDeep;  ///< what ends deeper in an obstacle is not for a pack
   bool whole = true;  ///< `predicted` of all lanes is wanted; else of those with what is left over
 };
 

@@ -104,11 +104,28 @@ void sortByLinks(const Model& model, const State& state, int begin, const Tree& 
   for (std::size_t k = begin; k < s.order.size(); ++k) s.order[k] = s.pressed[k - begin].second;
 }
 
-/// Awake bodies, system by system, in batches that a pack takes.
+/// Adds ragdolls [begin, end) of a list in batches that a pack takes; used: batches in use.
+void addBatches(const Model& model, int most_lanes, int system, int begin, int end,
+                std::vector<Batch>& batches, int& used) {
+  const bool single = model.solver.numbers == Numbers::kFloat;
+  for (int at = begin; at < end;) {
+    const int lanes = packFor(single, end - at, most_lanes).lanes;
+    if (used == static_cast<int>(batches.size())) batches.emplace_back();
+    Batch& batch = batches[used++];
+    batch.system = system;
+    batch.begin = at;
+    batch.count = std::min(lanes, end - at);
+    batch.impulses.clear();
+    batch.left.clear();
+    batch.contacts = batch.limited = 0;
+    at += batch.count;
+  }
+}
+
+/// Awake bodies, system by system, in batches.
 void sortBodies(const Model& model, const State& state, FastScratch& s, std::vector<int>& left) {
   s.order.clear();
-  const bool single = model.solver.numbers == Numbers::kFloat;
-  std::size_t used = 0;
+  int used = 0;
   for (std::size_t system = 0; system < model.systems.size(); ++system) {
     const int begin = static_cast<int>(s.order.size());
     for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
@@ -117,20 +134,26 @@ void sortBodies(const Model& model, const State& state, FastScratch& s, std::vec
     }
     const int end = static_cast<int>(s.order.size());
     if (end > begin) sortByLinks(model, state, begin, s.bodies[system].tree, s);
-    for (int at = begin; at < end;) {
-      const int lanes = packFor(single, end - at, s.most_lanes).lanes;
-      if (used == s.batches.size()) s.batches.emplace_back();
-      Batch& batch = s.batches[used++];
-      batch.system = static_cast<int>(system);
-      batch.begin = at;
-      batch.count = std::min(lanes, end - at);
-      batch.impulses.clear();
-      batch.left.clear();
-      batch.contacts = batch.limited = 0;
-      at += batch.count;
-    }
+    addBatches(model, s.most_lanes, static_cast<int>(system), begin, end, s.batches, used);
   }
   s.batches.resize(used);
+  while (s.again_batches.size() < s.batches.size()) s.again_batches.emplace_back();
+  s.again.reserve(model.ragdolls.size());
+}
+
+/// What packs have left, of all of them: in batches that are stepped in parts, or for the direct
+/// method.
+void sortLeft(const StepContext& context, FastScratch& s, std::vector<int>& left) {
+  s.again.clear();
+  s.again_count = 0;
+  for (std::size_t i = 0; i < s.batches.size();) {
+    const int system = s.batches[i].system, begin = static_cast<int>(s.again.size());
+    const bool parts = stepsInParts(context, s, system);
+    for (; i < s.batches.size() && s.batches[i].system == system; ++i)
+      append(s.batches[i].left, parts ? s.again : left);
+    addBatches(context.model, s.most_lanes, system, begin, static_cast<int>(s.again.size()),
+               s.again_batches, s.again_count);
+  }
 }
 
 void stepPacks(const StepContext& context, FastScratch& s, StepReport& report,
@@ -143,11 +166,19 @@ void stepPacks(const StepContext& context, FastScratch& s, StepReport& report,
   forEachPart(context, static_cast<int>(s.batches.size()), [&](StepContext& own, int part) {
     stepPack(own, s, s.packs[own.worker], s.batches[part]);
   });
-  for (const Batch& batch : s.batches) {
+  sortLeft(context, s, left);
+  forEachPart(context, s.again_count, [&](StepContext& own, int part) {
+    stepParts(own, s, s.packs[own.worker], s.again_batches[part]);
+  });
+  const auto take = [&](const Batch& batch) {
     append(batch.impulses, impulses);
-    append(batch.left, left);
     report.contacts += batch.contacts;
     report.limited += batch.limited;
+  };
+  for (const Batch& batch : s.batches) take(batch);
+  for (int i = 0; i < s.again_count; ++i) {
+    take(s.again_batches[i]);
+    append(s.again_batches[i].left, left);
   }
   for (const CachedImpulse& impulse : impulses)
     if (impulse.obstacle >= 0)

@@ -28,7 +28,7 @@ namespace fast {
 /// Bodies of one system that are stepped together, and what came of it.
 struct Batch {
   int system = 0;
-  int begin = 0, count = 0;  ///< of FastScratch::order
+  int begin = 0, count = 0;  ///< of FastScratch::order, or `again`
   Roomy<CachedImpulse> impulses;
   Roomy<int> left;  ///< ragdolls for the direct method
   int contacts = 0, limited = 0;
@@ -58,6 +58,9 @@ struct FastScratch {
   std::vector<int> order;                              ///< awake ragdolls, system by system
   std::vector<std::pair<std::uint32_t, int>> pressed;  ///< of a system: links that did, ragdoll
   std::vector<fast::Batch> batches;
+  std::vector<int> again;  ///< ragdolls that packs have left and are stepped in parts, likewise
+  std::vector<fast::Batch> again_batches;
+  int again_count = 0;                   ///< of these that are in use
   std::vector<SweptObstacle> obstacles;  ///< but planes
   std::vector<fast::Solid> solids;       ///< the same
   std::vector<SweptObstacle> moving_planes;

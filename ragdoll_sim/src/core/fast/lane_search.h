@@ -169,19 +169,19 @@ RAGDOLL_SECTION void findSolids(const FastBody& b, const PackStep& step, Lane* l
 
 /// The pairs of a batch that are deep in a solid, at w.there.
 template <class L>
-RAGDOLL_INLINE auto deepParticles(const FastBody& b, const Solid& o, const L& w,
-                                  const PairBatch<L>& batch) {
+RAGDOLL_INLINE auto deepParticles(const FastBody& b, const PackStep& step, const Solid& o,
+                                  const L& w, const PairBatch<L>& batch) {
   using N = typename L::N;
   const auto path = particlePath(b, w, batch);
-  return less(wayTo(path.to, o).distance, path.radius + N(o.radius - kMostDeep));
+  return less(wayTo(path.to, o).distance, path.radius + N(o.radius - step.deepest.particle));
 }
 template <class L>
-RAGDOLL_INLINE auto deepSticks(const FastBody& b, const Solid& o, const L& w,
+RAGDOLL_INLINE auto deepSticks(const FastBody& b, const PackStep& step, const Solid& o, const L& w,
                                const PairBatch<L>& batch) {
   using N = typename L::N;
   const auto axis = stickPath(b, w, batch).axis(typename L::R{} + N(1));
   const auto n = nearestPlace(axis, o);
-  return less(n.distance, (axis.radius + N(o.radius - kMostStickDeep)) + axis.taper * n.at);
+  return less(n.distance, (axis.radius + N(o.radius - step.deepest.stick)) + axis.taper * n.at);
 }
 
 /// Lanes in which, at w.x, something is deep in a solid.
@@ -193,12 +193,12 @@ RAGDOLL_SECTION void findDeep(const FastBody& b, const PackStep& step, Lane* lan
   V3<R> centre, half;
   if (step.solid_count == 0) return;
   setBounds<L>(
-      b, [&](int i) { return w.x + 3 * i; }, R{} - N(kMostDeep), centre, half);
+      b, [&](int i) { return w.x + 3 * i; }, R{} - N(step.deepest.particle), centre, half);
   for (int j = 0; j < step.solid_count; ++j) {
     const Solid& o = step.solids[j];
     SolidPlace<R> s;
     if (!isNear(o, w, centre, half, s)) continue;
-    const R reach = R{} + N(o.radius - kMostDeep);
+    const R reach = R{} + N(o.radius - step.deepest.particle);
     s.bound = {reach + N(o.half[0]), reach + N(o.half[1]), reach + N(o.half[2])};
     for (int i = 0; i < b.particles; ++i) {
       const V3<R> there = intoFrame(o.axes1, load3(w.x + 3 * i) - s.at1);
@@ -207,8 +207,8 @@ RAGDOLL_SECTION void findDeep(const FastBody& b, const PackStep& step, Lane* lan
     }
     findNear(b, w);
     forBatches(R{}, s, w, [&](const PairBatch<L>& batch, bool sticks) {
-      const unsigned deep = lanesOf(
-          both(batch.mask, sticks ? deepSticks(b, o, w, batch) : deepParticles(b, o, w, batch)));
+      const unsigned deep = lanesOf(both(batch.mask, sticks ? deepSticks(b, step, o, w, batch)
+                                                            : deepParticles(b, step, o, w, batch)));
       for (int i = 0; deep >> i != 0; ++i)
         if (deep >> i & 1) lanes[batch.pairs[i].lane].deep = true;
     });

@@ -1,6 +1,8 @@
 // One step of a pack of bodies. docs/fast.md#step.
 #pragma once
 
+#include "core/fast/lane_energy.h"
+#include "core/fast/lane_guess.h"
 #include "core/fast/lane_limits.h"
 #include "core/fast/lane_presses.h"
 #include "core/fast/lane_search.h"
@@ -35,11 +37,13 @@ RAGDOLL_SECTION void load(const FastBody& b, const PackStep& step, const Lane* l
   const int n = 3 * b.tree.particles, root = 3 * b.tree.roots[0].particle;
   const int limits = static_cast<int>(b.limits.size());
   w.forced = false;
+  for (int i = 0; i < limits; ++i) w.last_press[i] = R{};
   for (int l = 0; l < L::W; ++l) {
     const Lane& lane = lanes[l];
     for (int c = 0; c < L::W + 3; ++c) w.origin[l][c] = lane.x[root + c % 3];
     const double share = lane.pull * step.h * step.h;
-    for (int i = 0; i < limits; ++i) setLane(w.last_press[i], l, N(share * lane.limit_impulse[i]));
+    for (int i = 0; i < (lane.limits_pressed ? limits : 0); ++i)
+      setLane(w.last_press[i], l, N(share * lane.limit_impulse[i]));
     for (int p = 0; p < step.plane_count; ++p)
       setLane(w.offset[p], l,
               N(offsetFrom(w.origin[l], step.planes[p].normal, step.planes[p].offset)));
@@ -62,111 +66,29 @@ RAGDOLL_SECTION void load(const FastBody& b, const PackStep& step, const Lane* l
   }
 }
 
-/// [J] of the particles' motion by dx in a time whose square is 1 / rate2.
-template <class L>
-RAGDOLL_SECTION typename L::R energyOf(const FastBody& b, const typename L::R* dx, double rate2) {
-  using R = typename L::R;
-  using N = typename L::N;
-  R sum{};
-  for (int i = 0; i < b.tree.particles; ++i) {  // the matrix is symmetric: its upper half
-    const V3<R> d = load3(dx + 3 * i);
-    V3<R> p{};
-    for (int k = b.tree.mass_begin[i]; k < b.tree.mass_begin[i + 1]; ++k) {
-      const Tree::Mass& m = b.tree.masses[k];
-      if (m.column < i) continue;
-      p = p + N(m.column == i ? 0.5 * m.value : m.value) * load3(dx + 3 * m.column);
-    }
-    sum += dot(p, d);
-  }
-  return N(rate2) * sum;
-}
-
-/// As joint_damping.h: velocities against those of the rigid motion with the same momenta. w.dx:
-/// used.
-template <class L>
-RAGDOLL_SECTION void dampInside(const FastBody& b, typename L::N keep, L& w) {
-  using R = typename L::R;
-  using N = typename L::N;
-  const Tree& t = b.tree;
-  const bool pinned = t.roots[0].pinned;
-  V3<R> centre{}, drift{};
-  if (pinned) {
-    centre = load3(w.x + 3 * t.roots[0].particle);
-    drift = load3(w.v + 3 * t.roots[0].particle);
-  } else {
-    double whole = 0;
-    for (int i = 0; i < t.particles; ++i) {
-      whole += t.mass[i];
-      centre = centre + N(t.mass[i]) * load3(w.x + 3 * i);
-      drift = drift + N(t.mass[i]) * load3(w.v + 3 * i);
-    }
-    centre = N(1 / whole) * centre;
-    drift = N(1 / whole) * drift;
-  }
-  for (int i = 0; i < t.particles; ++i) store3(load3(w.x + 3 * i) - centre, w.dx + 3 * i);  // arms
-  V3<R> angular{};
-  R xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
-  for (int i = 0; i < t.particles; ++i) {
-    const V3<R> r = load3(w.dx + 3 * i), m = tree::momentumOf(t, i, w.dx);
-    angular = angular + cross(m, load3(w.v + 3 * i) - drift);
-    xx += m.x * r.x;
-    yy += m.y * r.y;
-    zz += m.z * r.z;
-    xy += m.x * r.y;
-    xz += m.x * r.z;
-    yz += m.y * r.z;
-  }
-  // Inertia: trace less second moments; a body on a line takes no spin about it.
-  const R small = N(1e-9) * (xx + yy + zz) + N(1e-30);
-  const R a = yy + zz + small, d = xx + zz + small, f = xx + yy + small;
-  const R A = d * f - yz * yz, B = xz * yz + xy * f, C = xy * yz + d * xz;
-  const R D = a * f - xz * xz, E = a * yz + xy * xz, F = a * d - xy * xy;
-  const R inverse = N(1) / (a * A - xy * B - xz * C);
-  const V3<R> spin = inverse * V3<R>{A * angular.x + B * angular.y + C * angular.z,
-                                     B * angular.x + D * angular.y + E * angular.z,
-                                     C * angular.x + E * angular.y + F * angular.z};
-  for (int i = 0; i < t.particles; ++i) {
-    const V3<R> rigid = drift + cross(spin, load3(w.dx + 3 * i));
-    store3(rigid + keep * (load3(w.v + 3 * i) - rigid), w.v + 3 * i);
-  }
-}
-
-/// The sum of the particles' momenta, of motions or velocities.
-template <class L>
-RAGDOLL_INLINE V3<typename L::R> wholeOf(const FastBody& b, const typename L::R* dx) {
-  V3<typename L::R> sum{};
-  for (int i = 0; i < b.tree.particles; ++i)
-    sum = sum + typename L::N(b.tree.mass[i]) * load3(dx + 3 * i);
-  return sum;
-}
-
-/// w.whole of the free motion, which stands in w.spare.
-template <class L>
-RAGDOLL_SECTION void setWhole(const FastBody& b, L& w) {
-  w.whole = wholeOf<L>(b, w.spare);
-  if (w.forced)
-    for (int i = 0; i < 3 * b.tree.particles; i += 3) w.whole = w.whole + load3(w.force + i);
-}
-
 /// What nothing holds has the momentum of the free motion, whatever the rounds have left: shifts
 /// w.dx as a whole.
 template <class L>
 RAGDOLL_SECTION void keepWhole(const FastBody& b, L& w, const typename L::R& held) {
   using R = typename L::R;
   using N = typename L::N;
-  double mass = 0;
-  for (int i = 0; i < b.tree.particles; ++i) mass += b.tree.mass[i];
-  const R share = select(less(R{}, held), R{}, R{} + N(1 / mass));
+  const R share = select(less(R{}, held), R{}, R{} + N(1 / massOf(b)));
   const V3<R> shift = share * (w.whole - wholeOf<L>(b, w.dx));
   for (int i = 0; i < 3 * b.tree.particles; i += 3) store3(load3(w.dx + i) + shift, w.dx + i);
 }
 
-/// w.goal of the free motion, which stands in w.spare.
+/// w.goal and the energy before of the free motion, which stands in w.spare: h v + fall.
 template <class L>
-RAGDOLL_SECTION void setGoal(const FastBody& b, L& w) {
+RAGDOLL_SECTION void setGoal(const FastBody& b, double h, const V3<typename L::R>& fall, L& w) {
   tree::momentum(b.tree, w.spare, w.tree);
+  w.whole = wholeOf<L>(b, w.spare);
+  w.before = energyBefore(b, h, fall, w);
   if (w.forced)
-    for (int i = 0; i < 3 * b.tree.particles; ++i) w.tree.force[i] += w.force[i];
+    for (int i = 0; i < 3 * b.tree.particles; i += 3) {
+      const V3<typename L::R> poke = load3(w.force + i);
+      store3(load3(w.tree.force + i) + poke, w.tree.force + i);
+      w.whole = w.whole + poke;
+    }
   tree::gather(b.tree, w.tree, w.goal);
   tree::solveUp(b.tree, w.tree, w.goal);
 }
@@ -179,18 +101,11 @@ RAGDOLL_SECTION void setRest(const FastBody& b, L& w) {
   for (int k = 0; k < b.tree.size; ++k) w.y[k] = w.goal[k] - w.done[k];
 }
 
-template <class L>
-RAGDOLL_SECTION void setPose(const FastBody& b, L& w) {
-  tree::retract(b.tree, w.q, w.shift, w.tree, w.dx, w.off);
-}
-
 /// Changes the coordinates by L^-1 y.
 template <class L>
 RAGDOLL_SECTION void moveOn(const FastBody& b, L& w) {
-  for (int k = 0; k < b.tree.size; ++k) w.total[k] += w.y[k];
   tree::solveDown(b.tree, w.tree, w.y);
   for (int k = 0; k < b.tree.size; ++k) w.q[k] += w.y[k];
-  setPose(b, w);
 }
 
 /// How far lengths are from the model's at the start, in units of what is allowed, squared sines'
@@ -236,9 +151,8 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
   const V3<R> fall = w.pull * spread3<L>(step.gravity);
   const N h = N(step.h), h2 = N(step.h * step.h);
   for (int i = 0; i < n; i += 3) store3(h * load3(w.v + i) + h2 * fall, w.spare + i);
-  setWhole(b, w);
-  setGoal(b, w);
-  for (int k = 0; k < t.size; ++k) w.q[k] = w.total[k] = R{};
+  setGoal(b, step.h, h2 * fall, w);
+  for (int k = 0; k < t.size; ++k) w.q[k] = R{};
   if (t.roots[0].pinned) {
     setPose(b, w);
     setRest(b, w);
@@ -246,89 +160,12 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
     for (int k = 0; k < t.size; ++k) w.y[k] = w.goal[k];
   }
   moveOn(b, w);
+  extrapolate(b, w);
+  setPose(b, w);
   findSolids(b, step, lanes, w);
   for (int l = 0; l < L::W; ++l)
     if (lanes[l].predicted && (step.whole || lanes[l].hard_count > 0))
       for (int i = 0; i < n; ++i) lanes[l].predicted[i] = lanes[l].x[i] + lane(w.dx[i], l);
-}
-
-/// [J] that what is pressed or hangs may have after a share of the step: what it had, and the work
-/// of forces along w.dx; no bound where something drives it or nothing holds it. What hangs has
-/// velocities of the middle of its steps: forces act along half of the step before, too.
-template <class L>
-typename L::R energyBound(const FastBody& b, const PackStep& step, const Lane* lanes, L& w,
-                          const typename L::R& pressed, double share) {
-  using R = typename L::R;
-  using N = typename L::N;
-  const bool hangs = b.tree.roots[0].pinned;
-  const N now = N(hangs ? 0.5 : share), last = N(hangs ? 0.5 * step.h : 0);
-  R bound = w.before;
-  for (int i = 0; i < b.tree.particles; ++i)
-    for (int c = 0; c < 3; ++c) {
-      const int k = 3 * i + c;
-      const R moved = now * w.dx[k] + last * w.v[k];
-      bound += N(b.tree.mass[i] * step.gravity[c]) * moved;
-      if (w.forced) bound += N(1 / (step.h * step.h)) * w.force[k] * moved;
-    }
-  R free = select(less(R{}, pressed), R{}, R{} + N(1));
-  for (int l = 0; l < L::W; ++l)
-    if (lanes[l].driven) setLane(free, l, N(1));
-  return select(less(R{}, free), R{} + N(1e30), bound);
-}
-
-/// Draws back a motion that lifts a body by more than its energy: scales the coordinates.
-template <class L>
-RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* lanes, L& w,
-                                 const typename L::R& pressed) {
-  using R = typename L::R;
-  using N = typename L::N;
-  const R after = energyOf<L>(b, w.dx, 1 / (step.h * step.h));
-  const R bound = energyBound(b, step, lanes, w, pressed, 0.5);  // w.dx: of its middle
-  const auto much = less(bound, after);
-  if (!any(much)) return;
-  // share^2 after = before + share work
-  const R work = bound - w.before;
-  const R root = squareRoot(atLeast(work * work + N(4) * after * w.before, N(0)));
-  const R share = (work + root) / atLeast(N(2) * after, N(1e-30));
-  const R scale = select(much, atLeast(share, N(0)), R{} + N(1));
-  for (int k = 0; k < b.tree.size; ++k) {
-    w.q[k] = scale * w.q[k];
-    w.total[k] = scale * w.total[k];
-  }
-  setPose(b, w);
-  for (int l = 0; l < L::W; ++l) lanes[l].limited = lane(scale, l) < N(1 - kReportedShare);
-}
-
-/// The same of the velocities at the end (w.dx, times h). Where no obstacle takes momentum, motion
-/// against the rigid one with the same momenta alone, if that is enough.
-template <class L>
-RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, Lane* lanes, L& w,
-                                     const typename L::R& bound, const typename L::R& touched) {
-  using R = typename L::R;
-  using N = typename L::N;
-  const int n = 3 * b.tree.particles;
-  const N h = N(step.h), rate = N(1 / step.h);
-  const R after = energyOf<L>(b, w.dx, 1 / (step.h * step.h));
-  const auto much = less(bound, after);
-  if (!any(much)) return;
-  for (int i = 0; i < n; ++i) {
-    w.spare[i] = w.dx[i];
-    w.v[i] = rate * w.dx[i];
-  }
-  dampInside(b, N(0), w);
-  const R rigid = select(less(R{}, touched), R{}, energyOf<L>(b, w.v, 1.0));
-  const R inside =
-      select(much, atLeast(bound - rigid, N(0)) / atLeast(after - rigid, N(1e-30)), R{} + N(1));
-  const R hung = select(less(R{}, touched), R{} + N(1), R{} + N(b.tree.roots[0].pinned ? 1 : 0));
-  const R whole = select(both(much, both(less(R{}, hung), less(bound, rigid))),
-                         squareRoot(atLeast(bound, N(0)) / atLeast(rigid, N(1e-30))), R{} + N(1));
-  const R scale = squareRoot(inside);
-  for (int i = 0; i < n; ++i) {
-    const R base = select(less(R{}, touched), R{}, h * w.v[i]);
-    w.dx[i] = select(much, whole * (base + scale * (w.spare[i] - base)), w.spare[i]);
-  }
-  for (int l = 0; l < L::W; ++l)
-    lanes[l].limited = lanes[l].limited || lane(scale, l) < N(1 - kReportedShare);
 }
 
 /// One sweep of the velocity stage: what pressed does not approach any more, or comes back by
@@ -357,8 +194,8 @@ RAGDOLL_SECTION void sweepRates(L& w) {
 
 /// Where the velocity stage starts: half of what pressed in the step, against half of gravity.
 template <class L>
-RAGDOLL_SECTION void startRates(const PackStep& step, bool free, const V3<typename L::R>& kick,
-                                L& w) {
+RAGDOLL_SECTION void startRates(const FastBody& b, const PackStep& step, bool free,
+                                const V3<typename L::R>& kick, L& w) {
   using R = typename L::R;
   using N = typename L::N;
   const double g = std::sqrt(step.gravity[0] * step.gravity[0] + step.gravity[1] * step.gravity[1] +
@@ -387,9 +224,11 @@ RAGDOLL_SECTION void startRates(const PackStep& step, bool free, const V3<typena
     if (any(less(R{}, row.rate_press))) push(w, row, row.rate_press, row.rate_pull);
   }
   w.pressing_contacts = static_cast<int>(list - w.pressing);
+  const int* const limits = list;
   for (int i = 0; i < w.limit_count; ++i) {
     LimitRow<R>& row = w.limits[i];
     if (!any(less(R{}, row.press))) continue;
+    if (list == limits) tree::factorTimes(b.tree, w.tree, w.q, w.total);
     *list++ = i;
     row.allowed = select(less(row.last, row.press), row.last, row.press);
     if (row.limit->compliance > 0) {  // a spring's second half step, whatever the rate
@@ -416,7 +255,7 @@ RAGDOLL_SECTION void endVelocities(const FastBody& b, const PackStep& step, L& w
   const V3<R> kick = N(free ? 0.5 * step.h * step.h : 0) * spread3<L>(step.gravity);
   if (w.contact_count + w.limit_count > 0) {
     for (int k = 0; k < b.tree.size; ++k) w.y[k] = R{};
-    startRates(step, free, kick, w);
+    startRates(b, step, free, kick, w);
     if (w.pressing_contacts + w.pressing_limits > 0) {
       for (int sweep = 0; sweep < kRateSweeps; ++sweep) sweepRates(w);
       tree::solveDown(b.tree, w.tree, w.y);
@@ -455,15 +294,16 @@ RAGDOLL_SECTION void store(const FastBody& b, const PackStep& step, Lane* lanes,
         Doubles<L::W> x = doublesOf(w.x[i + l]), v = doublesOf(w.dx[i + l]);
         x.v += Doubles<L::W>::at(w.origin[l] + i % 3).v;
         v.v *= rate;
-        x.to(lanes[l].x1 + i);
-        v.to(lanes[l].v1 + i);
+        x.to((lanes[l].tried() ? lanes[l].tried_x : lanes[l].x1) + i);
+        v.to((lanes[l].tried() ? lanes[l].tried_v : lanes[l].v1) + i);
       }
     }
   for (; i < n; ++i)
     for (int l = 0; l < L::W; ++l) {
-      if (!lanes[l].good) continue;
-      lanes[l].x1[i] = w.origin[l][i % 3] + lane(w.x[i], l);
-      lanes[l].v1[i] = rate * lane(w.dx[i], l);
+      const Lane& out = lanes[l];
+      if (!out.good) continue;
+      (out.tried() ? out.tried_x : out.x1)[i] = w.origin[l][i % 3] + lane(w.x[i], l);
+      (out.tried() ? out.tried_v : out.v1)[i] = rate * lane(w.dx[i], l);
     }
 }
 
@@ -497,18 +337,27 @@ RAGDOLL_SECTION void storePresses(const FastBody& b, const PackStep& step, Lane*
   }
 }
 
-/// What the rounds have not brought to its bounds is not for a pack (w.off above its own).
+/// Where something is deeper than it may be left.
 template <class L>
-RAGDOLL_SECTION void checkBounds(L& w) {
+RAGDOLL_INLINE typename L::Mask tooDeep(const PackStep& step, const L& w) {
   using R = typename L::R;
   using N = typename L::N;
+  auto deep = less(R{}, R{});
   for (int i = 0; i < w.contact_count; ++i) {
     const ContactRow<R>& row = w.contacts[i];
-    const auto worse =
-        both(less(row.gap + row.allowed, R{} - N(kMostDeep)), less(row.gap, R{} - N(kWorse)));
-    const auto deep = both(worse, less(R{}, row.inverse_normal + row.waits));
-    w.off = select(deep, R{} + N(1), w.off);
+    const auto worse = both(less(row.gap + row.allowed, R{} - N(step.deepest.particle)),
+                            less(row.gap, R{} - N(kWorse * step.deepest.particle)));
+    deep = either(deep, both(worse, less(R{}, row.inverse_normal + row.waits)));
   }
+  return deep;
+}
+
+/// What the rounds have not brought to its bounds is not for a pack (w.off above its own).
+template <class L>
+RAGDOLL_SECTION void checkBounds(const PackStep& step, L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  w.off = select(tooDeep(step, w), R{} + N(1), w.off);
   for (int i = 0; i < w.limit_count; ++i) {
     const LimitRow<R>& row = w.limits[i];
     if (row.limit->compliance > 0) continue;
@@ -553,10 +402,7 @@ RAGDOLL_SECTION void endRound(const FastBody& b, L& w) {
   using N = typename L::N;
   R before{}, after{}, change{};
   const auto largest = [](R& most, const R& value) { most = larger(most, signOf(value) * value); };
-  for (int k = 0; k < b.tree.size; ++k) {
-    w.goal[k] = w.done[k] + w.y[k];
-    w.total[k] = select(w.unsolved, w.total[k] + w.y[k], w.total[k]);
-  }
+  for (int k = 0; k < b.tree.size; ++k) w.goal[k] = w.done[k] + w.y[k];
   tree::solveDown(b.tree, w.tree, w.y);
   const int first_turn = b.tree.roots[0].pinned ? 0 : 3;
   for (int k = 0; k < b.tree.size; ++k) {
@@ -584,13 +430,17 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
   setLimits(b, step, w);
   w.unsolved = less(R{}, R{} + N(1));
   measureContacts(b, w);
-  for (int round = 0; round < kNewton && any(w.unsolved); ++round) {
+  for (int round = 0; round < kMostRounds && any(w.unsolved); ++round) {
+    if (round >= kNewton) {
+      w.unsolved = both(w.unsolved, tooDeep(step, w));
+      if (!any(w.unsolved)) break;
+    }
     setRest(b, w);
     if (round == 0) startRows(w);
     sweepRows(w);
     endRound(b, w);
   }
-  checkBounds(w);
+  checkBounds(step, w);
   R touched{};
   for (int i = 0; i < w.contact_count; ++i)
     touched = larger(touched, select(less(R{}, w.contacts[i].press), R{} + N(1), R{}));
@@ -599,17 +449,14 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
   for (int i = 0; i < w.limit_count; ++i)
     if (w.limits[i].limit->compliance == 0)
       pressed = larger(pressed, select(less(R{}, w.limits[i].press), R{} + N(1), R{}));
-  const bool any_pressed = any(less(R{}, pressed));
-  if (any_pressed) {
-    w.before = energyOf<L>(b, w.v, 1.0);
-    limitMotion(b, step, lanes, w, held);
-  }
+  if (any(less(R{}, held))) limitMotion(b, step, lanes, w, held);
   keepWhole(b, w, held);
   tree::place(b.tree, w.tree, w.x, w.dx, w.x);  // the new positions
-  R bound{};
-  if (any_pressed) bound = energyBound(b, step, lanes, w, pressed, 1);
+  const N gain = N(0.5 * kFreeGain * kFreeGain * massOf(b));
+  const R slack = select(less(R{}, pressed), R{}, R{} + gain);
+  const R bound = energyBound(b, step, lanes, w, 1) + slack;
   endVelocities(b, step, w);
-  if (any_pressed) limitVelocities(b, step, lanes, w, bound, touched);
+  limitVelocities(b, step, lanes, w, bound, touched);
   findDeep(b, step, lanes, w);
   store(b, step, lanes, w);
   storePresses(b, step, lanes, w);

@@ -76,7 +76,7 @@ struct LaneWork {
   R* spare;         ///< scratch, 3 per particle
   R* force;         ///< [kg m] h^2 times pokes, per particle; only if forced
   R *q, *y;         ///< tangent coordinates, and L times what they still change by
-  R* total;         ///< L times the coordinates
+  R* total;         ///< scratch: L times the coordinates
   R* goal;          ///< L^-T T^T times the momentum of the free motion and all impulses
   R* done;          ///< the same of the present coordinates
   R* row;           ///< scratch, per coordinate
@@ -156,6 +156,12 @@ struct LaneWork {
   }
 };
 
+/// w.dx of the pose at w.q.
+template <class L>
+RAGDOLL_SECTION void setPose(const FastBody& b, L& w) {
+  tree::retract(b.tree, w.q, w.shift, w.tree, w.dx, w.off);
+}
+
 /// [m] of a plane's offset from an origin.
 RAGDOLL_INLINE double offsetFrom(const double* origin, const double* normal, double offset) {
   return offset - (normal[0] * origin[0] + normal[1] * origin[1] + normal[2] * origin[2]);
@@ -168,11 +174,33 @@ RAGDOLL_INLINE V3<typename L::R> spread3(const double* a) {
   return {R{} + N(a[0]), R{} + N(a[1]), R{} + N(a[2])};
 }
 
+/// As `eliminate`, of a row whose coordinates are one's ancestors: two of them at once.
+template <int count, class L>
+RAGDOLL_INLINE void eliminateChain(const L& w, const RowShape& row, typename L::R* z) {
+  using R = typename L::R;
+  int i = row.size() - 1;
+  for (; i > 0; i -= 2) {
+    const R *below = w.tree.H + row.chain[i], *next = w.tree.H + row.chain[i - 1];
+    const R inverse = w.tree.inverse[row.index[i]], inverse2 = w.tree.inverse[row.index[i - 1]];
+    const R shared = below[i - 1];
+    R a[count], b[count];
+    for (int c = 0; c < count; ++c) {
+      z[count * i + c] = a[c] = z[count * i + c] * inverse;
+      z[count * (i - 1) + c] = b[c] = (z[count * (i - 1) + c] - shared * a[c]) * inverse2;
+    }
+    for (int k = 0; k < i - 1; ++k)
+      for (int c = 0; c < count; ++c) z[count * k + c] -= below[k] * a[c] + next[k] * b[c];
+  }
+  if (i == 0)
+    for (int c = 0; c < count; ++c) z[c] = z[c] * w.tree.inverse[row.index[0]];
+}
+
 /// z of `count` rows from their gradients, in place: elimination along the row's own coordinates
 /// only.
 template <int count, class L>
 RAGDOLL_INLINE void eliminate(const L& w, const RowShape& row, typename L::R* z) {
   using R = typename L::R;
+  if (!row.chain.empty()) return eliminateChain<count>(w, row, z);
   const R* h = w.tree.H;
   for (int i = row.size() - 1; i >= 0; --i) {
     R sum[count];

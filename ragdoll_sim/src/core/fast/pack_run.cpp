@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/detect.h"
 #include "core/contact/distance.h"
 #include "core/contact/pair_detect.h"
 #include "core/fast/constants.h"
@@ -18,14 +19,15 @@ constexpr double kKept = 0.5;
 /// One pack on its way through a step.
 class PackRun {
  public:
-  /// order: ragdolls, of which the batch has some. last: impulses of the part of the step before;
-  /// null: those of the state.
-  PackRun(const StepContext& context, double h, const int* order,
+  /// deepest: as PackStep has it. order: ragdolls, of which the batch has some. last: impulses of
+  /// the part of the step before; null: those of the state.
+  PackRun(const StepContext& context, double h, const Deepest& deepest, const int* order,
           const std::vector<CachedImpulse>* last, const FastScratch& scratch, PackScratch& pack,
           Batch& batch)
       : model_(context.model),
         inputs_(context.inputs),
         h_(h),
+        deepest_(deepest),
         order_(order),
         last_(last),
         force_(context.force),
@@ -52,6 +54,7 @@ class PackRun {
   void setStep() {
     const SolverSpec& solver = model_.solver;
     step_.h = h_;
+    step_.deepest = deepest_;
     for (int c = 0; c < 3; ++c) step_.gravity[c] = model_.gravity[c];
     step_.keep = solver.damping > 0 ? std::exp(-solver.damping * h_) : 1;
     step_.keep_inner = solver.joint_damping > 0 ? std::exp(-solver.joint_damping * h_) : 1;
@@ -95,9 +98,10 @@ class PackRun {
       } else {  // a lane for no body: the first one's again
         lanes_[l].x = lanes_[0].x;
         lanes_[l].v = lanes_[0].v;
-        lanes_[l].x1 = pack_.spare.data() + n * (kMaxLanes + l);
+        lanes_[l].x1 = lanes_[l].tried_x = pack_.spare.data() + n * (kMaxLanes + l);
+        lanes_[l].v1 = pack_.spare.data() + n * l;
       }
-      lanes_[l].v1 = pack_.spare.data() + n * l;
+      lanes_[l].tried_v = pack_.spare.data() + n * l;
     }
   }
 
@@ -107,7 +111,10 @@ class PackRun {
     const Ragdoll& r = model_.ragdolls[index];
     lane.x = state_.x.data() + 3 * r.first;
     lane.v = state_.v.data() + 3 * r.first;
-    lane.x1 = predicted_.data() + 3 * r.first;
+    lane.x1 = state_.x.data() + 3 * r.first;
+    lane.v1 = state_.v.data() + 3 * r.first;
+    lane.tried_x = predicted_.data() + 3 * r.first;
+    lane.on_trial = model_.self_collision;
     if (!scratch_.obstacles.empty() || step_.whole)
       lane.predicted = predicted_.data() + 3 * r.first;
     if (force_) lane.force = force_->data() + 3 * r.first;
@@ -133,6 +140,7 @@ class PackRun {
     if (last.a < 0) {
       if (-1 - last.a < static_cast<int>(body_.limits.size()))
         lane.limit_impulse[-1 - last.a] = last.impulse.x() / kKept;
+      lane.limits_pressed = true;
       return;
     }
     if (last.obstacle < 0) return;
@@ -228,45 +236,40 @@ class PackRun {
     return {x.cwiseMin(y).array() - pad, x.cwiseMax(y).array() + pad};
   }
 
-  /// Whether a stick may be deep in an obstacle, by their bounds: by how much these overlap along
-  /// an axis bounds the depth.
-  bool mayBeDeep(const Ragdoll& r, const SweptObstacle& m) const {
-    const Skeleton& s = model_.skeletonOf(r);
-    return std::any_of(s.sticks.begin(), s.sticks.end(), [&](const Stick& k) {
-      return k.a < s.named && k.b < s.named &&
-             overlap(boundsOf(s, r.first, k.a, k.b), m.bounds, -kMostStickDeep);
-    });
-  }
-
   /// Whether a particle has gone deep where no row held it off; predicted_: where the body is now.
   bool particlesSink(const Ragdoll& r, const SweptObstacle& m) const {
     const Skeleton& s = model_.skeletonOf(r);
     for (int i = 0; i < s.named; ++i) {
       if (body_.tree.roots[0].pinned && body_.tree.roots[0].particle == i) continue;
-      if (!overlap(boundsOf(s, r.first, i, i), m.bounds, -kMostDeep)) continue;
+      if (!overlap(boundsOf(s, r.first, i, i), m.bounds, -deepest_.particle)) continue;
       const Vec3 x0 = state_.x.col(r.first + i), x1 = predicted_.col(r.first + i);
       const double gap = signedDistanceValue(*m.obstacle, m.toEnd(x1)) - s.radius[i];
       const double before = signedDistanceValue(*m.obstacle, m.toStart(x0)) - s.radius[i];
-      if (gap < -kMostDeep && gap < before - kDeeper) return true;
+      if (gap < -deepest_.particle && gap < before - kDeeper * deepest_.particle) return true;
     }
     return false;
   }
 
-  /// Whether a stick has turned over an edge into an obstacle; predicted_: where the body is now.
-  bool sticksSink(int index) {
-    pack_.found.clear();
-    appendStickOverlaps(model_, scratch_.obstacles, state_.x, predicted_, index, kMostStickDeep,
-                        pack_.found);
-    return std::any_of(pack_.found.begin(), pack_.found.end(), [this](const Contact& c) {
-      double gap = -c.offset;
-      for (int k = 0; k < c.count; ++k)
-        gap += c.weight[k] * c.normal.dot(predicted_.col(c.particle[k]));
-      return gap < c.gap_start - kDeeper;
+  /// Whether a stick has turned over an edge into an obstacle, maybe with its axis; predicted_:
+  /// where the body is now. By how much bounds overlap along an axis bounds the depth.
+  bool sticksSink(const Ragdoll& r, const SweptObstacle& m) const {
+    const Skeleton& s = model_.skeletonOf(r);
+    return std::any_of(s.sticks.begin(), s.sticks.end(), [&](const Stick& k) {
+      if (k.a >= s.named || k.b >= s.named ||
+          !overlap(boundsOf(s, r.first, k.a, k.b), m.bounds, -deepest_.stick))
+        return false;
+      const int a = r.first + k.a, b = r.first + k.b;
+      const double gap = stickGap(*m.obstacle, m.toEnd(predicted_.col(a)),
+                                  m.toEnd(predicted_.col(b)), s.radius[k.a], s.radius[k.b]);
+      if (gap >= -deepest_.stick) return false;
+      const double before = stickGap(*m.obstacle, m.toStart(state_.x.col(a)),
+                                     m.toStart(state_.x.col(b)), s.radius[k.a], s.radius[k.b]);
+      return gap < before - kDeeper * deepest_.stick;
     });
   }
 
   /// Whether something is deep in an obstacle that no row has kept out.
-  bool sinks(int index) {
+  bool sinks(int index) const {
     const Ragdoll& r = model_.ragdolls[index];
     const Skeleton& s = model_.skeletonOf(r);
     Bounds all = boundsOf(s, r.first, 0, 0);
@@ -274,13 +277,11 @@ class PackRun {
       const Bounds one = boundsOf(s, r.first, i, i);
       all = {all.lo.cwiseMin(one.lo), all.hi.cwiseMax(one.hi)};
     }
-    bool sticks = false;
-    for (const SweptObstacle& m : scratch_.obstacles) {
-      if (!overlap(all, m.bounds, -kMostDeep)) continue;
-      if (particlesSink(r, m)) return true;
-      sticks = sticks || mayBeDeep(r, m);
-    }
-    return sticks && sticksSink(index);
+    return std::any_of(scratch_.obstacles.begin(), scratch_.obstacles.end(),
+                       [&](const SweptObstacle& m) {
+                         return overlap(all, m.bounds, -deepest_.particle) &&
+                                (particlesSink(r, m) || sticksSink(r, m));
+                       });
   }
 
   /// Whether limbs come near each other on the way: what touches is for shake.
@@ -302,8 +303,10 @@ class PackRun {
     }
     const Ragdoll& r = model_.ragdolls[index];
     const int n = 3 * body_.tree.particles;
-    std::copy_n(lane.x1, n, state_.x.data() + 3 * r.first);
-    std::copy_n(lane.v1, n, state_.v.data() + 3 * r.first);
+    if (lane.tried()) {
+      std::copy_n(lane.tried_x, n, lane.x1);
+      std::copy_n(lane.tried_v, n, lane.v1);
+    }
     const auto add = [&](int a, int b, int obstacle, const Vec3& impulse) {
       batch_.impulses.emplace_back();
       CachedImpulse& last = batch_.impulses.back();
@@ -329,6 +332,7 @@ class PackRun {
   const Model& model_;
   const Inputs& inputs_;
   double h_;
+  Deepest deepest_;
   const int* order_;
   const std::vector<CachedImpulse>* last_;
   const Points* force_;
@@ -350,13 +354,14 @@ void clear(Batch& batch) {
   batch.contacts = batch.limited = 0;
 }
 
-/// What a pack has left, in parts of the step: what turns over an edge or is stopped errs by less
+/// What packs have left, in parts of the step: what turns over an edge or is stopped errs by less
 /// the shorter they are.
 class Parts {
  public:
   Parts(const StepContext& context, const FastScratch& scratch, PackScratch& pack, Batch& batch)
       : context_(context), scratch_(scratch), pack_(pack), batch_(batch) {
-    std::swap(pack.again, batch.left);
+    const auto first = scratch.again.begin() + batch.begin;
+    pack.again.assign(first, first + batch.count);
     n_ = 3 * scratch.bodies[batch.system].tree.particles;
   }
 
@@ -364,7 +369,6 @@ class Parts {
   void run() {
     exchange(false);
     pack_.moving = pack_.again;
-    batch_.left.clear();
     const std::vector<CachedImpulse>* last = nullptr;
     for (int part = 0; part < kParts && !pack_.moving.empty(); ++part) {
       Batch& own = pack_.parts[part % 2];
@@ -372,14 +376,19 @@ class Parts {
       own.system = batch_.system;
       own.begin = 0;
       own.count = static_cast<int>(pack_.moving.size());
-      PackRun(context_, context_.h / kParts, pack_.moving.data(), last, scratch_, pack_, own).run();
+      PackRun(context_, context_.h / kParts, kMostDeep, pack_.moving.data(), last, scratch_, pack_,
+              own)
+          .run();
       append(own.left, batch_.left);
       const auto stays = [&own](int index) { return has(own.left, index); };
       pack_.moving.erase(std::remove_if(pack_.moving.begin(), pack_.moving.end(), stays),
                          pack_.moving.end());
       last = &own.impulses;
-      if (part + 1 == kParts) add(own);
+      add(own, part + 1 == kParts);
     }
+    Roomy<CachedImpulse>& all = batch_.impulses;
+    const auto stayed = [this](const CachedImpulse& p) { return has(batch_.left, p.ragdoll); };
+    all.erase(std::remove_if(all.begin(), all.end(), stayed), all.end());
     exchange(true);
   }
 
@@ -388,10 +397,33 @@ class Parts {
     return std::find(all.begin(), all.end(), index) != all.end();
   }
 
-  void add(const Batch& end) {
-    append(end.impulses, batch_.impulses);
-    batch_.contacts += end.contacts;
-    batch_.limited += end.limited;
+  /// Contacts press with their mean over the step, limits as at its end.
+  void add(const Batch& part, bool last) {
+    for (std::size_t i = 0; i < part.impulses.size(); ++i) {
+      const CachedImpulse& p = part.impulses[i];
+      if (p.obstacle >= 0)
+        sameAs(part.impulses, i).impulse += (1.0 / kParts) * p.impulse;
+      else if (last)
+        batch_.impulses.push_back(p);
+    }
+    if (!last) return;
+    batch_.contacts += part.contacts;
+    batch_.limited += part.limited;
+  }
+
+  /// The batch's entry of the i-th impulse of a part: the same feature's with the same obstacle, in
+  /// their order.
+  CachedImpulse& sameAs(const Roomy<CachedImpulse>& part, std::size_t i) {
+    const CachedImpulse& p = part[i];
+    const auto same = [&p](const CachedImpulse& q) {
+      return q.ragdoll == p.ragdoll && q.a == p.a && q.b == p.b && q.obstacle == p.obstacle;
+    };
+    auto nth = std::count_if(part.begin(), part.begin() + i, same);
+    for (CachedImpulse& q : batch_.impulses)
+      if (same(q) && nth-- == 0) return q;
+    batch_.impulses.push_back(p);
+    batch_.impulses.back().impulse = Vec3::Zero();
+    return batch_.impulses.back();
   }
 
   /// Keeps x and v, or gives them back to what is left.
@@ -419,14 +451,23 @@ class Parts {
 
 }  // namespace
 
+bool stepsInParts(const StepContext& context, const FastScratch& scratch, int system) {
+  const Model& model = context.model;
+  return !scratch.driven && scratch.moving_planes.empty() && !model.self_collision &&
+         model.systems[system].pins.empty();
+}
+
 void stepPack(const StepContext& context, const FastScratch& scratch, PackScratch& pack,
               Batch& batch) {
-  const int* order = scratch.order.data();
-  PackRun(context, context.h, order, nullptr, scratch, pack, batch).run();
-  const Model& model = context.model;
-  if (!batch.left.empty() && !scratch.driven && scratch.moving_planes.empty() &&
-      !model.self_collision && model.systems[batch.system].pins.empty())
-    Parts(context, scratch, pack, batch).run();
+  const bool parts = stepsInParts(context, scratch, batch.system);
+  PackRun(context, context.h, parts ? kDeep : kMostDeep, scratch.order.data(), nullptr, scratch,
+          pack, batch)
+      .run();
+}
+
+void stepParts(const StepContext& context, const FastScratch& scratch, PackScratch& pack,
+               Batch& batch) {
+  Parts(context, scratch, pack, batch).run();
 }
 
 }  // namespace ragdoll::fast

@@ -5,8 +5,15 @@
 
 namespace ragdoll::fast {
 
-/// Moves the bodies of a batch by the step, but for those that it leaves to the direct method.
+/// Whether bodies of a system that a pack has left are stepped in parts.
+bool stepsInParts(const StepContext& context, const FastScratch& scratch, int system);
+
+/// Moves the bodies of a batch by the step, but for those that it leaves.
 void stepPack(const StepContext& context, const FastScratch& scratch, PackScratch& pack,
               Batch& batch);
+
+/// The same in parts of the step, of a batch of FastScratch::again.
+void stepParts(const StepContext& context, const FastScratch& scratch, PackScratch& pack,
+               Batch& batch);
 
 }  // namespace ragdoll::fast

@@ -396,6 +396,15 @@ RAGDOLL_INLINE void solveDown(const Tree& t, const Work<R>& w, R* y) {
   }
 }
 
+/// out = L q.
+template <class R>
+RAGDOLL_INLINE void factorTimes(const Tree& t, const Work<R>& w, const R* q, R* out) {
+  for (int k = 0; k < t.size; ++k) {
+    out[k] = q[k] / w.inverse[k];
+    for (int i = t.chain_begin[k]; i < t.chain_begin[k + 1]; ++i) out[k] += w.H[i] * q[t.chain[i]];
+  }
+}
+
 /// out (size) = T^T of forces on the particles, which it takes from w.force and uses up.
 template <class R>
 RAGDOLL_INLINE void gather(const Tree& t, Work<R>& w, R* out) {

@@ -94,6 +94,9 @@ struct LaneBodies {
     lane.v = one.v.data();
     lane.x1 = one.x1.data();
     lane.v1 = one.v1.data();
+    lane.tried_x = lane.x1;
+    lane.tried_v = lane.v1;
+    lane.limits_pressed = true;
     lane.predicted = one.predicted.data();
     lane.limit_impulse = one.limits.data();
     lane.impulses = one.impulses.data();

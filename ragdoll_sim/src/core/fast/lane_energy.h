@@ -1,0 +1,184 @@
+// Energy of a pack's bodies: joint damping, and bounds of what a step may gain. docs/fast.md#step.
+#pragma once
+
+#include "core/fast/lane_work.h"
+
+namespace ragdoll::fast {
+
+/// [J] of the particles' motion by dx in a time whose square is 1 / rate2.
+template <class L>
+RAGDOLL_SECTION typename L::R energyOf(const FastBody& b, const typename L::R* dx, double rate2) {
+  using R = typename L::R;
+  using N = typename L::N;
+  R sum{};
+  for (int i = 0; i < b.tree.particles; ++i) {  // the matrix is symmetric: its upper half
+    const V3<R> d = load3(dx + 3 * i);
+    V3<R> p{};
+    for (int k = b.tree.mass_begin[i]; k < b.tree.mass_begin[i + 1]; ++k) {
+      const Tree::Mass& m = b.tree.masses[k];
+      if (m.column < i) continue;
+      p = p + N(m.column == i ? 0.5 * m.value : m.value) * load3(dx + 3 * m.column);
+    }
+    sum += dot(p, d);
+  }
+  return N(rate2) * sum;
+}
+
+/// As joint_damping.h: velocities against those of the rigid motion with the same momenta. w.dx:
+/// used.
+template <class L>
+RAGDOLL_SECTION void dampInside(const FastBody& b, typename L::N keep, L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  const Tree& t = b.tree;
+  const bool pinned = t.roots[0].pinned;
+  V3<R> centre{}, drift{};
+  if (pinned) {
+    centre = load3(w.x + 3 * t.roots[0].particle);
+    drift = load3(w.v + 3 * t.roots[0].particle);
+  } else {
+    double whole = 0;
+    for (int i = 0; i < t.particles; ++i) {
+      whole += t.mass[i];
+      centre = centre + N(t.mass[i]) * load3(w.x + 3 * i);
+      drift = drift + N(t.mass[i]) * load3(w.v + 3 * i);
+    }
+    centre = N(1 / whole) * centre;
+    drift = N(1 / whole) * drift;
+  }
+  for (int i = 0; i < t.particles; ++i) store3(load3(w.x + 3 * i) - centre, w.dx + 3 * i);  // arms
+  V3<R> angular{};
+  R xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
+  for (int i = 0; i < t.particles; ++i) {
+    const V3<R> r = load3(w.dx + 3 * i), m = tree::momentumOf(t, i, w.dx);
+    angular = angular + cross(m, load3(w.v + 3 * i) - drift);
+    xx += m.x * r.x;
+    yy += m.y * r.y;
+    zz += m.z * r.z;
+    xy += m.x * r.y;
+    xz += m.x * r.z;
+    yz += m.y * r.z;
+  }
+  // Inertia: trace less second moments; a body on a line takes no spin about it.
+  const R small = N(1e-9) * (xx + yy + zz) + N(1e-30);
+  const R a = yy + zz + small, d = xx + zz + small, f = xx + yy + small;
+  const R A = d * f - yz * yz, B = xz * yz + xy * f, C = xy * yz + d * xz;
+  const R D = a * f - xz * xz, E = a * yz + xy * xz, F = a * d - xy * xy;
+  const R inverse = N(1) / (a * A - xy * B - xz * C);
+  const V3<R> spin = inverse * V3<R>{A * angular.x + B * angular.y + C * angular.z,
+                                     B * angular.x + D * angular.y + E * angular.z,
+                                     C * angular.x + E * angular.y + F * angular.z};
+  for (int i = 0; i < t.particles; ++i) {
+    const V3<R> rigid = drift + cross(spin, load3(w.dx + 3 * i));
+    store3(rigid + keep * (load3(w.v + 3 * i) - rigid), w.v + 3 * i);
+  }
+}
+
+/// The sum of the particles' momenta, of motions or velocities.
+template <class L>
+RAGDOLL_INLINE V3<typename L::R> wholeOf(const FastBody& b, const typename L::R* dx) {
+  V3<typename L::R> sum{};
+  for (int i = 0; i < b.tree.particles; ++i)
+    sum = sum + typename L::N(b.tree.mass[i]) * load3(dx + 3 * i);
+  return sum;
+}
+
+RAGDOLL_INLINE double massOf(const FastBody& b) {
+  double mass = 0;
+  for (int i = 0; i < b.tree.particles; ++i) mass += b.tree.mass[i];
+  return mass;
+}
+
+/// [J] of the velocities w.v, from the momentum of the free motion h v + fall (w.tree.force), whose
+/// sum is w.whole.
+template <class L>
+RAGDOLL_INLINE typename L::R energyBefore(const FastBody& b, double h,
+                                          const V3<typename L::R>& fall, const L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  R sum{};
+  for (int i = 0; i < 3 * b.tree.particles; i += 3)
+    sum += dot(load3(w.tree.force + i), load3(w.v + i));
+  // What `fall` has of that: fall . sum of m v.
+  const N rate = N(1 / h);
+  const V3<R> momentum = rate * (w.whole - N(massOf(b)) * fall);
+  return N(0.5) * rate * (sum - dot(fall, momentum));
+}
+
+/// [J] that a body may have after a share of the step: what it had, and the work of forces along
+/// w.dx; no bound where something drives it. What hangs has velocities of the middle of its steps:
+/// forces act along half of the step before, too.
+template <class L>
+typename L::R energyBound(const FastBody& b, const PackStep& step, const Lane* lanes, const L& w,
+                          double share) {
+  using R = typename L::R;
+  using N = typename L::N;
+  const bool hangs = b.tree.roots[0].pinned;
+  const N now = N(hangs ? 0.5 : share), last = N(hangs ? 0.5 * step.h : 0);
+  R bound = w.before;
+  for (int i = 0; i < b.tree.particles; ++i)
+    for (int c = 0; c < 3; ++c) {
+      const int k = 3 * i + c;
+      const R moved = now * w.dx[k] + last * w.v[k];
+      bound += N(b.tree.mass[i] * step.gravity[c]) * moved;
+      if (w.forced) bound += N(1 / (step.h * step.h)) * w.force[k] * moved;
+    }
+  for (int l = 0; l < L::W; ++l)
+    if (lanes[l].driven) setLane(bound, l, N(kNoBound));
+  return bound;
+}
+
+/// Draws back a motion that lifts a body by more than its energy: scales the coordinates.
+template <class L>
+RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* lanes, L& w,
+                                 const typename L::R& held) {
+  using R = typename L::R;
+  using N = typename L::N;
+  const R after = energyOf<L>(b, w.dx, 1 / (step.h * step.h));
+  const R bound = select(less(R{}, held), energyBound(b, step, lanes, w, 0.5),  // w.dx: its middle
+                         R{} + N(kNoBound));
+  const auto much = less(bound + N(kReportedShare) * after, after);
+  if (!any(much)) return;
+  // share^2 after = before + share work
+  const R work = bound - w.before;
+  const R root = squareRoot(atLeast(work * work + N(4) * after * w.before, N(0)));
+  const R share = (work + root) / atLeast(N(2) * after, N(1e-30));
+  const R scale = select(much, atLeast(share, N(0)), R{} + N(1));
+  for (int k = 0; k < b.tree.size; ++k) w.q[k] = scale * w.q[k];
+  setPose(b, w);
+  for (int l = 0; l < L::W; ++l) lanes[l].limited = lane(scale, l) < N(1 - kReportedShare);
+}
+
+/// The same of the velocities at the end (w.dx, times h). Where no obstacle takes momentum, motion
+/// against the rigid one with the same momenta alone, if that is enough.
+template <class L>
+RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, Lane* lanes, L& w,
+                                     const typename L::R& bound, const typename L::R& touched) {
+  using R = typename L::R;
+  using N = typename L::N;
+  const int n = 3 * b.tree.particles;
+  const N h = N(step.h), rate = N(1 / step.h);
+  const R after = energyOf<L>(b, w.dx, 1 / (step.h * step.h));
+  const auto much = less(bound + N(kReportedShare) * after, after);
+  if (!any(much)) return;
+  for (int i = 0; i < n; ++i) {
+    w.spare[i] = w.dx[i];
+    w.v[i] = rate * w.dx[i];
+  }
+  dampInside(b, N(0), w);
+  const R rigid = select(less(R{}, touched), R{}, energyOf<L>(b, w.v, 1.0));
+  const R inside =
+      select(much, atLeast(bound - rigid, N(0)) / atLeast(after - rigid, N(1e-30)), R{} + N(1));
+  const R hung = select(less(R{}, touched), R{} + N(1), R{} + N(b.tree.roots[0].pinned ? 1 : 0));
+  const R whole = select(both(much, both(less(R{}, hung), less(bound, rigid))),
+                         squareRoot(atLeast(bound, N(0)) / atLeast(rigid, N(1e-30))), R{} + N(1));
+  const R scale = squareRoot(inside);
+  for (int i = 0; i < n; ++i) {
+    const R base = select(less(R{}, touched), R{}, h * w.v[i]);
+    w.dx[i] = select(much, whole * (base + scale * (w.spare[i] - base)), w.spare[i]);
+  }
+  for (int l = 0; l < L::W; ++l)
+    lanes[l].limited = lanes[l].limited || lane(scale, l) < N(1 - kReportedShare);
+}
+
+}  // namespace ragdoll::fast
