@@ -36,6 +36,7 @@ class StepParts {
     // Whatever a part's length: it does not tell what else would follow if what counts as touching
     // were still open.
     part_.tolerances = tolerancesFor(0);
+    makeRoom(whole.model, s_.coarse);
     s_.inputs = whole.inputs;
     s_.obstacles = whole.state.obstacles;
     s_.pins.clear();
@@ -83,7 +84,7 @@ class StepParts {
   bool isSmooth(const StepReport& part, std::initializer_list<const Impulses*> ends) const;
   /// Extrapolates the halves and what came in one to fourth order, and back onto the sticks.
   void refine();
-  /// [m] of positions, and of velocities in kSwingTime.
+  /// [m] of positions.
   double distanceFromCoarse() const;
 
   const StepContext& whole_;
@@ -123,16 +124,14 @@ void StepParts::restore() {
 
 double StepParts::distanceFromCoarse() const {
   const State& state = whole_.state;
-  double x = 0, v = 0;
+  double x = 0;
   for (const int i : bodies_) {
     const SavedMotion& coarse = s_.coarse[i];
     const int first = whole_.model.ragdolls[i].first;
-    for (int k = 0; k < coarse.x.cols(); ++k) {
+    for (int k = 0; k < coarse.x.cols(); ++k)
       x = std::max(x, (state.x.col(first + k) - coarse.x.col(k)).squaredNorm());
-      v = std::max(v, (state.v.col(first + k) - coarse.v.col(k)).squaredNorm());
-    }
   }
-  const double distance = std::max(std::sqrt(x), kSwingTime * std::sqrt(v));
+  const double distance = std::sqrt(x);
   return std::isfinite(distance) ? distance : kUnknownRate;
 }
 
@@ -199,9 +198,8 @@ double StepParts::takeHalves(double from, double part, StepReport& report) {
   takeOnce(from, half, s_.before, s_.middle, report);
   takeOnce(from + half, half, s_.middle, s_.after, report);
   const double error = distanceFromCoarse() / kDoubling;
-  if (!isSmooth(report, {&s_.middle, &s_.after})) return error;
-  refine();
-  return kOfRefined * error;
+  if (isSmooth(report, {&s_.middle, &s_.after})) refine();
+  return error;
 }
 
 double StepParts::take(double from, double part, double allowed, StepReport& report) {

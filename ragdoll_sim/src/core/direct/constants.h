@@ -33,14 +33,10 @@ constexpr double kProgress = 0.9;  ///< of the last round's violation: more is n
 // --- Impacts.
 constexpr double kRestSteps = 4;  ///< what comes slower than gravity in four steps is at rest
 constexpr double kLimb = 0.6;     ///< [m] on which gravity turns a limb. 0.1: shake loses its order
-constexpr double kLeastPull = 1;  ///< [m/s^2] where gravity is less: other limbs pull, too
+/// [m/s^2] Where gravity is less other limbs pull, too; friction that pulls by less is not worth a
+/// shorter motion where its slip turns.
+constexpr double kLeastPull = 1;
 constexpr int kMaxLocated = 8;    ///< in one step; later ones press over their whole substep
-/// Tangent of the angle by which a slip turns in one motion. Half: 1 % more cost of two bodies;
-/// double: slips that all but end are up to twice as far off.
-constexpr double kTurns = 1;
-/// Of the weight: less friction is not worth a shorter motion where its slip turns. Half: 1 % more
-/// cost; double: a ball that turns back on a slope, with friction 0.2, is of first order.
-constexpr double kWorthATurn = 0.15;
 
 // --- Step guard (substep_control.h).
 /// h Omega of a substep; 2: the edge of stability. Half: x1.2 cost; double: energy rises x4, of
@@ -63,11 +59,6 @@ constexpr double kMostGiven = 0.01;
 /// Of leapfrog's defect: the error. Of 79, 79 and 70 windows of contact at 1e-2, 1e-3 and 1e-4 m/s
 /// 1, 3 and 4 are off; half: 3, 4 and 5, for a fifth less; double: 1, 2 and 3, for a third more.
 constexpr double kOfDefect = 6;
-/// Of the error of two halves: what is extrapolated from them has at most. Half and double: as many
-/// windows are off; at 1e-4 m/s a tenth less, a fourth more.
-constexpr double kOfRefined = 0.1;
-/// Of the step: where nothing is met, a part that is shorter is taken in two halves at once.
-constexpr double kLongPart = 0.1;
 /// [s] at a tolerance of 1 m/s; shorter with its square root, as of a method of second order.
 constexpr double kShortestPart = 5e-3;
 constexpr double kReserved = 0.5;       ///< of the tolerance, for the parts that follow in a step
@@ -93,6 +84,8 @@ constexpr double kJumped = 4;  ///< of the tension, Omega^2: has doubled its fre
 /// [s] sqrt(kLever / g): as long an error of velocities moves a limb before gravity turns it, so
 /// that it counts as one of positions.
 constexpr double kSwingTime = 0.1;
+/// Of the step: where nothing is met, a part that is shorter is taken in two halves at once.
+constexpr double kLongPart = 1.0 / kMaxSubsteps;
 
 // --- Not tuned: the literature's.
 /// Of the tolerance, what a part aims at, so that most stand at once [Hairer1993, II.4].

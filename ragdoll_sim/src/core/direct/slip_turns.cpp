@@ -69,10 +69,10 @@ double leastFriction(const Island& island, const Sliding& s, double h) {
     const int place = island.placeOf(ragdoll);
     if (place >= 0) mass = std::min(mass, island.bodies[place]->rows->mass.sum());
   }
-  return kWorthATurn * h * std::max(kLeastPull, island.context.model.gravity.norm()) * mass;
+  return kLeastPull * h * mass;
 }
 
-/// [s] When a slip that begins with `start` has turned by kTurns, or ended. Until then it changes
+/// [s] When a slip that begins with `start` has turned by 45 degrees, or ended. Until then it changes
 /// at an even rate, by friction against its start and by what else acts, G over h: known from what
 /// the slip came to, end - start = A (f + G) with f the friction. It goes on if G is more than
 /// friction can hold.
@@ -87,7 +87,7 @@ double timeOfTurn(const Island& island, const RowValues& p, const Sliding& s, co
   };
   const Vec2 u = along(start) / speed, end = along(s.end);
   const double ahead = end.dot(u), aside = (end - ahead * u).norm();
-  if (ahead > kStillSlides * speed && aside < kTurns * ahead) return never;
+  if (ahead > kStillSlides * speed && aside < ahead) return never;
   Eigen::Matrix2d A;
   A << joint.entry(i, i), joint.entry(i, i + 1), joint.entry(i + 1, i), joint.entry(i + 1, i + 1);
   const Vec2 change = end - speed * u, held = s.warm.tail<2>(), f = held + p.segment<2>(i);
@@ -99,7 +99,7 @@ double timeOfTurn(const Island& island, const RowValues& p, const Sliding& s, co
   const Vec2 rate = known ? Vec2(2 / h * (along(meanSlip(island, s, turn, h)) - speed * u))
                           : Vec2((change - A * (most * u + f)) / h);
   const double slows = -rate.dot(u), across = (rate + slows * u).norm();
-  const double time = speed / (slows + across / kTurns);
+  const double time = speed / (slows + across);
   return time > kSnap * h && time < (1 - kSnap) * h ? time : never;
 }
 
