@@ -10,8 +10,9 @@
 
 namespace ragdoll {
 
-/// Rows of constraints that there is room for: a human body between obstacles has up to 90.
-constexpr int kRoomForRows = 128;
+/// Rows of constraints that there is room for: a human body between obstacles has up to 90, two on
+/// each other some 140.
+constexpr int kRoomForRows = 192;
 constexpr int kRoomForBodies = 8;  ///< of an island
 
 /// A list of scratch. Room: for how many.

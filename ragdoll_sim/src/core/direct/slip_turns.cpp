@@ -69,7 +69,7 @@ double leastFriction(const Island& island, const Sliding& s, double h) {
     const int place = island.placeOf(ragdoll);
     if (place >= 0) mass = std::min(mass, island.bodies[place]->rows->mass.sum());
   }
-  return kLeastPull * h * mass;
+  return kWorthATurn * h * std::max(kLeastPull, island.context.model.gravity.norm()) * mass;
 }
 
 /// [s] When a slip that begins with `start` has turned by 45 degrees, or ended. Until then it changes
