@@ -1,6 +1,6 @@
 // A step within the scene's tolerance: parts of it, each of which is a step of its own. The error of
-// a part in which nothing touches is that of rk's embedded formula; of any other that of step
-// doubling. docs/equations.md#tolerance.
+// a part in which nothing touches is that of rk's embedded formula; of any other leapfrog's defect,
+// or the difference to its two halves. docs/equations.md#tolerance.
 #pragma once
 
 #include <vector>
