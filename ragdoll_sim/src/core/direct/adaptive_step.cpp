@@ -205,11 +205,12 @@ double StepParts::takeHalves(double from, double part, StepReport& report) {
 double StepParts::take(double from, double part, double allowed, StepReport& report) {
   StepReport once;
   const double error = kOfDefect * takeOnce(from, part, s_.before, s_.after, once);
-  const bool known = error < kUnknownRate && once.unresolved == 0;
+  const bool guarded = once.guarded > 0, known = !guarded && error < kUnknownRate;
   const bool smooth = isSmooth(once, {&s_.after});
   const bool stands = !smooth || (part > kLongPart * whole_.h && error <= allowed);
-  // rk's motions have no defect: their halves tell. What the guard takes implicitly has no error.
-  if (known ? stands : once.guarded > 0) {
+  // rk's motions have no defect: their halves tell. Where the guard acts, shorter parts are cheaper
+  // than its substeps.
+  if (known ? stands : guarded) {
     report += once;
     return known ? error : kUnknownRate;
   }

@@ -79,7 +79,8 @@ double leastFriction(const Island& island, const Sliding& s, double h) {
 double timeOfTurn(const Island& island, const RowValues& p, const Sliding& s, const Vec3& start,
                   const Vec3& turn, double h) {
   const double never = 2 * h, speed = start.norm();
-  if (!(speed > island.context.tolerances.contact / island.context.h)) return never;
+  // Slower than that it stays within what a solution of that length may leave.
+  if (!(speed > tolerancesFor(island.context.h).contact / island.context.h)) return never;
   const JointSchur& joint = island.s.joint;
   const int i = s.row + 1;
   const auto along = [&](const Vec3& v) {
