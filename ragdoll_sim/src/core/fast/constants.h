@@ -1,13 +1,11 @@
-// What the fast method is tuned by. What a change does:
-// docs/fast_tables.md#constants.
+// What the fast method is tuned by. What a change does: docs/fast_tables.md#constants.
 #pragma once
 
 namespace ragdoll::fast {
 
 constexpr int kMaxLanes = 16;  ///< bodies of a pack: floats in the widest vector
 constexpr int kNewton = 3;     ///< linearised solves a step
-/// Solves where something is left too deep; with three, three times as many
-/// steps go to shake.
+/// Solves where something is left too deep; with three, three times as many steps go to shake.
 constexpr int kMostRounds = 6;
 constexpr int kSweeps = 4;            ///< Gauss-Seidel sweeps of each
 constexpr int kRateSweeps = 2;        ///< of the velocities at the end
@@ -15,18 +13,16 @@ constexpr double kSettledRow = 2e-6;  ///< [m], [rad] sweeps that change less ar
 constexpr double kSettled = 1e-6;     ///< [rad] linearised solves that leave less, by second order
 
 constexpr double kRecovery = 0.2;  ///< of a violation, undone a step; 1 throws bodies up
-// As near boxes, spheres and capsules are looked for at most, beyond where the
-// free motion leads: what contacts and joints may turn it aside by in a step.
+// As near boxes, spheres and capsules are looked for at most, beyond where the free motion leads:
+// what contacts and joints may turn it aside by in a step.
 constexpr double kMargin = 0.05;  ///< [m] at most
 constexpr double kAside = 6;      ///< [m/s]
-// What may take part: what is nearer than this, and than what the body's
-// fastest particle covers in so many steps; an impact moves limbs that the free
-// motion leaves alone.
+// What may take part: what is nearer than this, and than what the body's fastest particle covers in
+// so many steps; an impact moves limbs that the free motion leaves alone.
 constexpr double kNear = 0.01;  ///< [m]
 constexpr double kReach = 1;    ///< steps
-// What comes as near takes part in the rounds that follow; the others only wait
-// for it: of the rows of a body on stairs, a half. Limits that wait up to 0.01
-// rad are exceeded by a degree more.
+// What comes as near takes part in the rounds that follow; the others only wait for it: of the rows
+// of a body on stairs, a half. Limits that wait up to 0.01 rad are exceeded by a degree more.
 constexpr double kWake = 0.005;      ///< [m]
 constexpr double kWakeAngle = 0.02;  ///< [rad]
 constexpr double kNearAngle = 0.05;  ///< [rad]
@@ -49,13 +45,12 @@ constexpr double kBounce = 4;  ///< [g h] slower approaches do not bounce: they 
 constexpr double kMostSine2 = 0.9;     ///< a link that turns by more in a step is not for a pack
 constexpr double kMostStretch = 1e-3;  ///< of a length at the start: the body is being joined
 
-/// Share of a pack that bodies have to fill: a pack takes some three times as
-/// long as one body, which goes alone.
+/// Share of a pack that bodies have to fill: a pack takes some three times as long as one body,
+/// which goes alone.
 constexpr double kPackFull = 0.3;
 
-/// What a pack leaves is made again in so many parts of the step before it goes
-/// to shake: some 20 us of a body alone in place of 400. Two leave penetrations
-/// a fifth larger, eight are no better.
+/// What a pack leaves is made again in so many parts of the step before it goes to shake: some 20
+/// us of a body alone in place of 400. Two leave penetrations a fifth larger, eight are no better.
 constexpr int kParts = 4;
 
 constexpr double kSelfNear = 1e-3;  ///< [m] limbs this near touch
@@ -64,25 +59,23 @@ constexpr double kSelfNear = 1e-3;  ///< [m] limbs this near touch
 struct Deepest {
   double particle, stick;  ///< [m] in an obstacle
 };
-/// What is left deeper is made again (kParts): the median of falls'
-/// penetrations is 0.6 to 0.8 mm, with 4 mm of particles 1.4 to 2.4, for a
-/// tenth of the time. Sticks at 3 mm: a fifth more of it.
+/// What is left deeper is made again (kParts): the median of falls' penetrations is 0.6 to 0.8 mm,
+/// with 4 mm of particles 1.4 to 2.4, for a tenth of the time. Sticks at 3 mm: a fifth more of it.
 constexpr Deepest kDeep = {0.0008, 0.008};
 constexpr Deepest kMostDeep = {0.004, 0.015};  ///< a part of a step that leaves more goes to shake
 constexpr double kWorse = 0.5;      ///< of a bound: than a deep particle is to be after the step
 constexpr double kDeeper = 0.25;    ///< of a bound: what is sunk may sink on
 constexpr double kMostAngle = 0.1;  ///< [rad] of a limit
 
-/// [m/s] What nothing presses may gain in a step as much energy as this speed
-/// has, 0.5 J in a human: velocities of an impact lie along tangents, those of
-/// a step that follows along chords, and limbs that turn fast seem to gain up
-/// to 1 %. Without a bound up to 15 J; a share of the kinetic energy in place
-/// of it shows in what just tumbles.
+/// [m/s] What nothing presses may gain in a step as much energy as this speed has, 0.5 J in a
+/// human: velocities of an impact lie along tangents, those of a step that follows along chords,
+/// and limbs that turn fast seem to gain up to 1 %. Without a bound up to 15 J; a share of the
+/// kinetic energy in place of it shows in what just tumbles.
 constexpr double kFreeGain = 0.12;
 constexpr double kNoBound = 1e30;  ///< [J]
 
-constexpr double kGuessSine2 =
-    0.1;  ///< of links that turn by more in a step, no guess (lane_guess.h)
+/// Of links that turn by more in a step, no guess (lane_guess.h).
+constexpr double kGuessSine2 = 0.1;
 
 constexpr double kReportedShare = 1e-6;  ///< of a motion: less that is drawn back is rounding
 

@@ -66,14 +66,22 @@ RAGDOLL_SECTION void load(const FastBody& b, const PackStep& step, const Lane* l
   }
 }
 
-/// What nothing holds has the momentum of the free motion, whatever the rounds have left: shifts
-/// w.dx as a whole.
+/// What no pin holds and no bound of energy has drawn back has the momentum of the free motion and
+/// of what presses on it, whatever the rounds have left: shifts w.dx as a whole.
 template <class L>
-RAGDOLL_SECTION void keepWhole(const FastBody& b, L& w, const typename L::R& held) {
+RAGDOLL_SECTION void keepWhole(const FastBody& b, const Lane* lanes, L& w) {
   using R = typename L::R;
   using N = typename L::N;
-  const R share = select(less(R{}, held), R{}, R{} + N(1 / massOf(b)));
-  const V3<R> shift = share * (w.whole - wholeOf<L>(b, w.dx));
+  if (b.tree.roots[0].pinned) return;
+  V3<R> whole = w.whole;
+  for (int i = 0; i < w.contact_count; ++i) {
+    const ContactRow<R>& row = w.contacts[i];
+    whole = whole + row.press * row.axes[0] + row.pull[0] * row.axes[1] + row.pull[1] * row.axes[2];
+  }
+  R share = R{} + N(1 / massOf(b));
+  for (int l = 0; l < L::W; ++l)
+    if (lanes[l].limited) setLane(share, l, N(0));
+  const V3<R> shift = share * (whole - wholeOf<L>(b, w.dx));
   for (int i = 0; i < 3 * b.tree.particles; i += 3) store3(load3(w.dx + i) + shift, w.dx + i);
 }
 
@@ -450,7 +458,7 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
     if (w.limits[i].limit->compliance == 0)
       pressed = larger(pressed, select(less(R{}, w.limits[i].press), R{} + N(1), R{}));
   if (any(less(R{}, held))) limitMotion(b, step, lanes, w, held);
-  keepWhole(b, w, held);
+  keepWhole(b, lanes, w);
   tree::place(b.tree, w.tree, w.x, w.dx, w.x);  // the new positions
   const N gain = N(0.5 * kFreeGain * kFreeGain * massOf(b));
   const R slack = select(less(R{}, pressed), R{}, R{} + gain);
