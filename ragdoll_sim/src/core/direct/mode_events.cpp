@@ -11,6 +11,7 @@
 #include "core/direct/driving.h"
 #include "core/direct/mode_constants.h"
 #include "core/direct/mode_event_search.h"
+#include "core/direct/mode_list.h"
 #include "core/direct/mode_motion.h"
 #include "core/direct/mode_piece.h"
 #include "core/direct/mode_rows.h"

@@ -96,14 +96,6 @@ void visitBorders(const Axis& axis, const Visit& visit) {
     }
 }
 
-/// Whether it touches a box at two opposite edges at once: one row is not enough.
-bool liesAcross(const Body& body, const ModeRow& row) {
-  std::array<int, 3> edges{};
-  const Axis axis = axisOf(obstacleOf(body, row), row, body.xData());
-  visitBorders(axis, [&](int k, int, double t) { edges[k] += std::abs(axis.gap(t)) < kTouching; });
-  return *std::max_element(edges.begin(), edges.end()) > 1;
-}
-
 /// A stick that lies flat on a box's face, beyond an edge of it, is as near all over the face. It
 /// touches at that edge, on which it would tip; its particles are rows of their own. place: over
 /// the face.
@@ -131,12 +123,6 @@ Nearest nearestOf(const Body& body, const ModeRow& row, const double* x) {
   place.near = nearOf(*m.obstacle, m.toStart(pointOf(row, x, place.t)));
   if (row.kind == ModeKind::kStick && !on_ends) takeEdgeOfFace(axisOf(m, row, x), place);
   return place;
-}
-
-double gapOfOwn(const Body& body, const ModeRow& row, const double* x) {
-  if (row.kind == ModeKind::kLimit) return limitValue(body.skeleton->limits[row.limit], x);
-  const auto [t, near] = nearestOf(body, row, x);
-  return near.distance - obstacleOf(body, row).obstacle->radius - ((1 - t) * row.ra + t * row.rb);
 }
 
 /// From the stick's ends, where the particles press.
@@ -400,6 +386,12 @@ RowPlace placeOf(Island& island, const ModeRow& row, const double* x, const doub
   return place;
 }
 
+double gapOfOwn(const Body& body, const ModeRow& row, const double* x) {
+  if (row.kind == ModeKind::kLimit) return limitValue(body.skeleton->limits[row.limit], x);
+  const auto [t, near] = nearestOf(body, row, x);
+  return near.distance - obstacleOf(body, row).obstacle->radius - ((1 - t) * row.ra + t * row.rb);
+}
+
 double gapOf(Island& island, const ModeRow& row, const double* x) {
   if (row.kind == ModeKind::kPair) return gapOfPair(island, row, x);
   return gapOfOwn(*island.bodies[row.body], row, x + island.s.mode.offset[row.body]);
@@ -456,110 +448,17 @@ double roomOf(Island& island, const ModeRow& row, const double* x,
   return roomOfOwn(*island.bodies[row.body], row, x + island.s.mode.offset[row.body], feature);
 }
 
+bool liesAcross(const Body& body, const ModeRow& row) {
+  std::array<int, 3> edges{};
+  const Axis axis = axisOf(obstacleOf(body, row), row, body.xData());
+  visitBorders(axis, [&](int k, int, double t) { edges[k] += std::abs(axis.gap(t)) < kTouching; });
+  return *std::max_element(edges.begin(), edges.end()) > 1;
+}
+
 bool hasPressed(Island& island, const ModeRow& row, const RowPlace& place) {
   if (row.kind == ModeKind::kPair) return pairHasPressed(island, row);
   const ImpulseCache& cache = island.bodies[row.body]->cache;
   return (row.isContact() ? cache.find(place.contact) : cache.find(place.limit)) != nullptr;
-}
-
-namespace {
-
-/// A point in touch with an edge has none.
-bool hasNormal(const Obstacle& o, const ModeRow& row) {
-  return o.type == ObstacleSpec::Type::kPlane || o.radius + std::min(row.ra, row.rb) > kMinLength;
-}
-
-/// Adds the row if a motion may reach it. False: it is deep in, or has no normal.
-bool consider(Body& body, ModeRow& row, double reach, Mode& mode) {
-  const double gap = gapOfOwn(body, row, body.xData());
-  if (gap > reach) return true;
-  if (row.isContact() && !hasNormal(*obstacleOf(body, row).obstacle, row)) return false;
-  row.gap_start = gap;
-  mode.rows.push_back(row);
-  return row.isSoft() || gap >= -kTouching * (row.kind == ModeKind::kLimit ? 1 / kLever : 1);
-}
-
-bool listObstacle(Body& body, int place, int index, double reach, Mode& mode) {
-  const StepContext& step = *body.context;
-  const SweptObstacle& m = step.ws.obstacles[index];
-  ModeRow row;
-  row.body = place;
-  row.obstacle = index;
-  row.friction = m.obstacle->friction;
-  row.restitution = m.obstacle->restitution;
-  bool sound = true;
-  for (int i = 0; i < body.skeleton->named && sound; ++i) {
-    if (body.system->W(i, i) == 0) continue;  // nothing pushes what a pin holds
-    row.a = row.b = i;
-    row.ra = row.rb = step.model.radius[body.first + i];
-    row.give = giveOf(step.model, *m.obstacle, *body.ragdoll, body.skeleton->particle_contact, i);
-    sound = consider(body, row, reach, mode);
-  }
-  if (m.obstacle->type == ObstacleSpec::Type::kPlane) return sound;
-  row.kind = ModeKind::kStick;
-  for (std::size_t i = 0; i < body.skeleton->sticks.size(); ++i) {
-    const Stick& k = body.skeleton->sticks[i];
-    if (k.a >= body.skeleton->named || k.b >= body.skeleton->named || !sound) continue;
-    row.a = k.a;
-    row.b = k.b;
-    row.ra = step.model.radius[body.first + k.a];
-    row.rb = step.model.radius[body.first + k.b];
-    row.give = giveOf(step.model, *m.obstacle, *body.ragdoll, body.skeleton->stick_contact, i);
-    sound = consider(body, row, reach, mode) && (row.isSoft() || !liesAcross(body, row));
-  }
-  return sound;
-}
-
-bool listOwn(Body& body, int place, double reach, Mode& mode) {
-  const StepContext& step = *body.context;
-  for (std::size_t k = 0; k < step.ws.obstacles.size(); ++k)
-    if (!listObstacle(body, place, static_cast<int>(k), reach, mode)) return false;
-  const std::vector<Limit>& limits = body.skeleton->limits;
-  ModeRow row;
-  row.kind = ModeKind::kLimit;
-  row.body = place;
-  for (std::size_t k = 0; k < limits.size(); ++k) {
-    row.limit = static_cast<int>(k);
-    row.give = {limits[k].compliance, limits[k].damping};
-    if (!consider(body, row, reach / kLever, mode)) return false;
-  }
-  return true;
-}
-
-void layOut(Island& island) {
-  Mode& mode = island.s.mode;
-  mode.offset.clear();
-  mode.size = 0;
-  for (const Body* body : island.bodies) {
-    mode.offset.push_back(mode.size);
-    mode.size += paddedWidth(3 * body->n);
-  }
-}
-
-}  // namespace
-
-double reachOf(const Island& island, double h) {
-  double reach = 0;
-  for (const Body* body : island.bodies) {
-    const double speed = std::sqrt(body->v().colwise().squaredNorm().maxCoeff());
-    const double pull = body->acceleration.colwise().norm().maxCoeff();
-    reach = std::max(reach, kReach * h * (speed + h * pull));
-  }
-  return reach + kClose;
-}
-
-bool listModeRows(Island& island, double reach) {
-  Mode& mode = island.s.mode;
-  layOut(island);
-  mode.rows.clear();
-  const int count = static_cast<int>(island.bodies.size());
-  for (int k = 0; k < count; ++k)
-    if (!listOwn(*island.bodies[k], k, reach, mode) || !listPairs(island, k, k, 2 * reach))
-      return false;
-  for (int k = 0; k < count; ++k)  // what they share comes last (buildRows)
-    for (int l = k + 1; l < count; ++l)
-      if (!listPairs(island, k, l, 2 * reach)) return false;
-  return true;
 }
 
 }  // namespace ragdoll

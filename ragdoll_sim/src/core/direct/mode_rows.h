@@ -9,21 +9,14 @@
 
 namespace ragdoll {
 
-/// [m] How far kReach motions of the fastest body over h go: in an impact its speed is another's.
-double reachOf(const Island& island, double h);
-
-/// Lists in the island's mode all that a motion may meet in which nothing goes farther than `reach`
-/// [m], and what it cannot be: false where something is deep in what is rigid, or moves. Lays out
-/// the bodies' coordinates.
-bool listModeRows(Island& island, double reach);
-
 /// Where the row stands at x, v (the island's coordinates, Mode::offset). What is not asked for is
 /// left out: curvature of limits is dear.
 RowPlace placeOf(Island& island, const ModeRow& row, const double* x, const double* v,
                  bool curvature);
 
-/// [m], [rad] its gap alone.
+/// [m], [rad] its gap alone; of a body's own row, at the body's x.
 double gapOf(Island& island, const ModeRow& row, const double* x);
+double gapOfOwn(const Body& body, const ModeRow& row, const double* x);
 
 /// [m/s], [rad/s] of the gap.
 double rateOf(const Island& island, const ModeRow& row, const RowPlace& place, const double* v);
@@ -44,6 +37,9 @@ double openingOf(Island& island, const ModeRow& row, const double* x, const doub
 /// (face, edge, corner) of the obstacle, the length of the sticks. feature: as RowPlace::feature.
 double roomOf(Island& island, const ModeRow& row, const double* x,
               const std::array<int, 3>& feature);
+
+/// Whether a stick touches a box at two opposite edges at once: one row is not enough.
+bool liesAcross(const Body& body, const ModeRow& stick);
 
 /// Whether it pressed in the last motion.
 bool hasPressed(Island& island, const ModeRow& row, const RowPlace& place);

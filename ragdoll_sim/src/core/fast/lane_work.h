@@ -6,7 +6,8 @@
 
 #include "core/fast/border.h"
 #include "core/fast/pack.h"
-#include "core/linear/tree_kernels.h"
+#include "core/linear/tree_matrix.h"
+#include "core/linear/tree_motion.h"
 
 /// A part of a step: a call of its own, which costs nothing beside it and shows in profiles.
 #define RAGDOLL_SECTION __attribute__((noinline))

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "core/linear/tree.h"
-#include "core/linear/tree_kernels.h"
+#include "core/linear/tree_matrix.h"
+#include "core/linear/tree_motion.h"
 
 namespace ragdoll {
 

@@ -3,12 +3,15 @@
 #pragma once
 
 #include "core/direct/mode_constants.h"
+#include "core/direct/mode_list.h"
 #include "core/direct/mode_motion.h"
 #include "core/direct/mode_rows.h"
 #include "support/direct_island.h"
 #include "support/gravity.h"
 
 namespace ragdoll::test {
+
+constexpr double kModeRadius = 0.1;  ///< [m]
 
 inline Scene modeScene(SkeletonSpec skeleton, const Vec3& position, const ObstacleSpec& obstacle) {
   Scene scene = sceneOf(std::move(skeleton), position);

@@ -14,8 +14,6 @@ namespace {
 using namespace test;
 using Features = std::array<int, 3>;
 
-constexpr double kModeRadius = 0.1;
-
 ObstacleSpec cube() {
   ObstacleSpec o;
   o.type = ObstacleSpec::Type::kBox;
@@ -129,18 +127,6 @@ TEST(ModeRows, OfAStickThatLiesFlatBeyondAnEdgeAreThere) {
   }
 }
 
-/// A rod across a plate presses at two edges, for which there is one row.
-TEST(ModeRows, AreNoneOfAStickThatLiesAcrossABox) {
-  ObstacleSpec plate = cube();
-  plate.size.x() = 0.5;
-  for (const double half : {0.5, 0.2}) {
-    SkeletonSpec rod = oneStick();
-    for (ParticleSpec& p : rod.particles) p.radius = kModeRadius, p.position *= 2 * half;
-    ModeBody one(modeScene(rod, Vec3(-half, 0, 1 + kModeRadius), plate));
-    EXPECT_EQ(listModeRows(one.island, reachOf(one.island, one.h)), half < 0.25) << half;
-  }
-}
-
 /// A head that leaves its place straight ahead, in polar coordinates about the neck's axis: with r'
 /// away from the neck and w around it the angle to the axis has the second derivative -2 r' w / r.
 TEST(ModeRows, OfALimitCurveAsPolarCoordinatesDo) {
@@ -177,32 +163,6 @@ TEST(ModeRows, HaveRoomUntilTheirPlaceEnds) {
   EXPECT_NEAR(roomOf(rod.island, rod.rod, x.data(), {1, 0, 1}), 0.05, 1e-6);
   x << 0.1, 0, 2.0, 1.07, 0, 1.03;  // that is 2 cm of 97 from the rod's end
   EXPECT_NEAR(roomOf(rod.island, rod.rod, x.data(), {1, 0, 1}), 0.02 / 0.97, 1e-6);
-}
-
-/// [1 ms] at 10 m/s: three times that way, and a millimetre.
-TEST(ModeRows, AreOfWhatThreeSuchMotionsReach) {
-  Scene scene = modeScene(oneParticle(1, kModeRadius), Vec3::Zero(), floorPlane());
-  scene.gravity.setZero();
-  scene.ragdolls[0].velocity = Vec3(10, 0, 0);
-  for (const double gap : {0.0309, 0.0311}) {
-    scene.ragdolls[0].pose.position.z() = kModeRadius + gap;
-    ModeBody one(scene);
-    EXPECT_TRUE(listModeRows(one.island, reachOf(one.island, 1e-3)));
-    EXPECT_EQ(one.mode().rows.size(), gap < 0.031 ? 1u : 0u);
-  }
-}
-
-TEST(ModeRows, AreNotForWhatIsDeepInWhatIsRigid) {
-  const auto listed = [](double gap, double stiffness) {
-    ObstacleSpec floor = floorPlane();
-    floor.contact.stiffness = stiffness;
-    return ModeBody(modeScene(oneParticle(1, kModeRadius), Vec3(0, 0, kModeRadius + gap), floor))
-        .listed;
-  };
-  const double rigid = std::numeric_limits<double>::infinity();
-  EXPECT_TRUE(listed(-1e-12, rigid));
-  EXPECT_FALSE(listed(-1e-3, rigid));
-  EXPECT_TRUE(listed(-1e-3, 1e5));
 }
 
 /// A spring lets go where its damper holds it back as much as it pushes.
