@@ -2,8 +2,8 @@
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build="$root/build"
-# Most sources are compiled eight at a time: what they instantiate of Eigen and ROS once.
-build_options=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=8)
+# Most sources are compiled sixteen at a time: what they instantiate of Eigen and ROS once.
+build_options=(-DCMAKE_BUILD_TYPE=Release -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16)
 export PATH="/usr/bin:$PATH"  # another python3 in front of the system's breaks catkin
 
 say() { echo "$(basename "$0"): $*" >&2; }

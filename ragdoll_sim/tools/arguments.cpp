@@ -89,9 +89,9 @@ po::typed_value<double>* positive(const std::string& option, double& value) {
 }
 
 int stepsOf(const std::string& option, double seconds, double step) {
-  constexpr double kMostSteps = 1e9;
+  constexpr double kMost = 1e9;
   const double steps = std::max(1.0, std::round(seconds / step));
-  if (!(steps <= kMostSteps))
+  if (!(steps <= kMost))
     throw Error(option, "is " + numberText(seconds) + " s, more than 1e9 steps of " +
                             numberText(step) + " s");
   return static_cast<int>(steps);

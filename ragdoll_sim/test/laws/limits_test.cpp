@@ -25,12 +25,6 @@ Scene humanScene(const std::string& model, const std::string& more = "") {
   return parseScene("ragdolls: [{model: " + model + "}]\nsolver: {preset: thesis}\n" + more);
 }
 
-Scene weightless(const SkeletonSpec& skeleton) {
-  Scene scene = sceneOf(skeleton);
-  scene.gravity.setZero();
-  return scene;
-}
-
 class HumanModel : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Models, HumanModel,
                          testing::Values("human", "human_lumped", "human_thesis"));

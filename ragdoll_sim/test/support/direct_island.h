@@ -40,14 +40,6 @@ struct DirectIsland {
   Body& body() { return *island.bodies[0]; }
 };
 
-/// Without gravity.
-inline Scene weightless(SkeletonSpec skeleton, const Vec3& velocity = Vec3::Zero()) {
-  Scene scene = sceneOf(std::move(skeleton));
-  scene.gravity.setZero();
-  scene.ragdolls[0].velocity = velocity;
-  return scene;
-}
-
 /// Three particles of 1 kg along x, 1 m apart, that two sticks join.
 inline SkeletonSpec chainOfThree() {
   SkeletonSpec s = oneStick();

@@ -65,6 +65,14 @@ inline Scene sceneOf(SkeletonSpec skeleton, const Vec3& position = Vec3::Zero())
   return scene;
 }
 
+/// Without gravity.
+inline Scene weightless(SkeletonSpec skeleton, const Vec3& velocity = Vec3::Zero()) {
+  Scene scene = sceneOf(std::move(skeleton));
+  scene.gravity.setZero();
+  scene.ragdolls[0].velocity = velocity;
+  return scene;
+}
+
 inline SkeletonSpec oneParticle(double mass = 1, double radius = 0) {
   SkeletonSpec s;
   s.name = "particle";

@@ -19,13 +19,12 @@ namespace ragdoll {
 template <class Rows>
 void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
   constexpr double kLocked = 1e-9;  // below this share of its free value a row cannot move
-  using Kind = Schur::Row::Kind;
   blocks.clear();
   const int m = rows.size();
   const auto moves = [&](int i) { return rows.matrix(i, i) > kLocked * rows.free(i); };
   for (int i = 0; i < m; ++i) {
     const Schur::Row& row = rows.row(i);
-    if (row.kind == Kind::kTangent || row.locked) continue;
+    if (row.kind == Schur::Row::Kind::kTangent || row.locked) continue;
     SchurBlock b;
     b.row = i;
     b.least = row.least;

@@ -24,15 +24,14 @@ void pulledStep(World& world, int particle, const Vec3& target) {
   world.steps(1);
 }
 
-Scene weightless(SkeletonSpec skeleton, double step = 1.0 / 240) {
-  Scene scene = sceneOf(std::move(skeleton));
-  scene.gravity.setZero();
+Scene inSteps(SkeletonSpec skeleton, double step = 1.0 / 240) {
+  Scene scene = weightless(std::move(skeleton));
   scene.solver.step = step;
   return scene;
 }
 
 TEST(Pull, AStickIsAsHeavyAsBothEndsAlongItAndAsOneAcross) {
-  World world(weightless(oneStick(2, 3)));
+  World world(inSteps(oneStick(2, 3)));
   Eigen::Matrix3d expected = Eigen::Matrix3d::Identity() / 2;
   expected(0, 0) = 1.0 / 5;
   EXPECT_LT((mobility(world.model, world.state, 0) - expected).norm(), 1e-12);
@@ -45,7 +44,7 @@ TEST(Pull, MobilityIsWhatAStepDoes) {
   chain.sticks = {stick("a", "b"), stick("b", "c")};
   const double h = 1e-4;
   for (int p = 0; p < 3; ++p) {
-    World world(weightless(chain, h));
+    World world(inSteps(chain, h));
     const Vec3 force(3, -2, 1);
     const Vec3 expected = h * mobility(world.model, world.state, p) * force;
     Poke poke;
@@ -59,7 +58,7 @@ TEST(Pull, MobilityIsWhatAStepDoes) {
 
 TEST(Pull, FollowsTheCriticallyDampedLawWhateverHangsOnIt) {
   for (const double mass : {0.01, 1.0, 100.0}) {
-    World world(weightless(oneStick(1, mass), 1e-4));
+    World world(inSteps(oneStick(1, mass), 1e-4));
     const Vec3 start = world.x(0), way(0.2, 0.1, -0.3), target = start + way;
     while (world.state.time < 1) {
       pulledStep(world, 0, target);
@@ -71,7 +70,7 @@ TEST(Pull, FollowsTheCriticallyDampedLawWhateverHangsOnIt) {
 
 TEST(Pull, NeverOvershootsAtAnyStep) {
   for (const double step : {1.0 / 1000, 1.0 / 60, 0.1, 0.5}) {
-    World world(weightless(oneParticle(3), step));
+    World world(inSteps(oneParticle(3), step));
     double farthest = 0;
     while (world.state.time < std::max(3.0, 100 * step)) {
       pulledStep(world, 0, Vec3(0.4, 0, 0));
@@ -83,7 +82,7 @@ TEST(Pull, NeverOvershootsAtAnyStep) {
 }
 
 TEST(Pull, GravityDrawsItOffByWhatTheSpringTakesToCarryTheBody) {
-  Scene scene = weightless(oneStick(1, 4));
+  Scene scene = inSteps(oneStick(1, 4));
   scene.gravity = Vec3(0, 0, -9.81);
   World world(scene);
   const Vec3 target(0, 0, 0.2);
@@ -92,7 +91,7 @@ TEST(Pull, GravityDrawsItOffByWhatTheSpringTakesToCarryTheBody) {
 }
 
 TEST(Pull, FarTargetsPullNoHarderThanTheReach) {
-  World world(weightless(oneParticle(2)));
+  World world(inSteps(oneParticle(2)));
   const Vec3 far = pullForce(world.model, world.state, 0, Vec3(1e6, 0, 0));
   const Vec3 near = pullForce(world.model, world.state, 0, Vec3(kPullReach, 0, 0));
   EXPECT_NEAR(far.x(), near.x(), 1e-9);
@@ -100,7 +99,7 @@ TEST(Pull, FarTargetsPullNoHarderThanTheReach) {
 }
 
 TEST(Pull, APinnedParticleIsNotPulledAndPinsAroundItAreFelt) {
-  Scene scene = weightless(oneStick(1, 1));
+  Scene scene = inSteps(oneStick(1, 1));
   scene.pins = {{"ragdoll/a", "", ""}};
   World world(scene);
   EXPECT_EQ(pullForce(world.model, world.state, 0, Vec3(0, 0, 1)), Vec3::Zero().eval());
