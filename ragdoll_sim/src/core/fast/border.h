@@ -43,7 +43,6 @@ struct Lane {
   double* tried_v = nullptr;
   double* predicted = nullptr;      ///< [m] 3 n, out: where the free motion leads; may be null
   const double* force = nullptr;    ///< [N] 3 n of pokes; null: none
-  double pull = 1;                  ///< of h^2 a: 1/2; 1 where v is the last step's mean
   double pin[3] = {0, 0, 0};        ///< [m] motion of the pin
   bool driven = false;              ///< pins or obstacles move: they may give it energy
   LaneContact* contacts = nullptr;  ///< with solids; out of `predict`, in of `finish`
@@ -92,7 +91,7 @@ struct PackStep {
   int plane_count = 0;
   const Solid* solids = nullptr;
   int solid_count = 0;
-  Deepest deepest = kMostDeep;  ///< what ends deeper in an obstacle is not for a pack
+  StepBounds bounds = kOfPart;  ///< what leaves more is not for a pack
   bool whole = true;  ///< `predicted` of all lanes is wanted; else of those with what is left over
 };
 

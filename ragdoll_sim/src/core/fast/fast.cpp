@@ -144,11 +144,11 @@ void sortBodies(const Model& model, const State& state, FastScratch& s, std::vec
 /// What packs have left, of all of them: in batches that are stepped in parts, or for the direct
 /// method.
 void sortLeft(const StepContext& context, FastScratch& s, std::vector<int>& left) {
+  const bool parts = stepsInParts(context, s);
   s.again.clear();
   s.again_count = 0;
   for (std::size_t i = 0; i < s.batches.size();) {
     const int system = s.batches[i].system, begin = static_cast<int>(s.again.size());
-    const bool parts = stepsInParts(context, s, system);
     for (; i < s.batches.size() && s.batches[i].system == system; ++i)
       append(s.batches[i].left, parts ? s.again : left);
     addBatches(context.model, s.most_lanes, system, begin, static_cast<int>(s.again.size()),

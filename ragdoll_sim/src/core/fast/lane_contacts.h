@@ -134,7 +134,7 @@ RAGDOLL_INLINE void warmPlanes(const PackStep& step, const Lane* lanes, L& w) {
   for (int l = 0; l < L::W; ++l)
     for (int k = 0; k < lanes[l].impulse_count; ++k) {
       const LaneImpulse& press = lanes[l].impulses[k];
-      const double share = lanes[l].pull * step.h * step.h;
+      const double share = 0.5 * step.h * step.h;
       for (int p = 0; p < step.plane_count; ++p) {
         const int at = w.row_of[press.feature * w.slots + p];
         if (step.planes[p].obstacle != press.obstacle || at < 0) continue;
@@ -189,7 +189,7 @@ RAGDOLL_SECTION void setContacts(const FastBody& b, const PackStep& step, const 
     for (int k = 0; k < lanes[l].contact_count; ++k) {
       const LaneContact& c = lanes[l].contacts[k];
       const int at = w.row_of[c.feature * w.slots + c.slot];
-      setLaneContact<L>(c, l, w.contacts[at], lanes[l].pull * step.h * step.h);
+      setLaneContact<L>(c, l, w.contacts[at], 0.5 * step.h * step.h);
       w.obstacle_of[at * L::W + l] = c.obstacle;
     }
   warmPlanes(step, lanes, w);

@@ -106,20 +106,17 @@ RAGDOLL_INLINE typename L::R energyBefore(const FastBody& b, double h,
 }
 
 /// [J] that a body may have after a share of the step: what it had, and the work of forces along
-/// w.dx; no bound where something drives it. What hangs has velocities of the middle of its steps:
-/// forces act along half of the step before, too.
+/// w.dx; no bound where something drives it.
 template <class L>
 typename L::R energyBound(const FastBody& b, const PackStep& step, const Lane* lanes, const L& w,
                           double share) {
   using R = typename L::R;
   using N = typename L::N;
-  const bool hangs = b.tree.roots[0].pinned;
-  const N now = N(hangs ? 0.5 : share), last = N(hangs ? 0.5 * step.h : 0);
   R bound = w.before;
   for (int i = 0; i < b.tree.particles; ++i)
     for (int c = 0; c < 3; ++c) {
       const int k = 3 * i + c;
-      const R moved = now * w.dx[k] + last * w.v[k];
+      const R moved = N(share) * w.dx[k];
       bound += N(b.tree.mass[i] * step.gravity[c]) * moved;
       if (w.forced) bound += N(1 / (step.h * step.h)) * w.force[k] * moved;
     }
@@ -149,16 +146,32 @@ RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* 
   for (int l = 0; l < L::W; ++l) lanes[l].limited = lane(scale, l) < N(1 - kReportedShare);
 }
 
-/// The same of the velocities at the end (w.dx, times h). Where no obstacle takes momentum, motion
-/// against the rigid one with the same momenta alone, if that is enough.
+/// What touches no obstacle has its energy, but for what limits take in an impact: what it misses
+/// tells how far the step has gone astray.
+template <class L>
+RAGDOLL_INLINE void checkEnergy(const FastBody& b, const PackStep& step, const typename L::R& kept,
+                                const typename L::R& after, const typename L::R& touched, L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  const N most = N(0.5 * step.bounds.missed * step.bounds.missed * massOf(b));
+  const R missed = signOf(after - kept) * (after - kept);
+  const auto known = both(less(touched, R{} + N(0.5)), less(kept, R{} + N(0.5 * kNoBound)));
+  w.off = select(both(known, less(R{} + most, missed)), R{} + N(1), w.off);
+}
+
+/// The same of the velocities at the end (w.dx, times h), against kept + slack. Where no obstacle
+/// takes momentum, motion against the rigid one with the same momenta alone, if that is enough.
 template <class L>
 RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, Lane* lanes, L& w,
-                                     const typename L::R& bound, const typename L::R& touched) {
+                                     const typename L::R& kept, const typename L::R& slack,
+                                     const typename L::R& touched) {
   using R = typename L::R;
   using N = typename L::N;
   const int n = 3 * b.tree.particles;
   const N h = N(step.h), rate = N(1 / step.h);
   const R after = energyOf<L>(b, w.dx, 1 / (step.h * step.h));
+  if (std::isfinite(step.bounds.missed)) checkEnergy(b, step, kept, after, touched, w);
+  const R bound = kept + slack;
   const auto much = less(bound + N(kReportedShare) * after, after);
   if (!any(much)) return;
   for (int i = 0; i < n; ++i) {

@@ -57,7 +57,7 @@ RAGDOLL_SECTION void setLimits(const FastBody& b, const PackStep& step, L& w) {
     row.allowed = N(1 - kRecovery) * violated;
     if (limit.compliance > 0) {  // docs/equations.md#soft
       const double spring = 1 / limit.compliance, damper = limit.damping / step.h;
-      row.compliance = N(1 / (step.h * step.h * (spring + damper))) / w.pull;
+      row.compliance = R{} + N(2 / (step.h * step.h * (spring + damper)));
       row.allowed = N(damper / (spring + damper)) * violated;
     }
     row.answer = row.inverse = R{};

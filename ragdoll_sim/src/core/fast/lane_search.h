@@ -173,7 +173,7 @@ RAGDOLL_INLINE auto deepParticles(const FastBody& b, const PackStep& step, const
                                   const L& w, const PairBatch<L>& batch) {
   using N = typename L::N;
   const auto path = particlePath(b, w, batch);
-  return less(wayTo(path.to, o).distance, path.radius + N(o.radius - step.deepest.particle));
+  return less(wayTo(path.to, o).distance, path.radius + N(o.radius - step.bounds.particle));
 }
 template <class L>
 RAGDOLL_INLINE auto deepSticks(const FastBody& b, const PackStep& step, const Solid& o, const L& w,
@@ -181,7 +181,7 @@ RAGDOLL_INLINE auto deepSticks(const FastBody& b, const PackStep& step, const So
   using N = typename L::N;
   const auto axis = stickPath(b, w, batch).axis(typename L::R{} + N(1));
   const auto n = nearestPlace(axis, o);
-  return less(n.distance, (axis.radius + N(o.radius - step.deepest.stick)) + axis.taper * n.at);
+  return less(n.distance, (axis.radius + N(o.radius - step.bounds.stick)) + axis.taper * n.at);
 }
 
 /// Lanes in which, at w.x, something is deep in a solid.
@@ -193,12 +193,12 @@ RAGDOLL_SECTION void findDeep(const FastBody& b, const PackStep& step, Lane* lan
   V3<R> centre, half;
   if (step.solid_count == 0) return;
   setBounds<L>(
-      b, [&](int i) { return w.x + 3 * i; }, R{} - N(step.deepest.particle), centre, half);
+      b, [&](int i) { return w.x + 3 * i; }, R{} - N(step.bounds.particle), centre, half);
   for (int j = 0; j < step.solid_count; ++j) {
     const Solid& o = step.solids[j];
     SolidPlace<R> s;
     if (!isNear(o, w, centre, half, s)) continue;
-    const R reach = R{} + N(o.radius - step.deepest.particle);
+    const R reach = R{} + N(o.radius - step.bounds.particle);
     s.bound = {reach + N(o.half[0]), reach + N(o.half[1]), reach + N(o.half[2])};
     for (int i = 0; i < b.particles; ++i) {
       const V3<R> there = intoFrame(o.axes1, load3(w.x + 3 * i) - s.at1);

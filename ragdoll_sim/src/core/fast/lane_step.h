@@ -41,13 +41,12 @@ RAGDOLL_SECTION void load(const FastBody& b, const PackStep& step, const Lane* l
   for (int l = 0; l < L::W; ++l) {
     const Lane& lane = lanes[l];
     for (int c = 0; c < L::W + 3; ++c) w.origin[l][c] = lane.x[root + c % 3];
-    const double share = lane.pull * step.h * step.h;
+    const double share = 0.5 * step.h * step.h;
     for (int i = 0; i < (lane.limits_pressed ? limits : 0); ++i)
       setLane(w.last_press[i], l, N(share * lane.limit_impulse[i]));
     for (int p = 0; p < step.plane_count; ++p)
       setLane(w.offset[p], l,
               N(offsetFrom(w.origin[l], step.planes[p].normal, step.planes[p].offset)));
-    setLane(w.pull, l, N(lane.pull));
     setLane(w.shift.x, l, N(lane.pin[0]));
     setLane(w.shift.y, l, N(lane.pin[1]));
     setLane(w.shift.z, l, N(lane.pin[2]));
@@ -156,10 +155,10 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
   for (int i = 0; i < n; i += 3) fastest = larger(fastest, dot(load3(w.v + i), load3(w.v + i)));
   w.travel = N(step.h) * squareRoot(fastest);
   w.margin = N(kNear) + N(kReach) * w.travel;
-  const V3<R> fall = w.pull * spread3<L>(step.gravity);
-  const N h = N(step.h), h2 = N(step.h * step.h);
-  for (int i = 0; i < n; i += 3) store3(h * load3(w.v + i) + h2 * fall, w.spare + i);
-  setGoal(b, step.h, h2 * fall, w);
+  const V3<R> fall = N(0.5 * step.h * step.h) * spread3<L>(step.gravity);
+  const N h = N(step.h);
+  for (int i = 0; i < n; i += 3) store3(h * load3(w.v + i) + fall, w.spare + i);
+  setGoal(b, step.h, fall, w);
   for (int k = 0; k < t.size; ++k) w.q[k] = R{};
   if (t.roots[0].pinned) {
     setPose(b, w);
@@ -202,7 +201,7 @@ RAGDOLL_SECTION void sweepRates(L& w) {
 
 /// Where the velocity stage starts: half of what pressed in the step, against half of gravity.
 template <class L>
-RAGDOLL_SECTION void startRates(const FastBody& b, const PackStep& step, bool free,
+RAGDOLL_SECTION void startRates(const FastBody& b, const PackStep& step,
                                 const V3<typename L::R>& kick, L& w) {
   using R = typename L::R;
   using N = typename L::N;
@@ -223,7 +222,7 @@ RAGDOLL_SECTION void startRates(const FastBody& b, const PackStep& step, bool fr
     row.gap = dot(row.axes[0], rate) - select(impact, back, R{});
     // What pressed as hard before goes on; the rest was an impact.
     const R lasting = select(less(row.last, row.press), row.last, row.press);
-    const R share = N(free ? 1 : 0) * lasting / atLeast(row.press, N(1e-30));
+    const R share = lasting / atLeast(row.press, N(1e-30));
     row.rate_press = share * row.press;
     for (int c = 0; c < 2; ++c) {
       row.slip[c] = dot(row.axes[c + 1], rate);
@@ -243,7 +242,6 @@ RAGDOLL_SECTION void startRates(const FastBody& b, const PackStep& step, bool fr
       row.inverse = R{};
       row.allowed = row.press;
     }
-    row.allowed = N(free ? 1 : 0) * row.allowed;
     row.inverse = select(less(R{}, row.press), row.inverse, R{});
     row.value = R{};
     for (int k = 0; k < row.limit->row.size(); ++k)
@@ -253,17 +251,30 @@ RAGDOLL_SECTION void startRates(const FastBody& b, const PackStep& step, bool fr
   w.pressing_limits = static_cast<int>(list - w.pressing) - w.pressing_contacts;
 }
 
+/// w.dx <- what a pin leaves of it at the new pose [Andersen1983].
+template <class L>
+RAGDOLL_SECTION void holdVelocities(const FastBody& b, L& w) {
+  const int n = 3 * b.tree.particles;
+  for (int i = 0; i < n; i += 3) store3(load3(w.dx + i) - w.shift, w.dx + i);
+  setTree(b, w);
+  tree::momentum(b.tree, w.dx, w.tree);
+  tree::gather(b.tree, w.tree, w.y);
+  tree::solveUp(b.tree, w.tree, w.y);
+  tree::solveDown(b.tree, w.tree, w.y);
+  tree::move(b.tree, w.tree, w.y, w.dx);
+  for (int i = 0; i < n; i += 3) store3(load3(w.dx + i) + w.shift, w.dx + i);
+}
+
 /// w.dx <- h times the velocities at the step's end: the mean's, half a step of gravity, and what
-/// contacts and limits answer to that.
+/// contacts, limits and a pin answer to that.
 template <class L>
 RAGDOLL_SECTION void endVelocities(const FastBody& b, const PackStep& step, L& w) {
   using R = typename L::R;
   using N = typename L::N;
-  const bool free = !b.tree.roots[0].pinned;  // docs/fast.md#velocities
-  const V3<R> kick = N(free ? 0.5 * step.h * step.h : 0) * spread3<L>(step.gravity);
+  const V3<R> kick = N(0.5 * step.h * step.h) * spread3<L>(step.gravity);
   if (w.contact_count + w.limit_count > 0) {
     for (int k = 0; k < b.tree.size; ++k) w.y[k] = R{};
-    startRates(b, step, free, kick, w);
+    startRates(b, step, kick, w);
     if (w.pressing_contacts + w.pressing_limits > 0) {
       for (int sweep = 0; sweep < kRateSweeps; ++sweep) sweepRates(w);
       tree::solveDown(b.tree, w.tree, w.y);
@@ -272,6 +283,7 @@ RAGDOLL_SECTION void endVelocities(const FastBody& b, const PackStep& step, L& w
     }
   }
   for (int i = 0; i < 3 * b.tree.particles; i += 3) store3(load3(w.dx + i) + kick, w.dx + i);
+  if (b.tree.roots[0].pinned) holdVelocities(b, w);
 }
 
 /// Positions (w.x) and velocities (w.dx, times h), which it uses up, of the bodies that came
@@ -322,7 +334,7 @@ RAGDOLL_SECTION void storePresses(const FastBody& b, const PackStep& step, Lane*
   for (int l = 0; l < L::W; ++l) {
     Lane& out = lanes[l];
     if (!out.good) continue;
-    const double rate2 = 1 / (out.pull * step.h * step.h);
+    const double rate2 = 2 / (step.h * step.h);
     out.impulse_count = 0;
     for (int i = 0; i < w.contact_count; ++i) {
       const ContactRow<R>& row = w.contacts[i];
@@ -353,8 +365,8 @@ RAGDOLL_INLINE typename L::Mask tooDeep(const PackStep& step, const L& w) {
   auto deep = less(R{}, R{});
   for (int i = 0; i < w.contact_count; ++i) {
     const ContactRow<R>& row = w.contacts[i];
-    const auto worse = both(less(row.gap + row.allowed, R{} - N(step.deepest.particle)),
-                            less(row.gap, R{} - N(kWorse * step.deepest.particle)));
+    const auto worse = both(less(row.gap + row.allowed, R{} - N(step.bounds.particle)),
+                            less(row.gap, R{} - N(kWorse * step.bounds.particle)));
     deep = either(deep, both(worse, less(R{}, row.inverse_normal + row.waits)));
   }
   return deep;
@@ -452,19 +464,18 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
   R touched{};
   for (int i = 0; i < w.contact_count; ++i)
     touched = larger(touched, select(less(R{}, w.contacts[i].press), R{} + N(1), R{}));
-  R pressed = larger(touched, R{} + N(b.tree.roots[0].pinned ? 1 : 0));
-  const R held = pressed;
+  R pressed = touched;
   for (int i = 0; i < w.limit_count; ++i)
     if (w.limits[i].limit->compliance == 0)
       pressed = larger(pressed, select(less(R{}, w.limits[i].press), R{} + N(1), R{}));
-  if (any(less(R{}, held))) limitMotion(b, step, lanes, w, held);
+  if (any(less(R{}, touched))) limitMotion(b, step, lanes, w, touched);
   keepWhole(b, lanes, w);
   tree::place(b.tree, w.tree, w.x, w.dx, w.x);  // the new positions
   const N gain = N(0.5 * kFreeGain * kFreeGain * massOf(b));
   const R slack = select(less(R{}, pressed), R{}, R{} + gain);
-  const R bound = energyBound(b, step, lanes, w, 1) + slack;
+  const R kept = energyBound(b, step, lanes, w, 1);
   endVelocities(b, step, w);
-  limitVelocities(b, step, lanes, w, bound, touched);
+  limitVelocities(b, step, lanes, w, kept, slack, touched);
   findDeep(b, step, lanes, w);
   store(b, step, lanes, w);
   storePresses(b, step, lanes, w);

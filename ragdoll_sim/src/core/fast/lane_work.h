@@ -100,7 +100,6 @@ struct LaneWork {
   V3<R> shift;              ///< [m] of the pin
   V3<R> whole;              ///< [kg m] h times the momentum of the free motion
   R off;                    ///< largest squared sine; stretch at the start
-  R pull;                   ///< Lane::pull
   R travel, margin;         ///< [m] of the fastest particle in the step; contacts nearer take part
   R change;                 ///< [m], [rad] the largest of a sweep's
   Mask met;                 ///< who comes near an obstacle

@@ -19,15 +19,16 @@ constexpr double kKept = 0.5;
 /// One pack on its way through a step.
 class PackRun {
  public:
-  /// deepest: as PackStep has it. order: ragdolls, of which the batch has some. last: impulses of
-  /// the part of the step before; null: those of the state.
-  PackRun(const StepContext& context, double h, const Deepest& deepest, const int* order,
-          const std::vector<CachedImpulse>* last, const FastScratch& scratch, PackScratch& pack,
-          Batch& batch)
+  /// left: parts like this one, it too, until the step's end. order: ragdolls, of which the batch
+  /// has some. last: impulses of the part before; null: those of the state.
+  PackRun(const StepContext& context, double h, int left, const StepBounds& bounds,
+          const int* order, const std::vector<CachedImpulse>* last, const FastScratch& scratch,
+          PackScratch& pack, Batch& batch)
       : model_(context.model),
         inputs_(context.inputs),
         h_(h),
-        deepest_(deepest),
+        left_(left),
+        bounds_(bounds),
         order_(order),
         last_(last),
         force_(context.force),
@@ -54,7 +55,7 @@ class PackRun {
   void setStep() {
     const SolverSpec& solver = model_.solver;
     step_.h = h_;
-    step_.deepest = deepest_;
+    step_.bounds = bounds_;
     for (int c = 0; c < 3; ++c) step_.gravity[c] = model_.gravity[c];
     step_.keep = solver.damping > 0 ? std::exp(-solver.damping * h_) : 1;
     step_.keep_inner = solver.joint_damping > 0 ? std::exp(-solver.joint_damping * h_) : 1;
@@ -126,12 +127,10 @@ class PackRun {
     else
       for (int k = scratch_.first_impulse[index]; k < scratch_.first_impulse[index + 1]; ++k)
         takeImpulse(state_.impulses[scratch_.cached[k]], r, lane);
-    const System& system = model_.systemOf(r);
-    lane.pull = !system.pins.empty() && state_.step > 0 ? 1 : 0.5;
     for (std::size_t p = 0; p < inputs_.pins.size(); ++p) {
       if (model_.pins[p].ragdoll != index) continue;
       const Vec3 motion = inputs_.pins[p] - state_.x.col(model_.pins[p].particle);
-      for (int c = 0; c < 3; ++c) lane.pin[c] = motion[c];
+      for (int c = 0; c < 3; ++c) lane.pin[c] = motion[c] / left_;
       lane.driven = lane.driven || motion != Vec3::Zero();
     }
   }
@@ -241,11 +240,11 @@ class PackRun {
     const Skeleton& s = model_.skeletonOf(r);
     for (int i = 0; i < s.named; ++i) {
       if (body_.tree.roots[0].pinned && body_.tree.roots[0].particle == i) continue;
-      if (!overlap(boundsOf(s, r.first, i, i), m.bounds, -deepest_.particle)) continue;
+      if (!overlap(boundsOf(s, r.first, i, i), m.bounds, -bounds_.particle)) continue;
       const Vec3 x0 = state_.x.col(r.first + i), x1 = predicted_.col(r.first + i);
       const double gap = signedDistanceValue(*m.obstacle, m.toEnd(x1)) - s.radius[i];
       const double before = signedDistanceValue(*m.obstacle, m.toStart(x0)) - s.radius[i];
-      if (gap < -deepest_.particle && gap < before - kDeeper * deepest_.particle) return true;
+      if (gap < -bounds_.particle && gap < before - kDeeper * bounds_.particle) return true;
     }
     return false;
   }
@@ -256,15 +255,15 @@ class PackRun {
     const Skeleton& s = model_.skeletonOf(r);
     return std::any_of(s.sticks.begin(), s.sticks.end(), [&](const Stick& k) {
       if (k.a >= s.named || k.b >= s.named ||
-          !overlap(boundsOf(s, r.first, k.a, k.b), m.bounds, -deepest_.stick))
+          !overlap(boundsOf(s, r.first, k.a, k.b), m.bounds, -bounds_.stick))
         return false;
       const int a = r.first + k.a, b = r.first + k.b;
       const double gap = stickGap(*m.obstacle, m.toEnd(predicted_.col(a)),
                                   m.toEnd(predicted_.col(b)), s.radius[k.a], s.radius[k.b]);
-      if (gap >= -deepest_.stick) return false;
+      if (gap >= -bounds_.stick) return false;
       const double before = stickGap(*m.obstacle, m.toStart(state_.x.col(a)),
                                      m.toStart(state_.x.col(b)), s.radius[k.a], s.radius[k.b]);
-      return gap < before - kDeeper * deepest_.stick;
+      return gap < before - kDeeper * bounds_.stick;
     });
   }
 
@@ -279,7 +278,7 @@ class PackRun {
     }
     return std::any_of(scratch_.obstacles.begin(), scratch_.obstacles.end(),
                        [&](const SweptObstacle& m) {
-                         return overlap(all, m.bounds, -deepest_.particle) &&
+                         return overlap(all, m.bounds, -bounds_.particle) &&
                                 (particlesSink(r, m) || sticksSink(r, m));
                        });
   }
@@ -332,7 +331,8 @@ class PackRun {
   const Model& model_;
   const Inputs& inputs_;
   double h_;
-  Deepest deepest_;
+  int left_;
+  StepBounds bounds_;
   const int* order_;
   const std::vector<CachedImpulse>* last_;
   const Points* force_;
@@ -376,8 +376,8 @@ class Parts {
       own.system = batch_.system;
       own.begin = 0;
       own.count = static_cast<int>(pack_.moving.size());
-      PackRun(context_, context_.h / kParts, kMostDeep, pack_.moving.data(), last, scratch_, pack_,
-              own)
+      PackRun(context_, context_.h / kParts, kParts - part, kOfPart, pack_.moving.data(), last,
+              scratch_, pack_, own)
           .run();
       append(own.left, batch_.left);
       const auto stays = [&own](int index) { return has(own.left, index); };
@@ -451,18 +451,14 @@ class Parts {
 
 }  // namespace
 
-bool stepsInParts(const StepContext& context, const FastScratch& scratch, int system) {
-  const Model& model = context.model;
-  return !scratch.driven && scratch.moving_planes.empty() && !model.self_collision &&
-         model.systems[system].pins.empty();
+bool stepsInParts(const StepContext& context, const FastScratch& scratch) {
+  return !scratch.driven && scratch.moving_planes.empty() && !context.model.self_collision;
 }
 
 void stepPack(const StepContext& context, const FastScratch& scratch, PackScratch& pack,
               Batch& batch) {
-  const bool parts = stepsInParts(context, scratch, batch.system);
-  PackRun(context, context.h, parts ? kDeep : kMostDeep, scratch.order.data(), nullptr, scratch,
-          pack, batch)
-      .run();
+  const StepBounds& bounds = stepsInParts(context, scratch) ? kOfStep : kOfPart;
+  PackRun(context, context.h, 1, bounds, scratch.order.data(), nullptr, scratch, pack, batch).run();
 }
 
 void stepParts(const StepContext& context, const FastScratch& scratch, PackScratch& pack,

@@ -5,8 +5,8 @@
 
 namespace ragdoll::fast {
 
-/// Whether bodies of a system that a pack has left are stepped in parts.
-bool stepsInParts(const StepContext& context, const FastScratch& scratch, int system);
+/// Whether bodies that a pack has left are stepped in parts.
+bool stepsInParts(const StepContext& context, const FastScratch& scratch);
 
 /// Moves the bodies of a batch by the step, but for those that it leaves.
 void stepPack(const StepContext& context, const FastScratch& scratch, PackScratch& pack,

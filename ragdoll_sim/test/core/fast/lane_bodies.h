@@ -100,7 +100,6 @@ struct LaneBodies {
     lane.predicted = one.predicted.data();
     lane.limit_impulse = one.limits.data();
     lane.impulses = one.impulses.data();
-    lane.pull = 0.5;
   }
 };
 

@@ -49,13 +49,28 @@ TEST(Parts, AreStepsOfTheirOwn) {
   EXPECT_LT(maxPenetration(whole.model, whole.state), 5e-3);
 }
 
-/// What is pinned moves with its pin over the whole step.
-TEST(Parts, AreNotOfWhatIsDriven) {
+/// Turns by 1.5 rad in a step, held by a pin, which is led on by as much in each part.
+TEST(Parts, LeadAPin) {
   Scene scene = seeSaw();
+  scene.obstacles.clear();
   scene.pins = {pinOf("heavy")};
   scene.ragdolls[0].velocity = Vec3::Zero();
   scene.ragdolls[0].angular_velocity = Vec3(0, 90, 0);
   World world(scene);
+  const Vec3 way(0.004, 0, 0.002);  // [m] in a step
+  const Vec3 target = world.x(1) + way;
+  world.inputs.pins = {target};
+  EXPECT_EQ(world.steps(1).fast_fallbacks, 0);
+  EXPECT_LT((world.x(1) - target).norm(), 1e-12);
+  EXPECT_LT((world.state.v.col(1) - 60 * way).norm(), 1e-9);
+}
+
+TEST(Parts, AreNotBesideWhatMoves) {
+  Scene scene = seeSaw();
+  scene.ragdolls[0].angular_velocity = Vec3(0, 90, 0);
+  World world(scene);
+  world.inputs.obstacles = {scene.obstacles[0].pose, scene.obstacles[1].pose};
+  world.inputs.obstacles[1].position.x() += 0.01;
   EXPECT_EQ(world.steps(1).fast_fallbacks, 1);
 }
 
