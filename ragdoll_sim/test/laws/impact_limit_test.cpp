@@ -74,6 +74,25 @@ obstacles: [{type: plane, friction: 0.7, restitution: 0.8}]
     EXPECT_LT(limit.distance(rate), 2 / (rate * rate)) << rate;
 }
 
+/// Rods at 6 degrees meet where they cross, not where their ends are nearest.
+TEST(ImpactLimit, OfRodsThatAlmostLieAlongEachOther) {
+  const LimitOfImpacts limit(R"(
+gravity: [0, 0, 0]
+ragdoll_collision: true
+ragdolls:
+  - name: one
+    model: {sticks: [[p, q]], particles: {p: {position: [-0.3, 0, 0], mass: 1, radius: 0.03},
+      q: {position: [0.3, 0, 0], mass: 1, radius: 0.03}}}
+  - name: two
+    velocity: [0.3, 0.5, -0.5]
+    model: {sticks: [[p, q]], particles: {p: {position: [-0.0989, -0.0209, 0.0803], mass: 1,
+      radius: 0.03}, q: {position: [0.3486, 0.0261, 0.0803], mass: 1, radius: 0.03}}}
+)",
+                             0.1);
+  for (const double rate : {250.0, 1000.0, 4000.0})
+    EXPECT_LT(limit.distance(rate), 0.01 / (rate * rate)) << rate;
+}
+
 /// A ball that a poke throws on a box: a particle has no angular momentum that could be lost on the
 /// way there. 0.12 m off at 1000 Hz where rounding is given back as a spin.
 TEST(ImpactLimit, OfABallThatAPokeThrowsOnABox) {

@@ -88,6 +88,25 @@ TEST(Impact, AGapOfAWholeNumberOfStepsBounces) {
   }
 }
 
+/// The same of a rod that lands flat: both ends bounce, however near above the surface a step ends.
+TEST(Impact, ARodThatLandsFlatBouncesWithBothEnds) {
+  for (const double gap : {1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5})
+    for (const double hz : {60, 250, 1000, 4000}) {
+      constexpr double kRadius = 0.03;
+      SkeletonSpec rod = oneStick();
+      for (ParticleSpec& p : rod.particles) p.radius = kRadius;
+      Scene scene = weightless(rod, Vec3(0, 0, -1));
+      scene.ragdolls[0].pose.position.z() = kRadius + 6 / hz + gap;
+      scene.obstacles = {floorPlane(0, 0.5)};
+      scene.solver.method = Method::kShake;
+      scene.solver.step = 1 / hz;
+      World world(scene);
+      world.steps(8);
+      for (int i = 0; i < 2; ++i)
+        EXPECT_NEAR(world.state.v(2, i), 0.5, 1e-9) << gap << " m, " << hz << " Hz, " << i;
+    }
+}
+
 /// Dropped from 5 cm it comes up to 5 cm after hundreds of bounces.
 TEST(Impact, AnElasticBallBouncesOn) {
   ElasticBall ball(Vec3(0, 0, 0.15), Vec3::Zero(), floorPlane(), 1.0 / 120, 9.81);

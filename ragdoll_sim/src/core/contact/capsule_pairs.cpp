@@ -81,7 +81,7 @@ int touchesAt(const CapsuleAxis& a, const CapsuleAxis& b, double start,
   }
   // Axes that cross at a small angle are nearest between the ends.
   const double gap0 = gapAt(a, b, ends[0]), gap1 = gapAt(a, b, ends[1]);
-  if (gapAt(a, b, nearest) < std::min(gap0, gap1) - kGapResolution)
+  if (gapAt(a, b, nearest) < std::min(gap0, gap1) - kCrossing)
     ends[gap0 > gap1 ? 0 : 1] = nearest;
   touches = {touchAt(a, b, ends[0], start), touchAt(a, b, ends[1], start)};
   return 2;

@@ -25,6 +25,8 @@ constexpr double kStickEnd = kNoLength;
 /// Of a stick: a touch nearer to an end is the particle's, so that it passes from one to the other
 /// where both are as deep.
 constexpr double kEndOfStick = 1e-9;
+/// [m] Axes along each other cross where they are nearer than at their ends by more.
+constexpr double kCrossing = 1e-9;
 
 // --- Not tuned: a property of skin and clothes.
 constexpr double kBodyFriction = 0.5;  ///< [-] Coulomb coefficient of body on body

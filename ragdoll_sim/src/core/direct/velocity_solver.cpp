@@ -69,13 +69,21 @@ bool isHitNow(const Contact& c, bool hit, double touching) {
   return !c.isSoft() && (hit || c.before >= touching);
 }
 
+/// Whether a contact has not pressed and comes from afar: its impact is still to come, even where
+/// the motion has begun within the tolerance of it.
+bool isStillToCome(const StepContext& step, const Contact& c, double pressed) {
+  return !c.isSoft() && pressed == 0 && -openingRate(step, c) > comingSpeed(step, c);
+}
+
 /// Locks contacts that are just hit, at no impulse.
 template <class Rows>
 void lockHit(const StepContext& step, TouchingContacts& set, Rows& rows, int first) {
   int row = 0;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
-    const int count = rowsOf(set.contacts[i]);
-    if (isHitNow(set.contacts[i], set.hit[i], step.tolerances.touching)) {
+    const Contact& c = set.contacts[i];
+    const int count = rowsOf(c);
+    if (isHitNow(c, set.hit[i], step.tolerances.touching) ||
+        isStillToCome(step, c, set.warm[row])) {
       rows.lock(first + row, true);
       std::fill_n(set.warm.begin() + row, count, 0.0);
     }
@@ -117,8 +125,7 @@ void lockComing(const StepContext& step, const TouchingContacts& set, Rows& rows
   int row = 0;
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
-    if (isHitNow(c, set.hit[i], step.tolerances.touching) && set.warm[row] == 0 &&
-        -openingRate(step, c) > comingSpeed(step, c))
+    if (isHitNow(c, set.hit[i], step.tolerances.touching) && isStillToCome(step, c, set.warm[row]))
       rows.lock(first + row, true);
     row += rowsOf(c);
   }
