@@ -195,6 +195,32 @@ TEST(Tolerance, TellsANarrowGapFromNone) {
     }
 }
 
+/// A ball that a spring throws back, within a step or some of them: its force is gone at both ends
+/// of what it acts in.
+TEST(Tolerance, IsKeptOnASpringThatComesAndGoes) {
+  constexpr double kRadius = 0.05, kSeconds = 0.1, kSpeed = 2;
+  for (const double stiffness : {3e3, 3e4, 3e5})
+    for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5}) {
+      int kept = 0, told = 0;
+      for (int i = 0; i < 20; ++i) {
+        const double gap = kSpeed * (0.005 + 0.003 * i), turn = std::sqrt(stiffness);  // 1 kg
+        Scene scene = weightless(oneParticle(1, kRadius), Vec3(0, 0, -kSpeed));
+        scene.ragdolls[0].pose.position.z() = kRadius + gap;
+        scene.obstacles = {floorPlane(0)};
+        scene.obstacles[0].contact.stiffness = stiffness;
+        scene.obstacles[0].contact.damping = 0;
+        const Outcome run = runOf(scene, Method::kShake, 1.0 / 60, tolerance, kSeconds);
+        const double pressed = kSeconds - gap / kSpeed, off = M_PI / turn;
+        const double end = pressed > off ? kSpeed * (pressed - off)
+                                         : -kSpeed / turn * std::sin(turn * pressed);
+        const bool keeps = std::abs(run.x(2, 0) - kRadius - end) < 3 * tolerance * kSeconds;
+        kept += keeps;
+        told += !keeps && run.report.tolerance_missed > 0;
+      }
+      EXPECT_GE(kept + told, 19) << stiffness << " N/m, " << tolerance << ": " << told << " told";
+    }
+}
+
 /// What the control may cost where nothing it does helps: two bodies on each other and on the floor.
 TEST(Tolerance, BoundsTheWork) {
   constexpr double kTolerance = 1e-3, kSeconds = 0.5;

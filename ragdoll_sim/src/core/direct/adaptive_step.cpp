@@ -82,6 +82,10 @@ class StepParts {
   double takeHalves(double from, double part, StepReport& report);
   /// Whether nothing but the same limits pressed as before, in one and at each end.
   bool isSmooth(const StepReport& part, std::initializer_list<const Impulses*> ends) const;
+  /// Whether springs are near, of contact that gives way or of limits.
+  bool hasSprings() const;
+  /// [m/s] What velocities have changed by, but for gravity.
+  double kick(double part) const;
   /// Extrapolates the halves and what came in one to fourth order, and back onto the sticks.
   void refine();
   /// [m] of positions.
@@ -147,6 +151,31 @@ bool StepParts::isSmooth(const StepReport& part,
          std::all_of(ends.begin(), ends.end(), press);
 }
 
+bool StepParts::hasSprings() const {
+  const auto isSoft = [](const Contact& c) { return c.isSoft(); };
+  const auto gives = [](const LimitRow& limit) { return limit.compliance > 0; };
+  const auto& pairs = island_.pairs.contacts;
+  return std::any_of(pairs.begin(), pairs.end(), isSoft) ||
+         std::any_of(island_.bodies.begin(), island_.bodies.end(), [&](const Body* body) {
+           const ConstraintSet& set = body->constraints;
+           return std::any_of(set.contacts.begin(), set.contacts.end(), isSoft) ||
+                  std::any_of(set.limits.begin(), set.limits.end(), gives);
+         });
+}
+
+double StepParts::kick(double part) const {
+  double most = 0;
+  for (const int i : bodies_) {
+    const SavedMotion& start = s_.start[i];
+    const int first = whole_.model.ragdolls[i].first;
+    const Vec3 fallen = part * whole_.model.gravity;
+    for (int k = 0; k < start.v.cols(); ++k)
+      most = std::max(most,
+                      (whole_.state.v.col(first + k) - start.v.col(k) - fallen).squaredNorm());
+  }
+  return std::sqrt(most);
+}
+
 void StepParts::refine() {
   const double share = 1 / kDoubling;
   for (Body* body : island_.bodies) {
@@ -207,15 +236,21 @@ double StepParts::take(double from, double part, double allowed, StepReport& rep
   const double error = kOfDefect * takeOnce(from, part, s_.before, s_.after, once);
   const bool guarded = once.guarded > 0, known = !guarded && error < kUnknownRate;
   const bool smooth = isSmooth(once, {&s_.after});
-  const bool stands = !smooth || (part > kLongPart * whole_.h && error <= allowed);
-  // rk's motions have no defect: their halves tell. Where the guard acts, shorter parts are cheaper
-  // than its substeps.
+  const bool stands =
+      !hasSprings() && (!smooth || (part > kLongPart * whole_.h && error <= allowed));
+  // rk's motions have no defect, and a spring's force may come and go between the ends that the
+  // defect sees: their halves tell. Where the guard acts, shorter parts are cheaper than its
+  // substeps.
   if (known ? stands : guarded) {
     report += once;
     return known ? error : kUnknownRate;
   }
   report.substeps = once.substeps;
-  return takeHalves(from, part, report);
+  const double halved = takeHalves(from, part, report);
+  // A spring that is reached within the part is so in both solutions at one time: they agree about
+  // all that follows.
+  const bool reached = once.substeps > 1 && hasSprings();
+  return reached ? std::max(halved, kOfKick * part * kick(part)) : halved;
 }
 
 }  // namespace
