@@ -152,10 +152,10 @@ bool Simulation::samplesAreFull() {
 
 /// After a step: if it is the first of its interval.
 void Simulation::keepSample() {
-  constexpr double kRounding = 1e-9;  // of an interval
+  constexpr double kWithin = 1e-9;  // of an interval
   if (!(sample_every_ > 0)) return;
   const double time = world_.state().time;
-  const auto interval = [&](double t) { return std::floor(t / sample_every_ + kRounding); };
+  const auto interval = [&](double t) { return std::floor(t / sample_every_ + kWithin); };
   if (interval(time) == interval(time - world_.stepLength())) return;
   Snapshot now;
   copy(now);
