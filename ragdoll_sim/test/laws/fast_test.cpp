@@ -132,7 +132,7 @@ TEST(Fast, IsOfSecondOrderOnAPin) {
   EXPECT_NEAR(std::log2(coarse / fine), 2, 0.3);
 }
 
-/// Limbs without limits whip around after 0.8 s; at 60 Hz what misses energy is made again in parts.
+/// Steps of 1/60 s are too long for limbs without limits: what misses energy is made again in parts.
 TEST(Fast, FollowsLimbsThatWhip) { EXPECT_LT(freeError(kFastSwing, 1, 60), 0.06); }
 
 /// [m/s] The fastest change of a stick's length.

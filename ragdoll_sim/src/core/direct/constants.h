@@ -65,7 +65,8 @@ constexpr double kReserved = 0.5;       ///< of the tolerance, for the parts tha
 constexpr double kLeastOfOrder = 0.25;  ///< of the order: a shorter part that gains less is in vain
 
 // --- Not tuned: made of others.
-/// Times a part and what a spring has given: its force has grown from nothing, as h^3 / 6 has it.
+/// Of a part times the velocity that a spring has given in it: what the trapezoidal rule errs by of
+/// a force that grows from nothing, h dv / 2 for h dv / 3.
 constexpr double kOfKick = 1.0 / 6;
 constexpr double kTouching = 10 * kContactTolerance;  ///< [m] a gap smaller than that is closed
 constexpr double kSlop = kClose / 2;  ///< [m] a solution may leave; also of overlapping capsules

@@ -25,7 +25,8 @@ bool hasNormal(const Obstacle& o, const ModeRow& row) {
 bool consider(Body& body, ModeRow& row, double reach, Mode& mode) {
   const double gap = gapOfOwn(body, row, body.xData());
   if (gap > reach) return true;
-  if (row.isContact() && !hasNormal(*body.context->ws.obstacles[row.obstacle].obstacle, row)) return false;
+  if (row.isContact() && !hasNormal(*body.context->ws.obstacles[row.obstacle].obstacle, row))
+    return false;
   row.gap_start = gap;
   mode.rows.push_back(row);
   return row.isSoft() || gap >= -kTouching * (row.kind == ModeKind::kLimit ? 1 / kLever : 1);

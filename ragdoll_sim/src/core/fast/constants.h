@@ -64,8 +64,8 @@ struct StepBounds {
 };
 /// What leaves more is made again (kParts): the median of falls' penetrations is 0.6 to 0.8 mm,
 /// with 4 mm of particles 1.4 to 2.4, for a tenth of the time. Sticks at 3 mm: a fifth more of it.
-/// Energy, 2 J in a human: after 1 s of `hang` 70 mm off (282 without, 66 with a tenth of it), with
-/// free joints 27 (431, 6), for 2.2 and 3 times the time (3 and 4); what falls is not made again.
+/// Energy, 2 J in a human: after 1 s of `hang` 70 mm off (without 266), with free joints 27 (798);
+/// what falls is hardly ever made again.
 constexpr StepBounds kOfStep = {0.0008, 0.008, 0.24};
 /// What leaves more goes to shake.
 constexpr StepBounds kOfPart = {0.004, 0.015, std::numeric_limits<double>::infinity()};
