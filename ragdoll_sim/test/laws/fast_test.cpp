@@ -132,7 +132,8 @@ TEST(Fast, IsOfSecondOrderOnAPin) {
   EXPECT_NEAR(std::log2(coarse / fine), 2, 0.3);
 }
 
-/// Steps of 1/60 s are too long for limbs without limits: what misses energy is made again in parts.
+/// Steps of 1/60 s are too long for limbs without limits: what misses energy is made again in
+/// parts.
 TEST(Fast, FollowsLimbsThatWhip) { EXPECT_LT(freeError(kFastSwing, 1, 60), 0.06); }
 
 /// [m/s] The fastest change of a stick's length.
@@ -162,7 +163,7 @@ TEST(Fast, HangsByAPin) {
   EXPECT_LT(maxStickError(world.model, world.state), 1e-13);
 }
 
-/// A pin that is led on at 1 m/s, in steps whose limbs whip: it goes as far in every part of a step.
+/// A pin that is led on at 1 m/s, in steps whose limbs whip: it goes as far in every part of one.
 TEST(Fast, GoesWhereItsPinIsLed) {
   World world(fastScene(kFastSwing));
   const int hand = world.model.pins[0].particle;
