@@ -130,7 +130,10 @@ class Ragdolls : public ::testing::Test {
     const auto width = window->getWidth(), height = window->getHeight();
     std::vector<std::uint8_t> bytes(3 * width * height);
     const Ogre::PixelBox box(width, height, 1, Ogre::PF_BYTE_RGB, bytes.data());
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"  // the OGRE of ROS Noetic has no other
     window->copyContentsToMemory(box, Ogre::RenderTarget::FB_AUTO);
+#pragma GCC diagnostic pop
     const std::size_t i = 3 * (height / 2 * width + width / 2);
     return {bytes[i], bytes[i + 1], bytes[i + 2]};
   }

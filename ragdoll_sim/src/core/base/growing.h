@@ -66,7 +66,7 @@ class Growing : public Eigen::Map<M> {
   /// What is in it afterwards is not defined.
   void resize(Index rows, Index columns = kColumns) {
     if (rows * columns > buffer_.size())
-      buffer_.resize(std::max<Index>(rows * columns, 2 * buffer_.size()));
+      buffer_ = Eigen::VectorXd(std::max<Index>(rows * columns, 2 * buffer_.size()));
     look(rows, columns);
   }
   void setZero(Index rows, Index columns = kColumns) {
