@@ -229,8 +229,8 @@ TEST(CompliantPairs, SoftHumansOnEachOtherNeverGainEnergy) {
     double least = start;
     for (int i = 0; i < 2 * hz; ++i) {
       world.steps(1);
-      // At rest a gain may be more than the motion that it could be taken out of: four of 80 such
-      // pairs gain up to 2e-5 J in a step.
+      // At rest a gain may be more than the motion that it could be taken out of: of 40 such pairs
+      // nine gain up to 2e-5 J.
       const bool rests = kineticEnergy(world.model, world.state) < 1e-3;
       ASSERT_LT(energyWithSprings(world), least + (rests ? 1e-8 : 1e-9) * start) << hz << " " << i;
       least = std::min(least, energyWithSprings(world));

@@ -39,10 +39,9 @@ struct LimitRow {
   };
   /// p = h^2 torque, of the step's end: backward Euler.
   Softness eulerSoftness(double h) const;
-  /// p = h^2/2 torque, of the step's middle.
-  Softness middleSoftness(double h) const;
-  /// [N m] of the spring alone in the step's middle, value being C at its end.
-  double springTorque() const;
+
+  bool isSoft() const { return compliance > 0; }
+  Compliance give() const { return {compliance, damping}; }
 };
 
 /// Rows of hinges and cones of all awake ragdolls with a value < margin [rad] at the positions x (3

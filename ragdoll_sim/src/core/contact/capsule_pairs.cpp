@@ -38,6 +38,12 @@ double smallestGap(const CapsuleAxis& a, const CapsuleAxis& b) {
   return gapAt(a, b, nearestPoints(a, b));
 }
 
+/// [m]
+double axisDistance(const CapsuleAxis& a, const CapsuleAxis& b) {
+  const AxisPoints at = closestPoints(a, b);
+  return (a.at(at.s) - b.at(at.t)).norm();
+}
+
 /// Bounds the relative motion of any two points of the capsules: both move straight.
 double relativeTravel(const SweptCapsule& a, const SweptCapsule& b) {
   const Vec3 pa = a.a1 - a.a0, pb = a.b1 - a.b0, qa = b.a1 - b.a0, qb = b.b1 - b.b0;
@@ -54,36 +60,34 @@ Vec3 normalAt(const CapsuleAxis& a, const CapsuleAxis& b, const AxisPoints& at) 
   return n.normalized();
 }
 
-/// The ends of the overlap of two axes that lie along each other, or false.
-bool flatEnds(const CapsuleAxis& a, const CapsuleAxis& b, std::array<AxisPoints, 2>& ends) {
-  const Vec3 u = a.b - a.a, w = b.b - b.a;
-  const double scale = u.squaredNorm() * w.squaredNorm();
-  if (!(scale > 0) || u.cross(w).squaredNorm() > kParallel * scale) return false;
+/// The ends of the overlap of two axes, seen from the first.
+std::array<AxisPoints, 2> overlapEnds(const CapsuleAxis& a, const CapsuleAxis& b) {
   const double s0 = project(a, b.a), s1 = project(a, b.b);
-  if (std::abs(s1 - s0) < kStickEnd) return false;
-  ends[0] = {s0, project(b, a.at(s0))};
-  ends[1] = {s1, project(b, a.at(s1))};
-  return true;
+  return {{{s0, project(b, a.at(s0))}, {s1, project(b, a.at(s1))}}};
 }
 
-CapsuleTouch touchAt(const CapsuleAxis& a, const CapsuleAxis& b, const AxisPoints& at,
-                     double start) {
-  return {at, normalAt(a, b, at), a.radius(at.s) + b.radius(at.t), start};
+CapsuleTouch touchAt(const SweptCapsule& first, const SweptCapsule& second, double time,
+                     const AxisPoints& at, const AxisPoints& start) {
+  const CapsuleAxis a = first.at(time), b = second.at(time);
+  return {at, normalAt(a, b, at), a.radius(at.s) + b.radius(at.t), start,
+          gapAt(first.at(0), second.at(0), start)};
 }
 
-int touchesAt(const CapsuleAxis& a, const CapsuleAxis& b, double start,
+int touchesAt(const SweptCapsule& first, const SweptCapsule& second, double time,
               std::array<CapsuleTouch, 2>& touches) {
+  const CapsuleAxis a = first.at(time), b = second.at(time), a0 = first.at(0), b0 = second.at(0);
   const AxisPoints nearest = nearestPoints(a, b);
-  std::array<AxisPoints, 2> ends;
-  if (!flatEnds(a, b, ends)) {
-    touches[0] = touchAt(a, b, nearest, start);
+  const CapsuleTouch crossing = touchAt(first, second, time, nearest, nearestPoints(a0, b0));
+  if (!lieAlong(a, b)) {
+    touches[0] = crossing;
     return 1;
   }
-  // Axes that cross at a small angle are nearest between the ends.
+  const std::array<AxisPoints, 2> ends = overlapEnds(a, b), before = overlapEnds(a0, b0);
   const double gap0 = gapAt(a, b, ends[0]), gap1 = gapAt(a, b, ends[1]);
+  for (int k = 0; k < 2; ++k) touches[k] = touchAt(first, second, time, ends[k], before[k]);
+  // Axes that cross at a small angle are nearest between the ends.
   if (gapAt(a, b, nearest) < std::min(gap0, gap1) - kCrossing)
-    ends[gap0 > gap1 ? 0 : 1] = nearest;
-  touches = {touchAt(a, b, ends[0], start), touchAt(a, b, ends[1], start)};
+    touches[gap0 > gap1 ? 0 : 1] = crossing;
   return 2;
 }
 
@@ -124,8 +128,10 @@ AxisPoints nearestPoints(const CapsuleAxis& first, const CapsuleAxis& second) {
 }
 
 bool lieAlong(const CapsuleAxis& first, const CapsuleAxis& second) {
-  std::array<AxisPoints, 2> ends;
-  return flatEnds(first, second, ends);
+  const Vec3 u = first.b - first.a, w = second.b - second.a;
+  const double scale = u.squaredNorm() * w.squaredNorm();
+  if (!(scale > 0) || u.cross(w).squaredNorm() > kParallel * scale) return false;
+  return std::abs(project(first, second.b) - project(first, second.a)) >= kStickEnd;
 }
 
 double gapAt(const CapsuleAxis& first, const CapsuleAxis& second, const AxisPoints& at) {
@@ -158,7 +164,8 @@ int findTouches(const SweptCapsule& first, const SweptCapsule& second, double ma
   const auto gapAt = [&](double time) { return smallestGap(first.at(time), second.at(time)); };
   double time = 1;
   if (start <= -0.5 * thin && start < 0) {
-    time = 0;  // deep: where they would go may lie on the far side
+    // Deep: where they would go may lie on the far side.
+    if (2 * travel > axisDistance(first.at(0), second.at(0))) time = 0;
   } else {
     const double end = gapAt(1);
     const bool closes = start > kResting && end <= 0;
@@ -175,7 +182,7 @@ int findTouches(const SweptCapsule& first, const SweptCapsule& second, double ma
       time = firstTouch(gapAt, 0, start, 1, end);
     }
   }
-  return touchesAt(first.at(time), second.at(time), start, touches);
+  return touchesAt(first, second, time, touches);
 }
 
 int findOverlaps(const SweptCapsule& first, const SweptCapsule& second, double depth,
@@ -188,8 +195,7 @@ int findOverlaps(const SweptCapsule& first, const SweptCapsule& second, double d
   if (!(smallestGap(first.at(1), second.at(1)) < -depth)) return 0;
   double time = 1;
   for (int i = 0; i < kMaxHalvings && !sideKept(time); ++i) time *= 0.5;
-  const double start = smallestGap(first.at(0), second.at(0));
-  return touchesAt(first.at(time), second.at(time), start, touches);
+  return touchesAt(first, second, time, touches);
 }
 
 }  // namespace ragdoll

@@ -53,7 +53,8 @@ struct CapsuleTouch {
   AxisPoints at;
   Vec3 normal = Vec3::UnitZ();  ///< unit, out of the second
   double radii = 0;             ///< [m] r1(s) + r2(t)
-  double gap_start = 0;         ///< [m] at the step's start
+  AxisPoints start;             ///< where it was at the step's start
+  double gap_start = 0;         ///< [m] there
 };
 
 /// Touches of two capsules during a step: what meets on the way, by conservative advancement

@@ -32,11 +32,9 @@ Bounds unionOf(const std::vector<Bounds>& all, std::size_t begin, std::size_t en
   return b;
 }
 
-/// Where the contact was at the start: where the two were nearest, or the same places of two that
-/// lie along each other.
-void setStart(const CapsuleAxis& first, const CapsuleAxis& second, bool along, Contact& c) {
-  const AxisPoints at =
-      along ? AxisPoints{c.weight[1], -c.weight[3]} : nearestPoints(first, second);
+/// Where the contact was at the start.
+void setStart(const CapsuleAxis& first, const CapsuleAxis& second, const AxisPoints& at,
+              Contact& c) {
   if (std::max(std::abs(at.s - c.weight[1]), std::abs(at.t + c.weight[3])) > kSamePlace) return;
   c.start_normal = (first.at(at.s) - second.at(at.t)).normalized();
   c.start_weight = {1 - at.s, at.s, at.t - 1, -at.t};
@@ -82,10 +80,8 @@ void PairDetector::appendPair(const Model& model, const Body& p, int i, const Bo
     contact.ragdoll = p.index;
     contact.other = p.index == q.index ? -1 : q.index;
     contact.gap_start = touch.gap_start;
-    if (contact.isSoft() && count > 1)  // each has a spring
-      contact.gap_start = gapAt(first.at(0), second.at(0), touch.at);
     if (touchesAtStart(give, contact.gap_start))
-      setStart(first.at(0), second.at(0), count > 1, contact);
+      setStart(first.at(0), second.at(0), touch.start, contact);
     contacts.push_back(contact);
   }
 }
@@ -103,8 +99,7 @@ void PairDetector::appendSelf(const Model& model, const Points& x0, const Points
 
 void PairDetector::appendBetween(const Model& model, const State& state, const Points& x0,
                                  const Points& x1, PairSearch search,
-                                 std::vector<Contact>& contacts,
-                                 const std::vector<int>* group_of) {
+                                 std::vector<Contact>& contacts, const std::vector<int>* group_of) {
   all_.resize(model.ragdolls.size());
   std::iota(all_.begin(), all_.end(), 0);
   appendBetween(model, state, all_, x0, x1, search, contacts, group_of);
@@ -113,8 +108,7 @@ void PairDetector::appendBetween(const Model& model, const State& state, const P
 void PairDetector::appendBetween(const Model& model, const State& state,
                                  const std::vector<int>& ragdolls, const Points& x0,
                                  const Points& x1, PairSearch search,
-                                 std::vector<Contact>& contacts,
-                                 const std::vector<int>* group_of) {
+                                 std::vector<Contact>& contacts, const std::vector<int>* group_of) {
   capsules_.clear();
   bodies_.clear();
   first_.clear();

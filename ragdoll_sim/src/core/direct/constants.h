@@ -32,9 +32,8 @@ constexpr double kProgress = 0.9;  ///< of the last round's violation: more is n
 constexpr double kRestSteps = 4;  ///< what comes slower than gravity in four steps is at rest
 constexpr double kLimb = 0.6;     ///< [m] on which gravity turns a limb. 0.1: shake loses its order
 constexpr double kLeastPull = 1;  ///< [m/s^2] where gravity is less: other limbs pull, too
-/// Of the weight: less friction is not worth a shorter motion where its slip turns. Two thirds: 6 %
-/// more cost of a fall; double: a ball that turns back on a slope, with friction 0.2, is of first
-/// order.
+/// Of the weight, at kCoarseStep: less friction is not worth a shorter motion where its slip turns.
+/// Two thirds: 6 % more cost of a fall.
 constexpr double kWorthATurn = 0.15;
 constexpr int kMaxLocated = 8;    ///< in one step; later ones press over their whole substep
 
@@ -52,6 +51,8 @@ constexpr int kMaxSubsteps = 16;  ///< above, one implicit step is cheaper
 /// smooth motion, whose energy should neither rise nor fall, in kinetic energy and a fall of 1 m
 /// together: limbs that turn back have none of the first. Double: energy of piles rises x1.7.
 constexpr double kRedoGain = 3e-4;
+constexpr double kAllButRests = 1e-3;  ///< [J] kinetic, on springs:
+constexpr double kLeftAtRest = 1e-7;   ///< [J] there; ten times: bodies at rest gain 5e-5 J, not 2e-5
 /// Of the kinetic energy: more than friction between limbs gives back in a step.
 constexpr double kMostGiven = 0.01;
 
@@ -106,7 +107,7 @@ constexpr int kMaxSearches = 3;              ///< for contacts that others push 
 constexpr int kMaxInVain = 2;                ///< in a row: the motion has a jump or a fork there
 constexpr int kMaxUnknown = 2 * kMaxInVain;  ///< where the guard acts, or nothing is found
 constexpr int kMaxShortenings = 30;          ///< of a rigid motion that touches
-constexpr int kRefinements = 3;              ///< of the time at which rk arrives
+constexpr int kRefinements = 3;              ///< of the time at which something is reached
 constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into shape: of rounding
 
 // --- Not tuned: a choice in a last resort.

@@ -61,11 +61,11 @@ struct TouchingContacts {
 struct ConstraintSet : ContactSet {
   Roomy<LimitRow> limits;
   Roomy<Role> limit_role;
-  Roomy<int> limit_row;                ///< of each, or -1
-  Roomy<LimitRow::Softness> softness;  ///< of the limits
-  int own_rows = 0;                    ///< rows of contacts with other bodies come after
-  double overlap = 0;                  ///< [m] the deepest, at the motion's start
-  Roomy<int> filtered;                 ///< obstacles that the body is dragged through
+  Roomy<int> limit_row;            ///< of each, or -1
+  Roomy<SpringRow> limit_springs;  ///< of each
+  int own_rows = 0;                ///< rows of contacts with other bodies come after
+  double overlap = 0;              ///< [m] the deepest, at the motion's start
+  Roomy<int> filtered;             ///< obstacles that the body is dragged through
 };
 
 /// A body's own; warm: of the contacts' rows, then of the limits'.

@@ -281,7 +281,11 @@ bool removeEnergy(Island& island, double gain, double took) {
   if (!(gain > 0)) return true;
   const bool held = isHeld(island, island.bodies);
   const double left = takeEnergyOut(island, island.bodies, held, gain);
-  double energy = std::max(1.0, kineticEnergyOf(island));  // without what was gained
+  const double moves = kineticEnergyOf(island);
+  // What all but rests on springs has no motion that it could be taken out of in the next step.
+  const bool springs = island.context.model.compliant && !island.context.relaxed;
+  if (springs && moves < kAllButRests && left > kLeftAtRest) return false;
+  double energy = std::max(1.0, moves);  // without what was gained
   if (left <= kRedoGain * energy) return true;
   for (Body* body : island.bodies) energy += kineticEnergyBefore(*body);
   if (island.context.model.compliant) {  // springs may have held it all

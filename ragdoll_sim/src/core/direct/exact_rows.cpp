@@ -30,7 +30,7 @@ bool choose(const JointSchur& joint, const RowValues& p, std::vector<ModeBlock>&
     rest.row.conservativeResize(first + count);
     for (int k = 0; k < count; ++k) {
       rest.row[first + k] = i + k;
-      start[i + k] = k == 0 ? row.least : 0;
+      start[i + k] = 0;
     }
   }
   return rest.row.size() > 0;

@@ -61,11 +61,11 @@ void findComingContacts(const Owner& owner, const StepContext& step, ContactSet&
 }
 
 bool isComing(const Body& body, const LimitRow& limit, double h) {
-  if (limit.compliance > 0 || body.located >= kMaxLocated) return false;
-  if (limit.before < -body.context->tolerances.touching_angle) return false;
-  const double rate = limit.before < body.context->tolerances.touching_angle
-                          ? rateAtStart(body, limit)
-                          : (limit.value - limit.before) / h;
+  const double touching = body.context->tolerances.touching_angle;
+  const bool touches = limit.before < touching;
+  if (limit.isSoft() ? touches : limit.before < -touching) return false;
+  if (body.located >= kMaxLocated) return false;
+  const double rate = touches ? rateAtStart(body, limit) : (limit.value - limit.before) / h;
   const double pull = std::max(kLeastPull, body.context->model.gravity.norm());
   return -rate > kRestSteps * body.context->h * pull / kLimb;
 }
@@ -95,6 +95,39 @@ double timeOfTouch(const StepContext& step, const Contact& c, double end, double
 }
 double timeOfTouch(const Body& body, const LimitRow& limit, double end, double h) {
   return timeOfZero(limit.before, rateAtStart(body, limit), end, h);
+}
+
+/// A motion that should end where something is hit: gaps [m], [rad] at its start and end, and the
+/// rate at which it opens at the start.
+struct Arrival {
+  bool found = false;
+  double before = 0, rate = 0, end = 0, touching = 0;
+
+  double time(double h) const { return timeOfZero(before, rate, end, h); }
+};
+
+/// At a contact.
+template <class Owner>
+Arrival arrivalAt(const Owner& owner, const StepContext& step, const ContactSet& set) {
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const Contact& c = set.contacts[i];
+    if (set.role[i] == Role::kHit)
+      return {true, c.before, rateAtStart(step, c), gapAfter(owner, c), step.tolerances.touching};
+  }
+  return {};
+}
+
+/// At a contact of the body's own, or a limit.
+Arrival arrivalOf(const Body& body) {
+  const StepContext& step = *body.context;
+  const ConstraintSet& set = body.constraints;
+  for (std::size_t i = 0; i < set.limits.size(); ++i) {
+    const LimitRow& limit = set.limits[i];
+    if (set.limit_role[i] == Role::kHit)
+      return {true, limit.before, rateAtStart(body, limit), anglesAfter(body)[limit.limit],
+              step.tolerances.touching_angle};
+  }
+  return arrivalAt(body, step, set);
 }
 
 /// Keeps the earlier of the two.
@@ -195,14 +228,15 @@ void takeImpact(Island& island, const Impact& impact) {
 }
 
 double impactAgain(const Body& body, double h) {
-  const ConstraintSet& set = body.constraints;
-  for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    if (set.role[i] == Role::kHit)
-      return timeOfTouch(*body.context, set.contacts[i], gapAfter(body, set.contacts[i]), h);
-  for (std::size_t i = 0; i < set.limits.size(); ++i)
-    if (set.limit_role[i] == Role::kHit)
-      return timeOfTouch(body, set.limits[i], anglesAfter(body)[set.limits[i].limit], h);
-  return h;
+  const Arrival arrival = arrivalOf(body);
+  return arrival.found ? arrival.time(h) : h;
+}
+
+double impactAgain(const Island& island, double h) {
+  Arrival arrival = arrivalAt(island, island.context, island.pairs);
+  for (const Body* body : island.bodies)
+    if (!arrival.found) arrival = arrivalOf(*body);
+  return arrival.found && arrival.end > arrival.touching ? arrival.time(h) : h;
 }
 
 }  // namespace ragdoll

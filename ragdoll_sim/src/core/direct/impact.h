@@ -39,5 +39,7 @@ void takeEdge(Island& island);
 /// The time again at which what is hit is reached, by a motion of a lone body over h that should
 /// have ended there.
 double impactAgain(const Body& body, double h);
+/// Of an island's; h: it is closed there.
+double impactAgain(const Island& island, double h);
 
 }  // namespace ragdoll

@@ -189,7 +189,7 @@ bool buildRows(Island& island, const double* x, const double* v, bool curvature)
       if (row.isContact())
         schur.addContact(mode.place[i].contact, static_cast<int>(i));
       else
-        schur.addLimit(mode.place[i].limit, static_cast<int>(i), 0);
+        schur.addLimit(mode.place[i].limit, static_cast<int>(i));
       addRow(island, i, x, v);
     }
     joint.addBody(schur);

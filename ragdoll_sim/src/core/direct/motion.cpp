@@ -38,7 +38,6 @@ void makeMotion(Body& body, double h, bool leapfrog) {
   body.v() = body.motion.dx / h;
   if (leapfrog) body.v() += (0.5 * h) * body.acceleration;
   findTouching(body, h, leapfrog);
-  if (leapfrog) releaseSprings(body, h);
   body.x() += body.motion.dx;
   BodyResponse& response = body.memory->response;
   response.setEnd(body.xData());

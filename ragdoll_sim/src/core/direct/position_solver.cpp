@@ -104,7 +104,7 @@ bool solveRound(Island& island, const Round& round, RowValues& b, RowValues& p) 
 bool solveRows(Island& island, double h) {
   IslandScratch& s = island.s;
   RowValues &b = s.b, &p = s.p;
-  buildRows(island, h, true);
+  buildRows(island, true);
   startTotals(island);
   if (s.joint.size() == 0) return true;
   const CommonTurns& turns = evaluateGaps(island, h, b);
@@ -136,7 +136,7 @@ bool solveRows(Island& island, double h) {
 bool solveRowsImplicitly(Island& island, double h) {
   IslandScratch& s = island.s;
   activateAll(island);
-  buildRows(island, h, false);
+  buildRows(island, false);
   startTotals(island);
   // Bodies that relaxation moves sank in more with it, as with leaps (sweepsOf).
   const bool on_and_on =
@@ -144,7 +144,7 @@ bool solveRowsImplicitly(Island& island, double h) {
   double violation = violationOf(island);
   bool done = violation < island.context.tolerances.contact;
   for (int round = 0; round < kImplicitRounds && !done; ++round) {
-    buildRows(island, h, false);
+    buildRows(island, false);
     if (s.total.size() != s.joint.size()) startTotals(island);  // other rows
     assemble(island, true);
     soften(island, h, false);

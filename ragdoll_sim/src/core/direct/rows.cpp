@@ -53,8 +53,24 @@ bool softenContacts(ContactSet& set, Rows& rows, double h, bool leapfrog) {
     const int row = set.row[i];
     if (row < 0 || !set.contacts[i].isSoft()) continue;
     const double answer = rows.entry(row, row) - rows.row(row).compliance;
-    set.springs[i] = springRow(set.contacts[i], h, answer, leapfrog);
+    set.springs[i] = springRow(set.contacts[i].give, set.contacts[i].before, h, answer, leapfrog);
     rows.soften(row, set.springs[i].compliance);
+    any = true;
+  }
+  return any;
+}
+
+bool softenLimits(Body& body, double h, bool leapfrog) {
+  ConstraintSet& set = body.constraints;
+  Schur& schur = body.memory->schur;
+  bool any = false;
+  for (std::size_t i = 0; i < set.limits.size(); ++i) {
+    const LimitRow& limit = set.limits[i];
+    const int row = set.limit_row[i];
+    if (row < 0 || !limit.isSoft()) continue;
+    const double answer = schur.entry(row, row) - schur.row(row).compliance;
+    set.limit_springs[i] = springRow(limit.give(), limit.before, h, answer, leapfrog);
+    schur.soften(row, set.limit_springs[i].compliance);
     any = true;
   }
   return any;
@@ -110,34 +126,37 @@ void rememberContacts(const ContactSet& set, const Rows& rows, const RowValues& 
   }
 }
 
-void buildLimitRows(Body& body, double h, bool leapfrog) {
+/// Whether a limit presses at the start of a motion: there it pushes along its direction there, as
+/// the sticks do.
+bool pressesAtStart(const LimitRow& limit, double touching) {
+  return limit.isSoft() ? limit.before < 0 : std::abs(limit.before) < touching;
+}
+
+void buildLimitRows(Body& body, bool leapfrog) {
   ConstraintSet& set = body.constraints;
   Schur& schur = body.memory->schur;
-  set.softness.resize(set.limits.size());
+  set.limit_springs.assign(set.limits.size(), {});
   set.limit_row.assign(set.limits.size(), -1);
   if (set.limits.empty()) return;
   LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     LimitRow& limit = set.limits[i];
     if (set.limit_role[i] == Role::kComing) continue;
-    if (set.limit_role[i] == Role::kIfNear && limit.compliance == 0 &&
+    if (set.limit_role[i] == Role::kIfNear && !limit.isSoft() &&
         angles[limit.limit] > kClose / kLever && !body.cache.find(limit))
       continue;
-    // One that touches at the start pushes along its direction there, as the sticks do.
-    if (leapfrog && limit.compliance == 0 &&
-        std::abs(limit.before) < body.context->tolerances.touching_angle)
+    if (leapfrog && pressesAtStart(limit, body.context->tolerances.touching_angle))
       anglesBefore(body).evaluate(limit);
     else
       angles.evaluate(limit);
-    set.softness[i] = leapfrog ? limit.middleSoftness(h) : limit.eulerSoftness(h);
     set.limit_row[i] = schur.size();
-    schur.addLimit(limit, static_cast<int>(i), set.softness[i].compliance);
+    schur.addLimit(limit, static_cast<int>(i));
   }
 }
 
 }  // namespace
 
-void buildRows(Body& body, double h, bool leapfrog) {
+void buildRows(Body& body, bool leapfrog) {
   Schur& schur = body.memory->schur;
   schur.start(body.first);
   addContactRows(body, body.constraints, body.cache,
@@ -147,14 +166,14 @@ void buildRows(Body& body, double h, bool leapfrog) {
                    if (reached) schur.smooth(row);
                    return row;
                  });
-  buildLimitRows(body, h, leapfrog);
+  buildLimitRows(body, leapfrog);
   body.constraints.own_rows = schur.size();
 }
 
-void buildRows(Island& island, double h, bool leapfrog) {
+void buildRows(Island& island, bool leapfrog) {
   island.s.joint.clear(island.opensOverlaps());
   for (Body* body : island.bodies) {
-    buildRows(*body, h, leapfrog);
+    buildRows(*body, leapfrog);
     island.s.joint.addBody(body->memory->schur);
   }
   addContactRows(island, island.pairs, island.pairs.cache,
@@ -190,7 +209,7 @@ void evaluateGaps(Body& body, double h, const Vec3& turn, Eigen::Ref<Eigen::Vect
     const int row = set.limit_row[i];
     if (row < 0) continue;
     const LimitRow& limit = set.limits[i];
-    b[row] = angles[limit.limit] + limit.opening + set.softness[i].offset +
+    b[row] = angles[limit.limit] + limit.opening + set.limit_springs[i].offset +
              schur.row(row).compliance * body.total[row];
   }
 }
@@ -213,19 +232,20 @@ bool soften(Island& island, double h, bool leapfrog) {
   bool any = false;
   for (Body* body : island.bodies) {
     Schur& schur = body->memory->schur;
-    if (!schur.empty()) any = softenContacts(body->constraints, schur, h, leapfrog) || any;
+    if (schur.empty()) continue;
+    any = softenContacts(body->constraints, schur, h, leapfrog) || any;
+    any = softenLimits(*body, h, leapfrog) || any;
   }
   return softenContacts(island.pairs, island.s.joint, h, leapfrog) || any;
 }
 
 bool anyCloses(const Island& island, const RowValues& b) {
-  const auto presses = [](const Contact& c) { return c.isSoft() && c.before < 0; };
-  const auto any = [&](const std::vector<Contact>& all) {
-    return std::any_of(all.begin(), all.end(), presses);
-  };
+  const auto presses = [](const auto& spring) { return spring.isSoft() && spring.before < 0; };
+  const auto any = [&](const auto& all) { return std::any_of(all.begin(), all.end(), presses); };
   if (any(island.pairs.contacts) ||
-      std::any_of(island.bodies.begin(), island.bodies.end(),
-                  [&](const Body* body) { return any(body->constraints.contacts); }))
+      std::any_of(island.bodies.begin(), island.bodies.end(), [&](const Body* body) {
+        return any(body->constraints.contacts) || any(body->constraints.limits);
+      }))
     return true;
   for (int i = 0; i < island.s.joint.size(); ++i)
     if (island.s.joint.row(i).kind != Kind::kTangent && b[i] < 0) return true;
@@ -240,11 +260,12 @@ double worstResidual(Body& body, bool closed) {
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];
     const int row = set.limit_row[i];
-    if (row < 0 || limit.compliance > 0) continue;
-    const bool presses = closed && body.total[row] > 0;
-    if (presses || !angles.isBeyond(limit.limit, -limit.opening))
-      worst = std::max(
-          worst, residual(angles[limit.limit] + limit.opening, body.total[row], closed) * kLever);
+    if (row < 0) continue;
+    const double p = body.total[row];
+    if (limit.isSoft() || (closed && p > 0) || !angles.isBeyond(limit.limit, -limit.opening)) {
+      const double slack = set.limit_springs[i].slack(angles[limit.limit] + limit.opening, p);
+      worst = std::max(worst, residual(slack, p, closed) * kLever);
+    }
   }
   return worst;
 }

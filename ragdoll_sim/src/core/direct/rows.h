@@ -14,9 +14,9 @@ inline Sweeping sweepsOf(const Island& island, Sweeps kind) {
 }
 
 /// Rows of the contacts and limits that are violated or nearly so after the present motion over h,
-/// pressed in the last one, or are active in any case. leapfrog: what gives way acts in its middle.
-void buildRows(Body& body, double h, bool leapfrog);
-void buildRows(Island& island, double h, bool leapfrog);
+/// pressed in the last one, or are active in any case.
+void buildRows(Body& body, bool leapfrog);
+void buildRows(Island& island, bool leapfrog);
 
 /// Adds a contact's rows to both bodies' complements and to the joint rows; returns the first.
 /// smooth: without its friction.

@@ -62,14 +62,16 @@ Vec3 meanSlip(const Island& island, const Sliding& s, const Vec3& turn, double h
 
 using Vec2 = Eigen::Vector2d;
 
-/// [N s] Worth a shorter motion: less friction over h hardly moves the lighter of the two.
+/// [N s] Worth a shorter motion: less friction over h hardly moves the lighter of the two, by what
+/// is of second order.
 double leastFriction(const Island& island, const Sliding& s, double h) {
   double mass = std::numeric_limits<double>::infinity();
   for (const int ragdoll : {s.contact->ragdoll, s.contact->other}) {
     const int place = island.placeOf(ragdoll);
     if (place >= 0) mass = std::min(mass, island.bodies[place]->rows->mass.sum());
   }
-  return kWorthATurn * h * std::max(kLeastPull, island.context.model.gravity.norm()) * mass;
+  const double share = kWorthATurn * std::min(1.0, h / kCoarseStep);
+  return share * h * std::max(kLeastPull, island.context.model.gravity.norm()) * mass;
 }
 
 /// [s] When a slip that begins with `start` has turned by 45 degrees, or ended. Until then it changes

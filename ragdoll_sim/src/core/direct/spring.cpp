@@ -14,22 +14,23 @@ double effectiveDamping(const Compliance& give, double h, double answer) {
   return give.damping / std::hypot(1.0, x / (1 + q));
 }
 
-SpringRow springRow(const Contact& c, double h, double answer, bool leapfrog) {
-  const double start = std::min(0.0, c.before), k = 1 / c.give.compliance;
+SpringRow springRow(const Compliance& give, double before, double h, double answer, bool leapfrog) {
+  const double start = std::min(0.0, before), k = 1 / give.compliance;
   if (!leapfrog) {
-    const double damper = c.give.damping / h;
+    const double damper = give.damping / h;
     return {-damper / (k + damper) * start, 1 / (h * h * (k + damper)), answer};
   }
-  const double spring = 0.5 * k, damper = effectiveDamping(c.give, h, answer) / h;
+  const double spring = 0.5 * k, damper = effectiveDamping(give, h, answer) / h;
   return {(spring - damper) / (spring + damper) * start, 2 / (h * h * (spring + damper)), answer};
 }
 
-double releaseImpulse(const Contact& c, const SpringRow& row, double gap, double half, double h) {
-  if (!(c.before < 0)) return 0;
-  const double k = 1 / c.give.compliance, mean = (gap - c.before) / h;
+double releaseImpulse(const Compliance& give, double before, const SpringRow& row, double gap,
+                      double half, double h) {
+  if (!(before < 0)) return 0;
+  const double k = 1 / give.compliance, mean = (gap - before) / h;
   const double rate = mean - row.answer * half;  // at the start
-  const double force = -k * c.before - c.give.damping * rate;
-  if (!(force > 0 && rate > 0 && -k * gap - c.give.damping * mean < 0)) return 0;
+  const double force = -k * before - give.damping * rate;
+  if (!(force > 0 && rate > 0 && -k * gap - give.damping * mean < 0)) return 0;
   // impulse (rate + answer impulse / 2) = F^2 / 2k
   const double twice = force * force / k;
   return twice / (rate + std::sqrt(rate * rate + row.answer * twice));

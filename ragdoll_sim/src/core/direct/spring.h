@@ -1,8 +1,9 @@
-// The spring and the damper of a contact that gives way, which only push:
+// The spring and the damper of a contact that gives way, or of a soft limit, which only push:
 //
 //   force = max(0, -k g - d dg/dt)   where the gap g < 0.
 //
-// docs/equations.md#compliant-contact. Pure functions.
+// docs/equations.md#compliant-contact. Units are of contacts; a limit has [rad] for [m], [N m] for
+// [N]. Pure functions.
 #pragma once
 
 #include "core/contact/contact.h"
@@ -19,15 +20,15 @@ struct SpringRow {
   double slack(double gap, double p) const { return gap + offset + compliance * p; }
 };
 
-/// leapfrog: the force acts in the middle of
-/// h [s], and p = h^2/2 force; else at its end (backward Euler), p = h^2 force.
-SpringRow springRow(const Contact& contact, double h, double answer, bool leapfrog);
+/// before: [m] gap at the start of h [s]. leapfrog: the force acts in its middle, and p = h^2/2
+/// force; else at its end (backward Euler), p = h^2 force.
+SpringRow springRow(const Compliance& give, double before, double h, double answer, bool leapfrog);
 
 /// [N s] that the spring gives in all of a motion over h in which it lets go, as it ends at `gap`
 /// [m] after `half` [N s] of the position stage; 0: it does not let go. The motion gains what the
 /// spring holds, F^2 / 2k by its force F at the start, and no more.
-double releaseImpulse(const Contact& contact, const SpringRow& row, double gap, double half,
-                      double h);
+double releaseImpulse(const Compliance& give, double before, const SpringRow& row, double gap,
+                      double half, double h);
 
 /// [N s/m] of the damper over h [s]: never so much that it would throw back.
 double effectiveDamping(const Compliance& give, double h, double answer);

@@ -46,20 +46,28 @@ bool cutShort(Island& island, double time, double h, Trial& trial) {
   return whole && solvePositions(island, time, trial.contacts);
 }
 
-/// Moves to what is reached first and takes its impact.
+/// Moves to what is reached first and takes its impact. What a motion over h tells of its time may
+/// leave it open: what else is hit then would not count it as touching.
 Trial moveToImpact(Island& island, const Impact& impact, double h) {
   takeImpact(island, impact);
   Trial trial{std::max(impact.time, kSnap * h)};
-  const double damping = trial.took - 0.5 * h;
   if (!(impact.time > 0)) {
-    dampWithin(island, damping);
+    dampWithin(island, trial.took - 0.5 * h);
     restoreAfterImpact(island, bounce(island), h);
     return trial;
   }
-  trial.ok = cutShort(island, impact.time, h, trial);
+  double time = impact.time;
+  trial.ok = cutShort(island, time, h, trial);
+  for (int i = 0; i < kRefinements && trial.ok; ++i) {
+    const double again = std::min(impactAgain(island, time), h);
+    if (again == time) break;
+    time = again;
+    trial.ok = cutShort(island, time, h, trial);
+  }
   if (!trial.ok) return trial;
+  trial.took = std::max(time, kSnap * h);
   const VelocitySolution solution =
-      finishMotion(island, impact.time, true, Stage::kImpact, damping);
+      finishMotion(island, time, true, Stage::kImpact, trial.took - 0.5 * h);
   trial.defect = solution.defect;
   restoreAfterImpact(island, solution, h);
   return trial;

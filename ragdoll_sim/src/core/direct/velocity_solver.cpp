@@ -18,7 +18,7 @@ namespace {
 
 using Kind = Schur::Row::Kind;
 
-void buildTouchingRows(Body& body, double h) {
+void buildTouchingRows(Body& body) {
   Schur& schur = body.memory->schur;
   schur.start(body.first);
   for (std::size_t i = 0; i < body.touching.contacts.size(); ++i) {
@@ -27,12 +27,9 @@ void buildTouchingRows(Body& body, double h) {
     if (body.touching.contacts[i].isSoft()) schur.give(row);
   }
   for (std::size_t i = 0; i < body.touching.limits.size(); ++i) {
-    const LimitRow& limit = body.touching.limits[i];
-    if (limit.compliance == 0)
-      schur.addLimit(limit, static_cast<int>(i), 0);
-    else  // the damper may take back what the spring gave, no more: the two together only push
-      schur.addLimit(limit, static_cast<int>(i), 2 / (h * limit.damping),
-                     -0.5 * h * limit.springTorque());
+    const int row = schur.size();
+    schur.addLimit(body.touching.limits[i], static_cast<int>(i));
+    if (body.touching.limits[i].isSoft()) schur.give(row);
   }
   body.constraints.own_rows = schur.size();
 }
@@ -104,7 +101,7 @@ void lockHitLimits(Body& body) {
     const LimitRow& limit = set.limits[i];
     const bool touched =
         !set.limit_hit[i] && limit.before < body.context->tolerances.touching_angle;
-    if (limit.compliance > 0 || touched) continue;
+    if (limit.isSoft() || touched) continue;
     body.memory->schur.lock(row);
     set.warm[row] = 0;
   }
@@ -146,21 +143,20 @@ void evaluateRates(const Body& body, const Vec3& turn, Eigen::Ref<Eigen::VectorX
     b[i] = schur.along(i, body.vData());
 }
 
-/// Of an impact, from the rates before it; springs of limits do not take part.
+/// Of an impact, from the rates before it.
 void evaluateImpact(Body& body, bool bounces, Eigen::Ref<Eigen::VectorXd> b) {
   Schur& schur = body.memory->schur;
   evaluateContactImpacts(*body.context, body.touching, schur, 0,
                          bounces && body.located <= kMaxLocated, b);
-  for (int i = firstLimitRow(body); i < body.constraints.own_rows; ++i)
-    schur.lock(i, schur.row(i).compliance > 0);
+  for (int i = firstLimitRow(body); i < body.constraints.own_rows; ++i) schur.lock(i, false);
 }
 
 /// [N s] of a spring whose row is `row`: what it gave to positions it gives to velocities, or what
 /// is left of its last. Implicit steps have given all. gap: [m] at the motion's end.
-double springImpulse(const Contact& c, const SpringRow& spring, double gap, const RowValues& total,
-                     int row, double h) {
+double springImpulse(const Compliance& give, double before, const SpringRow& spring, double gap,
+                     const RowValues& total, int row, double h) {
   const double half = row < total.size() ? total[row] / h : 0;
-  const double last = releaseImpulse(c, spring, gap, half, h);
+  const double last = releaseImpulse(give, before, spring, gap, half, h);
   return last > 0 ? last - half : half;
 }
 
@@ -184,7 +180,7 @@ void keepTouching(const Owner& owner, const StepContext& step, const ContactSet&
     double spring = 0;
     if (c.isSoft()) {
       if (!leapfrog || !(h > 0) || row < 0) continue;
-      spring = springImpulse(c, set.springs[i], gapAfter(owner, c), total, row, h);
+      spring = springImpulse(c.give, c.before, set.springs[i], gapAfter(owner, c), total, row, h);
       if (!(spring > 0)) continue;
     } else if (gapAfter(owner, c) >= step.tolerances.touching && !hit) {
       continue;
@@ -197,21 +193,28 @@ void keepTouching(const Owner& owner, const StepContext& step, const ContactSet&
   }
 }
 
-void keepTouchingLimits(Body& body, double h) {
+void keepTouchingLimits(Body& body, double h, bool leapfrog) {
   const ConstraintSet& set = body.constraints;
   if (set.limits.empty()) return;
   LimitAngles::Pose& angles = anglesAfter(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];
-    if (limit.compliance > 0) continue;
-    if (angles.isBeyond(limit.limit, body.context->tolerances.touching_angle - limit.opening) &&
-        set.limit_role[i] != Role::kHit)
+    const int row = h > 0 && i < set.limit_row.size() ? set.limit_row[i] : -1;
+    double warm = row >= 0 && row < body.total.size() ? body.total[row] / h : 0.0;
+    if (limit.isSoft()) {
+      if (!leapfrog || row < 0) continue;
+      warm = springImpulse(limit.give(), limit.before, set.limit_springs[i], angles[limit.limit],
+                           body.total, row, h);
+      if (!(warm > 0)) continue;
+    } else if (set.limit_role[i] != Role::kHit &&
+               angles.isBeyond(limit.limit,
+                               body.context->tolerances.touching_angle - limit.opening)) {
       continue;
+    }
     body.touching.limits.push_back(limit);
     body.touching.limit_hit.push_back(set.limit_role[i] == Role::kHit);
     angles.evaluate(body.touching.limits.back());
-    const int row = h > 0 && i < set.limit_row.size() ? set.limit_row[i] : -1;
-    body.touching.warm.push_back(row >= 0 && row < body.total.size() ? body.total[row] / h : 0.0);
+    body.touching.warm.push_back(warm);
   }
 }
 
@@ -362,24 +365,7 @@ bool touches(const Island& island) {
 void findTouching(Body& body, double h, bool leapfrog) {
   body.touching.clear();
   keepTouching(body, *body.context, body.constraints, body.total, h, leapfrog, body.touching);
-  keepTouchingLimits(body, h);
-}
-
-void releaseSprings(Body& body, double h) {
-  for (const LimitRow& row : body.constraints.limits) {
-    if (row.compliance == 0) continue;
-    LimitRow limit = row;
-    anglesAfter(body).evaluate(limit);
-    const double torque = limit.springTorque();
-    if (torque == 0) continue;
-    for (int k = 0; k < limit.count; ++k)
-      body.memory->response.push(limit.particle[k] - body.first,
-                                 (0.5 * h * torque) * limit.gradient[k], body.v());
-    if (limit.damping == 0) continue;
-    body.touching.limits.push_back(limit);
-    body.touching.limit_hit.push_back(0);
-    body.touching.warm.push_back(0);
-  }
+  keepTouchingLimits(body, h, leapfrog);
 }
 
 double leapfrogDefect(const Island& island, double h) {
@@ -424,7 +410,7 @@ VelocitySolution solveVelocities(Island& island, Stage stage, double h, double d
     return solution;
   }
   for (Body* body : island.bodies) {
-    buildTouchingRows(*body, h);
+    buildTouchingRows(*body);
     joint.addBody(body->memory->schur);
   }
   const int first_pair = joint.size();

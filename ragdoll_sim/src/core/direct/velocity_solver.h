@@ -19,9 +19,6 @@ enum class Stage {
 /// so that velocities get as much again.
 void findTouching(Body& body, double h, bool leapfrog = true);
 
-/// Springs of soft limits act on velocities; those with a damper join what touches.
-void releaseSprings(Body& body, double h);
-
 /// What the last solution of velocities came to. Until the next one.
 struct VelocitySolution {
   /// [N s] by the rows of island.s.joint; null: nothing touches.

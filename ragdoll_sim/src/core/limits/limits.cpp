@@ -231,16 +231,6 @@ LimitRow::Softness LimitRow::eulerSoftness(double h) const {
   return {1 / (h * h * (spring + damper)), -damper / (spring + damper) * start};
 }
 
-LimitRow::Softness LimitRow::middleSoftness(double h) const {
-  if (compliance == 0) return {};
-  const double spring = 0.5 / compliance, damper = damping / h;
-  return {2 / (h * h * (spring + damper)), (spring - damper) / (spring + damper) * start};
-}
-
-double LimitRow::springTorque() const {
-  return compliance == 0 ? 0 : std::max(0.0, -0.5 * (start + value) / compliance);
-}
-
 void keepAllowed(const Model& model, State& state) {
   Eigen::Index column = 0;
   for (std::size_t i = 0; i < model.ragdolls.size(); ++i)

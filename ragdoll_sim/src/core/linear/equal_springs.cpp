@@ -21,7 +21,7 @@ bool EqualSprings::collect(const std::vector<SchurBlock>& blocks, const double* 
   bool any_slides = false;
   for (const SchurBlock& block : blocks) {
     const double* now = p + block.row;
-    if (!(block.answer > 0) || !(now[0] > block.least)) continue;
+    if (!(block.answer > 0) || !(now[0] > 0)) continue;
     const bool sliding = slides(block, now);
     any_slides = any_slides || sliding;
     rows_.push_back({block.row, 1 / std::sqrt(block.own[0]), true, sliding});

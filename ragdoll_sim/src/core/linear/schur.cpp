@@ -32,13 +32,11 @@ void Schur::addContact(const Contact& c, int source, int begin, int end) {
   }
 }
 
-void Schur::addLimit(const LimitRow& limit, int source, double compliance, double least) {
+void Schur::addLimit(const LimitRow& limit, int source) {
   Row& row = now_.rows.emplace_back();
   row.kind = Row::Kind::kLimit;
   row.source = source;
   row.count = limit.count;
-  row.compliance = compliance;
-  row.least = least;
   for (int k = 0; k < limit.count; ++k) {
     row.particle[k] = limit.particle[k] - first_;
     row.gradient[k] = limit.gradient[k];

@@ -2,8 +2,7 @@
 //
 // The sticks are eliminated exactly, A = J_c (W - W J_s^T (J_s W J_s^T)^-1 J_s W) J_c^T, and
 // projected Gauss-Seidel [Moreau1988], [Cottle1992, ch. 5] finds impulses p of w = b + A p with
-//   normal and limit rows:  p >= 0, w >= 0, p w = 0 (or p >= least <= 0 and p - least in its
-//   place);
+//   normal and limit rows:  p >= 0, w >= 0, p w = 0;
 //   tangent rows:           |p_t| <= mu p_n, against the slip: the isotropic Coulomb disc, no
 //   pyramid.
 // Works on displacements (b: gaps [m], slips [m]) and on velocities (b: rates) alike.
@@ -42,7 +41,6 @@ struct Sweeping {
 struct SchurBlock {
   int row = 0;                ///< its first
   bool has_tangents = false;  ///< and two rows of friction after it
-  double least = 0;           ///< of the first impulse
   double friction = 0;
   double own[3] = {0, 0, 0};   ///< A's diagonal
   double across[2] = {0, 0};   ///< of A: first row, tangents
@@ -67,7 +65,6 @@ class Schur {
     std::array<Vec3, kMaxParticles> gradient;
     Vec3 direction = Vec3::Zero();  ///< contact: of the impulse, unit
     double compliance = 0;          ///< added to A's diagonal
-    double least = 0;               ///< limit rows: of the impulse
     double friction = 0;            ///< normal rows: of the two tangent rows that follow
     bool locked = false;            ///< its impulse stays as it is
     bool given = false;             ///< the same, but its friction is solved for
@@ -93,7 +90,7 @@ class Schur {
   }
   /// The part of a contact that its particles begin ... end - 1, this body's, have in it.
   void addContact(const Contact& contact, int source, int begin, int end);
-  void addLimit(const LimitRow& limit, int source, double compliance, double least = 0);
+  void addLimit(const LimitRow& limit, int source);
   bool empty() const { return now_.rows.empty(); }
   int size() const { return static_cast<int>(now_.rows.size()); }
   const Row& row(int i) const { return now_.rows[i]; }

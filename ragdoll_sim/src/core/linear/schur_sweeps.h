@@ -27,7 +27,6 @@ void findBlocks(const Rows& rows, std::vector<SchurBlock>& blocks) {
     if (row.kind == Schur::Row::Kind::kTangent || row.locked) continue;
     SchurBlock b;
     b.row = i;
-    b.least = row.least;
     b.friction = row.friction;
     b.own[0] = rows.matrix(i, i);
     if (moves(i) && !row.given) b.answer = 1 / b.own[0];
@@ -99,7 +98,7 @@ RAGDOLL_INLINE bool projectedGaussSeidel(Rows& rows, Blocks& blocks, double* p, 
         largest = std::max(largest, std::abs(value) * b.own[k]);
         change = std::max(change, std::abs(step[k]) * b.own[k]);
       };
-      if (b.answer > 0) set(0, std::max(b.least, now[0] - rows.rate(b.row) * b.answer));
+      if (b.answer > 0) set(0, std::max(0.0, now[0] - rows.rate(b.row) * b.answer));
       if (!b.has_tangents) {
         if (step[0] != 0) rows.push(b.row, 1, step);
         continue;

@@ -10,7 +10,7 @@ void SweepBatches::putAllowed(const std::vector<SchurBlock>& blocks, RowValues& 
   for (const SchurBlock& block : blocks) {
     double* now = p.data() + block.row;
     put(block.row);
-    now[0] = std::max(block.least, now[0]);
+    now[0] = std::max(0.0, now[0]);
     if (!block.has_tangents) continue;
     put(block.row + 1);
     put(block.row + 2);

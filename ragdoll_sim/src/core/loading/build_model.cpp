@@ -50,7 +50,8 @@ Obstacle resolve(const ObstacleSpec& o) {
   Obstacle out;
   out.type = o.type;
   out.pose = {o.pose.position, o.pose.orientation.normalized()};
-  out.radius = o.radius;
+  const bool is_round = o.type == Type::kSphere || o.type == Type::kCapsule;
+  out.radius = is_round ? o.radius : 0;
   out.friction = o.friction;
   out.restitution = o.restitution;
   out.frame = o.frame;

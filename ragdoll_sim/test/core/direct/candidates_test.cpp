@@ -65,7 +65,7 @@ TEST(Candidates, BecomeActiveOnceViolated) {
   body.motion.dx.setZero(3, 1);
   findCandidates(body, one.h);
   ASSERT_EQ(body.constraints.contacts.size(), 1U);
-  buildRows(body, one.h, true);  // none: it is not near enough
+  buildRows(body, true);  // none: it is not near enough
   EXPECT_FALSE(activateViolated(body));
   body.motion.dx(2, 0) = -6e-3;
   EXPECT_TRUE(activateViolated(body));

@@ -15,7 +15,7 @@ struct BallOverFloor : DirectIsland {
   explicit BallOverFloor(double gap, double friction = 0.5) : DirectIsland(scene(gap, friction)) {
     body().motion.dx.setZero(3, 1);
     findCandidates(body(), h);
-    buildRows(body(), h, true);
+    buildRows(body(), true);
     body().total.setZero(body().constraints.own_rows);
   }
   Eigen::VectorXd gaps() {
@@ -73,7 +73,7 @@ struct Crossed : DirectIsland {
     for (Body* body : island.bodies) body->motion.dx.setZero(3, 2);
     findCandidates(island, h);
     island.pairs.role.assign(island.pairs.contacts.size(), Role::kIfNear);
-    buildRows(island, h, true);
+    buildRows(island, true);
     for (Body* body : island.bodies) body->total.setZero(body->constraints.own_rows);
     island.s.total.setZero(island.s.joint.size());
     evaluateGaps(island, h, island.s.b);

@@ -27,7 +27,8 @@ TEST(Spring, RowIsZeroWhereItsForceIs) {
   for (const double before : {-0.01, 0.02}) {
     const Contact c = springContact(before);
     const double start = std::min(before, 0.0);
-    const SpringRow middle = springRow(c, h, kAnswer, true), end = springRow(c, h, kAnswer, false);
+    const SpringRow middle = springRow(c.give, c.before, h, kAnswer, true),
+                    end = springRow(c.give, c.before, h, kAnswer, false);
     const double gap_middle = -middle.slack(0, p), gap_end = -end.slack(0, p);
     const double damping = effectiveDamping(c.give, h, kAnswer);
     EXPECT_NEAR(p,
@@ -48,7 +49,7 @@ TEST(Spring, DamperIsOfSecondOrderInTheStep) {
 
 /// Gap and rate of a free mass on it after a step of leapfrog.
 Eigen::Vector2d stepped(double gap, double rate, double damping, double h) {
-  const SpringRow row = springRow(springContact(gap, damping), h, kAnswer, true);
+  const SpringRow row = springRow(springContact(gap, damping).give, gap, h, kAnswer, true);
   const double free = gap + h * rate, p = -row.slack(free, 0) / (kAnswer + row.compliance);
   return {free + kAnswer * p, rate + 2 / h * kAnswer * p};
 }
@@ -70,17 +71,19 @@ TEST(Spring, LetsGoWithTheEnergyThatItHeld) {
   const double h = 0.02, before = -0.01, half = 0.1;
   for (const double damping : {0.0, kDamping}) {
     const Contact c = springContact(before, damping);
-    const SpringRow row = springRow(c, h, kAnswer, true);
+    const SpringRow row = springRow(c.give, c.before, h, kAnswer, true);
     const double rate = 0.6, gap = before + h * (rate + kAnswer * half);
     const double force = -kStiffness * before - damping * rate;
     ASSERT_TRUE(gap > 0 && force > 0);
-    const double after = rate + kAnswer * releaseImpulse(c, row, gap, half, h);
+    const double after = rate + kAnswer * releaseImpulse(c.give, c.before, row, gap, half, h);
     EXPECT_NEAR(0.5 * kSprungMass * (after * after - rate * rate), 0.5 * force * force / kStiffness,
                 1e-14);
   }
-  const SpringRow row = springRow(springContact(before), h, kAnswer, true);
-  EXPECT_EQ(releaseImpulse(springContact(before), row, -0.005, half, h), 0) << "still pressed";
-  EXPECT_EQ(releaseImpulse(springContact(0.01), row, 0.02, half, h), 0) << "never pressed";
+  const SpringRow row = springRow(springContact(before).give, before, h, kAnswer, true);
+  EXPECT_EQ(releaseImpulse(springContact(before).give, before, row, -0.005, half, h), 0)
+      << "still pressed";
+  EXPECT_EQ(releaseImpulse(springContact(0.01).give, 0.01, row, 0.02, half, h), 0)
+      << "never pressed";
 }
 
 /// A mass that meets a spring and a damper under a constant force, in closed form.
