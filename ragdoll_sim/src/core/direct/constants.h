@@ -51,8 +51,6 @@ constexpr int kMaxSubsteps = 16;  ///< above, one implicit step is cheaper
 /// smooth motion, whose energy should neither rise nor fall, in kinetic energy and a fall of 1 m
 /// together: limbs that turn back have none of the first. Double: energy of piles rises x1.7.
 constexpr double kRedoGain = 3e-4;
-constexpr double kAllButRests = 1e-3;  ///< [J] kinetic, on springs:
-constexpr double kLeftAtRest = 1e-7;   ///< [J] there; ten times: bodies at rest gain 5e-5 J, not 2e-5
 /// Of the kinetic energy: more than friction between limbs gives back in a step.
 constexpr double kMostGiven = 0.01;
 

@@ -284,7 +284,7 @@ bool removeEnergy(Island& island, double gain, double took) {
   const double moves = kineticEnergyOf(island);
   // What all but rests on springs has no motion that it could be taken out of in the next step.
   const bool springs = island.context.model.compliant && !island.context.relaxed;
-  if (springs && moves < kAllButRests && left > kLeftAtRest) return false;
+  if (springs && moves < kRedoGain && left > kRedoGain * moves + kLeastGain) return false;
   double energy = std::max(1.0, moves);  // without what was gained
   if (left <= kRedoGain * energy) return true;
   for (Body* body : island.bodies) energy += kineticEnergyBefore(*body);
