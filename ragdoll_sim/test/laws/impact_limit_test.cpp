@@ -1,6 +1,7 @@
 // Impacts beside what lies somewhere: `shake` meets the limit that `rk` finds from event to event.
 #include <gtest/gtest.h>
 
+#include <initializer_list>
 #include <memory>
 
 #include "ragdoll_sim/io/scene_yaml.h"
@@ -17,6 +18,10 @@ class LimitOfImpacts {
   }
   double distance(double rate) const {
     return largest(endOfImpacts(scene_, Method::kShake, 1 / rate, seconds_) - exact_);
+  }
+  /// At most `most` [m/s^2] / rate^2, at each of the rates [Hz].
+  void expectSecondOrder(double most, std::initializer_list<double> rates) const {
+    for (const double rate : rates) EXPECT_LT(distance(rate), most / (rate * rate)) << rate;
   }
 
  private:
@@ -44,8 +49,7 @@ ragdolls:
 obstacles: [{type: plane, friction: 0}]
 )",
                              0.16);
-  for (const double rate : {250.0, 500.0, 1000.0, 4000.0})
-    EXPECT_LT(limit.distance(rate), 2 / (rate * rate)) << rate;
+  limit.expectSecondOrder(2, {250.0, 500.0, 1000.0, 4000.0});
 }
 
 /// Two rods that glance off each other and slide, in the air and while the floor throws one up.
@@ -70,8 +74,7 @@ ragdolls:
 obstacles: [{type: plane, friction: 0.7, restitution: 0.8}]
 )",
                              0.24);
-  for (const double rate : {250.0, 500.0, 1000.0, 4000.0})
-    EXPECT_LT(limit.distance(rate), 2 / (rate * rate)) << rate;
+  limit.expectSecondOrder(2, {250.0, 500.0, 1000.0, 4000.0});
 }
 
 /// Rods at 6 degrees meet where they cross, not where their ends are nearest.
@@ -89,8 +92,7 @@ ragdolls:
       radius: 0.03}, q: {position: [0.3486, 0.0261, 0.0803], mass: 1, radius: 0.03}}}
 )",
                              0.1);
-  for (const double rate : {250.0, 1000.0, 4000.0})
-    EXPECT_LT(limit.distance(rate), 0.01 / (rate * rate)) << rate;
+  limit.expectSecondOrder(0.01, {250.0, 1000.0, 4000.0});
 }
 
 /// A rod falls across one that lies, at 8 degrees: their crossing is far from where it was a step
@@ -111,8 +113,7 @@ ragdolls:
 obstacles: [{type: plane, friction: 0.5}]
 )",
                              0.14);
-  for (const double rate : {500.0, 1000.0, 4000.0})
-    EXPECT_LT(limit.distance(rate), 4 / (rate * rate)) << rate;
+  limit.expectSecondOrder(4, {500.0, 1000.0, 4000.0});
 }
 
 /// A blow bends a joint onto a spring and a damper: where they are reached, from which way they
@@ -135,8 +136,7 @@ ragdolls:
 obstacles: [{type: sphere, position: [0.31, -0.15, 0], radius: 0.1}]
 )",
                              0.1);
-  for (const double rate : {250.0, 1000.0, 4000.0})
-    EXPECT_LT(limit.distance(rate), 80 / (rate * rate)) << rate;
+  limit.expectSecondOrder(80, {250.0, 1000.0, 4000.0});
 }
 
 /// A ball that a poke throws on a box: a particle has no angular momentum that could be lost on the
@@ -188,8 +188,7 @@ ragdolls:
 obstacles: [{type: capsule, from: [0.03, -0.8, -0.2], to: [-0.05, 0.9, -0.2], radius: 0.2, friction: 0}]
 )",
                              0.24);
-  for (const double rate : {500.0, 1000.0, 2000.0, 4000.0, 8000.0})
-    EXPECT_LT(limit.distance(rate), 5 / (rate * rate)) << rate;
+  limit.expectSecondOrder(5, {500.0, 1000.0, 2000.0, 4000.0, 8000.0});
 }
 
 /// In steps of 4 ms it ends 15 us after the impact: before the floor's share, free motions end
@@ -205,8 +204,7 @@ ragdolls:
 obstacles: [{type: box, position: [0.1, 0, -0.15], size: [0.9, 1.1, 0.3], friction: 0.777}]
 )",
                              0.14);
-  for (const double rate : {250.0, 500.0, 1000.0, 2000.0})
-    EXPECT_LT(limit.distance(rate), 12 / (rate * rate)) << rate;
+  limit.expectSecondOrder(12, {250.0, 500.0, 1000.0, 2000.0});
 }
 
 /// A ball rolls against a rod, and sticks to it: the floor presses with nothing in the impact, but
@@ -222,8 +220,7 @@ ragdolls:
 obstacles: [{type: plane, friction: 0}]
 )",
                              0.14);
-  for (const double rate : {250.0, 300.0, 600.0, 1000.0, 1200.0, 3000.0})
-    EXPECT_LT(limit.distance(rate), 0.1 / (rate * rate)) << rate;
+  limit.expectSecondOrder(0.1, {250.0, 300.0, 600.0, 1000.0, 1200.0, 3000.0});
 }
 
 /// A ball throws a rod off two smooth spheres. What they held together while the spheres pressed

@@ -152,14 +152,13 @@ bool StepParts::isSmooth(const StepReport& part,
 }
 
 bool StepParts::hasSprings() const {
-  const auto isSoft = [](const Contact& c) { return c.isSoft(); };
-  const auto gives = [](const LimitRow& limit) { return limit.compliance > 0; };
+  const auto isSoft = [](const auto& spring) { return spring.isSoft(); };
   const auto& pairs = island_.pairs.contacts;
   return std::any_of(pairs.begin(), pairs.end(), isSoft) ||
          std::any_of(island_.bodies.begin(), island_.bodies.end(), [&](const Body* body) {
            const ConstraintSet& set = body->constraints;
            return std::any_of(set.contacts.begin(), set.contacts.end(), isSoft) ||
-                  std::any_of(set.limits.begin(), set.limits.end(), gives);
+                  std::any_of(set.limits.begin(), set.limits.end(), isSoft);
          });
 }
 
@@ -170,8 +169,8 @@ double StepParts::kick(double part) const {
     const int first = whole_.model.ragdolls[i].first;
     const Vec3 fallen = part * whole_.model.gravity;
     for (int k = 0; k < start.v.cols(); ++k)
-      most = std::max(most,
-                      (whole_.state.v.col(first + k) - start.v.col(k) - fallen).squaredNorm());
+      most =
+          std::max(most, (whole_.state.v.col(first + k) - start.v.col(k) - fallen).squaredNorm());
   }
   return std::sqrt(most);
 }

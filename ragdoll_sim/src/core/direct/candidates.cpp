@@ -45,7 +45,7 @@ void startContacts(const Owner& owner, ContactSet& set, double h) {
 
 void startLimit(Body& body, LimitAngles::Pose& before, LimitRow& limit, double h) {
   limit.before = before[limit.limit];
-  if (limit.compliance > 0)
+  if (limit.isSoft())
     limit.start = std::min(0.0, limit.before);
   else
     limit.opening = allowedViolation(limit, {h, h, body.context->h}, body.overlaps);
@@ -223,7 +223,7 @@ void limitDepenetration(Body& body, double h, double substep) {
   const MotionSpan span{h, substep, body.context->h};
   for (Contact& c : body.constraints.contacts) setOffset(body, c, span);
   for (LimitRow& limit : body.constraints.limits)
-    if (limit.compliance == 0) limit.opening = allowedViolation(limit, span, body.overlaps);
+    if (!limit.isSoft()) limit.opening = allowedViolation(limit, span, body.overlaps);
 }
 
 void limitDepenetration(Island& island, double h, double substep) {

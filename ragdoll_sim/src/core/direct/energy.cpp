@@ -46,7 +46,7 @@ double releasedByContacts(Body& body, double took) {
 double releasedEnergy(Body& body, double took) {
   double released = releasedByContacts(body, took);
   for (const LimitRow& limit : body.constraints.limits) {
-    if (limit.compliance == 0) continue;
+    if (!limit.isSoft()) continue;
     const double value = std::min(0.0, anglesBefore(body)[limit.limit]);
     released += (limit.start * limit.start - value * value) / (2 * limit.compliance);
   }
@@ -90,7 +90,7 @@ double releasedByPairs(Island& island, const std::vector<Body*>& bodies) {
 
 bool isSmooth(const Body& body) {
   const auto presses = [&body](const LimitRow& limit) {
-    return limit.compliance == 0 &&
+    return !limit.isSoft() &&
            std::abs(limit.before) < body.context->tolerances.touching_angle;
   };
   const auto touches = [&body](const CachedImpulse& impulse) {
@@ -142,7 +142,7 @@ double mendingOf(const Body& body) {
   if (!body.isWhole()) return body.rows->scale;
   double mending = body.constraints.overlap;
   for (const LimitRow& limit : body.constraints.limits)
-    if (limit.compliance == 0) mending = std::max(mending, -limit.before * body.rows->scale);
+    if (!limit.isSoft()) mending = std::max(mending, -limit.before * body.rows->scale);
   return mending;
 }
 

@@ -46,34 +46,31 @@ void evaluateContactGaps(const Owner& owner, const ContactSet& set, const Rows& 
   }
 }
 
-template <class Rows>
-bool softenContacts(ContactSet& set, Rows& rows, double h, bool leapfrog) {
+/// springs <- those of what gives way, contacts or limits. giveOf(one of all): its Compliance.
+template <class All, class Rows, class GiveOf>
+bool softenRows(const All& all, const Roomy<int>& row_of, Rows& rows, double h, bool leapfrog,
+                const GiveOf& giveOf, Roomy<SpringRow>& springs) {
   bool any = false;
-  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
-    const int row = set.row[i];
-    if (row < 0 || !set.contacts[i].isSoft()) continue;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const int row = row_of[i];
+    if (row < 0 || !all[i].isSoft()) continue;
     const double answer = rows.entry(row, row) - rows.row(row).compliance;
-    set.springs[i] = springRow(set.contacts[i].give, set.contacts[i].before, h, answer, leapfrog);
-    rows.soften(row, set.springs[i].compliance);
+    springs[i] = springRow(giveOf(all[i]), all[i].before, h, answer, leapfrog);
+    rows.soften(row, springs[i].compliance);
     any = true;
   }
   return any;
 }
 
-bool softenLimits(Body& body, double h, bool leapfrog) {
-  ConstraintSet& set = body.constraints;
-  Schur& schur = body.memory->schur;
-  bool any = false;
-  for (std::size_t i = 0; i < set.limits.size(); ++i) {
-    const LimitRow& limit = set.limits[i];
-    const int row = set.limit_row[i];
-    if (row < 0 || !limit.isSoft()) continue;
-    const double answer = schur.entry(row, row) - schur.row(row).compliance;
-    set.limit_springs[i] = springRow(limit.give(), limit.before, h, answer, leapfrog);
-    schur.soften(row, set.limit_springs[i].compliance);
-    any = true;
-  }
-  return any;
+template <class Rows>
+bool softenContacts(ContactSet& set, Rows& rows, double h, bool leapfrog) {
+  const auto giveOf = [](const Contact& c) { return c.give; };
+  return softenRows(set.contacts, set.row, rows, h, leapfrog, giveOf, set.springs);
+}
+
+bool softenLimits(ConstraintSet& set, Schur& schur, double h, bool leapfrog) {
+  const auto giveOf = [](const LimitRow& limit) { return limit.give(); };
+  return softenRows(set.limits, set.limit_row, schur, h, leapfrog, giveOf, set.limit_springs);
 }
 
 /// By how much a row is off: violated, and, closed, open while it presses. Left open it might not
@@ -234,7 +231,7 @@ bool soften(Island& island, double h, bool leapfrog) {
     Schur& schur = body->memory->schur;
     if (schur.empty()) continue;
     any = softenContacts(body->constraints, schur, h, leapfrog) || any;
-    any = softenLimits(*body, h, leapfrog) || any;
+    any = softenLimits(body->constraints, schur, h, leapfrog) || any;
   }
   return softenContacts(island.pairs, island.s.joint, h, leapfrog) || any;
 }
