@@ -149,16 +149,16 @@ TEST(EventsOnSoftBodies, BarsThatHoldOnToEachOtherAsTheyTurnLetGoWhereShakeSaysI
       0.048, 5e-5, 3e-6);
 }
 
-/// By more than half of a radius. 2e-4 and 5e-5 m off where what is so deep pushes along the normal
-/// of a step's start alone.
+/// By more than half of a radius. 1.4e-3 and 3.5e-4 m off where what is so deep pushes along the
+/// normal of a step's start alone.
 TEST(EventsOnSoftBodies, ABarThatSinksDeepIntoAnotherIsWhereShakeSaysInTheLimit) {
-  const std::string softer = "{stiffness: 6000}";
+  const std::string softer = "{stiffness: 1000}";
   expectLimitOfShake(
       parseRkScene("ragdolls:\n" + taperedBar("name: one", softer) +
                    taperedBar("name: two, position: [0.15, 0.03, 0.12], rpy_deg: [0, -80, 0], "
-                              "velocity: [0, 0, -2]",
+                              "velocity: [0, 0, -3]",
                               softer)),
-      0.08, 3e-5, 2e-6);
+      0.08, 4e-5, 3e-6);
 }
 
 /// On a bar that is held; from its length on to its end, which is another mode.

@@ -96,7 +96,7 @@ ragdolls:
 }
 
 /// A rod falls across one that lies, at 8 degrees: their crossing is far from where it was a step
-/// before, and the end that is next to touch does not touch yet. 3e-4 m off at 250 Hz, 1.9e-5 m at
+/// before, and the end that is next to touch does not touch yet. 2.7e-4 m off at 500 Hz, 3.5e-5 m at
 /// 4000 Hz if it does.
 TEST(ImpactLimit, OfARodThatFallsAcrossOneThatLies) {
   const LimitOfImpacts limit(R"(
@@ -117,7 +117,7 @@ obstacles: [{type: plane, friction: 0.5}]
 }
 
 /// A blow bends a joint onto a spring and a damper: where they are reached, from which way they
-/// push and where they let go. 3e-4 m off at 1000 Hz, 5e-5 m at 4000 Hz, where one of these is of
+/// push and where they let go. 4e-4 m off at 1000 Hz, 6e-5 m at 4000 Hz, where one of these is of
 /// first order.
 TEST(ImpactLimit, OfALimbThatIsBentOntoASoftLimit) {
   const LimitOfImpacts limit(R"(
