@@ -96,8 +96,8 @@ ragdolls:
 }
 
 /// A rod falls across one that lies, at 8 degrees: their crossing is far from where it was a step
-/// before, and the end that is next to touch does not touch yet. 2.7e-4 m off at 500 Hz, 3.5e-5 m at
-/// 4000 Hz if it does.
+/// before, and the end that is next to touch does not touch yet. 2.7e-4 m off at 500 Hz, 3.5e-5 m
+/// at 4000 Hz if it does.
 TEST(ImpactLimit, OfARodThatFallsAcrossOneThatLies) {
   const LimitOfImpacts limit(R"(
 ragdoll_collision: true
