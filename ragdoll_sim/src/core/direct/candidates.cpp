@@ -105,6 +105,13 @@ void findFiltered(ConstraintSet& set) {
     if (c.gap_start < kFilteredDepth * deepest) set.filtered.push_back(c.obstacle);
 }
 
+/// Whether what touches all along does so elsewhere on its stick in the end.
+bool hasMoved(const Contact& c) {
+  for (int k = 0; k < c.count; ++k)
+    if (std::abs(c.weight[k] - c.start_weight[k]) > kTurned) return true;
+  return false;
+}
+
 /// Whether what touches all along an obstacle at rest, or a limb, has another plane than a motion
 /// over `over` would: it is turned, or seen from the start it lies elsewhere than what touches
 /// there, by more than may be left in such a part of a step, where it becomes a speed.
@@ -112,7 +119,7 @@ void findFiltered(ConstraintSet& set) {
 bool hasOtherPlane(const StepContext& step, const Contact& c, double over) {
   if (!c.touches_at_start || c.isSoft() || !c.surface_motion.isZero(0)) return false;
   const double seen = c.gapAt(step.state.x) + c.offset - c.found;
-  return (c.normal - c.start_normal).norm() > kTurned ||
+  return (c.normal - c.start_normal).norm() > kTurned || hasMoved(c) ||
          std::abs(seen - c.gap_start) > step.tolerances.contact * over / step.h;
 }
 
@@ -140,6 +147,14 @@ void findAnew(Owner& owner, ContactSet& set, double over) {
   appendNear(owner, over, near);
   for (Contact& c : set.contacts)
     if (isOther(c) && takeNearest(near, c)) startContact(owner, c, over, over);
+}
+
+void placeAtStart(const StepContext& step, ContactSet& set) {
+  for (Contact& c : set.contacts) {
+    if (!c.touches_at_start || c.isSoft()) continue;
+    c = c.atStart();
+    c.offset += c.gapAt(step.state.x) - c.gap_start;
+  }
 }
 
 /// Whether one of the same surfaces is among the first `count` contacts.
@@ -217,6 +232,11 @@ void findContactsAnew(Body& body, double over) { findAnew(body, body.constraints
 void findContactsAnew(Island& island, double over) {
   for (Body* body : island.bodies) findContactsAnew(*body, over);
   findAnew(island, island.pairs, over);
+}
+
+void placeAtStart(Island& island) {
+  for (Body* body : island.bodies) placeAtStart(island.context, body->constraints);
+  placeAtStart(island.context, island.pairs);
 }
 
 void limitDepenetration(Body& body, double h, double substep) {

@@ -14,6 +14,9 @@ void findCandidates(Island& island, double h);
 void findContactsAnew(Body& body, double over);
 void findContactsAnew(Island& island, double over);
 
+/// Has what touches at the start as it is there: for velocities before any motion.
+void placeAtStart(Island& island);
+
 /// What may stay of overlaps, anew: motions are cut short to h of their substep.
 void limitDepenetration(Body& body, double h, double substep);
 void limitDepenetration(Island& island, double h, double substep);

@@ -106,7 +106,10 @@ SmoothTrial stopAtImpact(Island& island, double h) {
     if (i + 1 == kRefinements || std::abs(better - until) < kSnap * h) break;
     until = better;
   }
-  if (until > 0) take(body, end);
+  if (until > 0)
+    take(body, end);
+  else
+    placeAtStart(island);
   bounce(island);
   return {std::max(until, kSnap * h), true};
 }

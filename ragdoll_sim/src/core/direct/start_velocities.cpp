@@ -36,6 +36,7 @@ void settle(Island& island) {
     response.projectAtStart(body->vData());
   }
   findCandidates(island, island.context.h);
+  placeAtStart(island);
   for (Body* body : island.bodies)
     for (Contact& c : body->constraints.contacts) c.friction = 0;
   for (Contact& c : island.pairs.contacts) c.friction = kNoFriction;

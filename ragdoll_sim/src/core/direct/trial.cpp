@@ -52,6 +52,7 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
   takeImpact(island, impact);
   Trial trial{std::max(impact.time, kSnap * h)};
   if (!(impact.time > 0)) {
+    placeAtStart(island);
     dampWithin(island, trial.took - 0.5 * h);
     restoreAfterImpact(island, bounce(island), h);
     return trial;
