@@ -33,9 +33,7 @@ class StepParts {
         island_(part_, scratchOf(part_).island),
         bodies_(bodies),
         sleepers_(sleepers) {
-    // Whatever a part's length: it does not tell what else would follow if what counts as touching
-    // were still open.
-    part_.tolerances = tolerancesFor(0);
+    part_.tolerances = tolerancesWithin(whole.model.solver.tolerance * whole.h);
     makeRoom(whole.model, s_.coarse);
     s_.inputs = whole.inputs;
     s_.obstacles = whole.state.obstacles;

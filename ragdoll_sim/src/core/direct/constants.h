@@ -35,7 +35,7 @@ constexpr double kLeastPull = 1;  ///< [m/s^2] where gravity is less: other limb
 /// Of the weight, at kCoarseStep: less friction is not worth a shorter motion where its slip turns.
 /// Two thirds: 6 % more cost of a fall.
 constexpr double kWorthATurn = 0.15;
-constexpr int kMaxLocated = 8;    ///< in one step; later ones press over their whole substep
+constexpr int kMaxLocated = 8;  ///< in one step; later ones press over their whole substep
 
 // --- Step guard (substep_control.h).
 /// h Omega of a substep; 2: the edge of stability. Half: x1.2 cost; double: energy rises x4, of
@@ -100,8 +100,8 @@ constexpr double kDoubling = 3;       ///< 2^2 - 1: the difference over the halv
 /// Of contacts and sticks in turn. Half: nothing but 7 % less cost; double: 3 % more.
 constexpr int kMaxRounds = 6;
 constexpr int kImplicitRounds = 2 * kMaxRounds;  ///< implicit steps start farther off
-constexpr int kRecoverySweeps = 60;          ///< of relaxation, where Newton's method fails
-constexpr int kMaxSearches = 3;              ///< for contacts that others push the body into
+constexpr int kRecoverySweeps = 60;              ///< of relaxation, where Newton's method fails
+constexpr int kMaxSearches = 3;                  ///< for contacts that others push the body into
 constexpr int kMaxInVain = 2;                ///< in a row: the motion has a jump or a fork there
 constexpr int kMaxUnknown = 2 * kMaxInVain;  ///< where the guard acts, or nothing is found
 constexpr int kMaxShortenings = 30;          ///< of a rigid motion that touches
@@ -113,7 +113,8 @@ constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into s
 constexpr double kFilteredDepth = 0.5;
 
 // --- Not tuned: rounding, in single stages.
-constexpr double kFinestShare = 1e-4;        ///< of tolerances in short steps: rounding is near
+/// Of tolerances in short steps: rounding is near. Of a part's error: what touches.
+constexpr double kFinestShare = 1e-4;
 constexpr double kPartEnd = 1e-12;           ///< of a step: nearer to its ends is there
 constexpr double kAbout = 0.01;              ///< of a substep: less longer or shorter is as long
 constexpr double kPositionRounding = 4e-15;  ///< relative, with some room

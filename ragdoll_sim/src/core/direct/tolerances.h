@@ -12,4 +12,8 @@ struct Tolerances {
 
 Tolerances tolerancesFor(double h);
 
+/// In parts of a step that may err by so much [m] in all. Of parts of any length alike: they do not
+/// tell what else would follow if what counts as touching were still open.
+Tolerances tolerancesWithin(double error);
+
 }  // namespace ragdoll

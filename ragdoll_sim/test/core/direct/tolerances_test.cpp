@@ -16,5 +16,13 @@ TEST(Tolerances, FollowTheSquareOfTheStep) {
   EXPECT_GT(tolerancesFor(1e-8).contact, 0);
 }
 
+/// What parts may err by bounds them, but for coarse steps and where rounding is near.
+TEST(Tolerances, ShrinkWithWhatAPartMayErrBy) {
+  EXPECT_NEAR(tolerancesWithin(1e-3).contact, 1e-8, 1e-20);
+  EXPECT_NEAR(tolerancesWithin(1e-3).touching, 1e-7, 1e-20);
+  EXPECT_EQ(tolerancesWithin(1).contact, tolerancesFor(1).contact);
+  EXPECT_EQ(tolerancesWithin(1e-9).touching, tolerancesFor(0).touching);
+}
+
 }  // namespace
 }  // namespace ragdoll
