@@ -205,6 +205,62 @@ TEST(Tolerance, TellsANarrowGapFromNone) {
     }
 }
 
+/// [1] How many times the tolerance a scene's error after `seconds` is, from steps of 1/60 s; the
+/// reference goes through events.
+double timesTheTolerance(const char* text, Method method, double tolerance, double seconds) {
+  const Scene scene = parseScene(text);
+  Scene exact = scene;
+  exact.solver.events = true;
+  const Points reference = runOf(exact, Method::kRk, 1.0 / 3840, 0, seconds).x;
+  const Points end = runOf(scene, method, 1.0 / 60, tolerance, seconds).x;
+  return distance(end, reference) / (tolerance * seconds);
+}
+
+/// A ball that is thrown at a sphere hits it elsewhere than along the chord of its way in the step:
+/// 143 times the tolerance off at 1e-5 m/s if it does not, and not told.
+TEST(Tolerance, IsKeptWhereTheWayToWhatIsHitIsCurved) {
+  const char* const kBall = R"(
+ragdolls:
+  - {position: [0.06, 0, 0.3537], velocity: [1, 0, -1],
+     model: {particles: {p: {position: [0, 0, 0], mass: 1, radius: 0.05}}}}
+obstacles: [{type: sphere, position: [0, 0, 0], radius: 0.2, restitution: 0.5, friction: 0.3}]
+)";
+  for (const Method method : {Method::kShake, Method::kRk})
+    for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6})
+      EXPECT_LT(timesTheTolerance(kBall, method, tolerance, 0.15), 3) << tolerance;
+}
+
+/// A rod's tip turns past a floor, 0.1 mm too near to it, within a step of `rk`: 7000 times the
+/// tolerance off at 1e-5 m/s if that is not seen.
+TEST(Tolerance, OfRkIsKeptWhereATipGrazesAFloor) {
+  const char* const kRod = R"(
+gravity: [0, 0, 0]
+ragdolls:
+  - {position: [0, 0, 0.3299], rpy_deg: [0, 30.584, 0], angular_velocity: [0, 10, 0],
+     model: {sticks: [[p, q]], particles: {p: {position: [-0.3, 0, 0], mass: 1, radius: 0.03},
+       q: {position: [0.3, 0, 0], mass: 1, radius: 0.03}}}}
+obstacles: [{type: plane, friction: 0.3, restitution: 0.5}]
+)";
+  for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5})
+    EXPECT_LT(timesTheTolerance(kRod, Method::kRk, tolerance, 0.2), 3) << tolerance;
+}
+
+/// `rk` moves a rod freely to where one end lands, `shake` from there on: halves of the part had
+/// that in common, and it was 7 times the tolerance off at 1e-5 m/s.
+TEST(Tolerance, OfRkIsKeptAfterAnImpactWithinAPart) {
+  const char* const kRod = R"(
+ragdolls:
+  - {position: [0, 0, 0.0823], rpy_deg: [0, -10, 0], velocity: [0.5, 0, -0.6],
+     angular_velocity: [0, 6, 3],
+     model: {sticks: [[p, q]], particles: {p: {position: [0, 0, 0], mass: 1, radius: 0.05},
+       q: {position: [0.4, 0, 0], mass: 2, radius: 0.05}}}}
+obstacles: [{type: plane}]
+solver: {damping: 8}
+)";
+  for (const double tolerance : {1e-4, 1e-5, 1e-6})
+    EXPECT_LT(timesTheTolerance(kRod, Method::kRk, tolerance, 0.1), 3) << tolerance;
+}
+
 /// A ball that a spring throws back, within a step or some of them: its force is gone at both ends
 /// of what it acts in.
 TEST(Tolerance, IsKeptOnASpringThatComesAndGoes) {

@@ -175,7 +175,7 @@ int findTouches(const SweptCapsule& first, const SweptCapsule& second, double ma
       time = 0;
       advance(gapAt, travel, time, gap);
       if (gap > std::max(kGapResolution, near)) return 0;
-      if (closes && gap > 0) time = firstTouch(gapAt, time, gap, 1, end);
+      if (start > kResting && gap > 0) time = touchAfter(gapAt, travel, thin, time, gap, end);
     } else if (std::min(start, end) > near) {
       return 0;
     } else if (closes) {

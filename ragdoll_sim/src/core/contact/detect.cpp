@@ -63,7 +63,7 @@ bool particleTouch(const Obstacle& o, const Vec3& p0, const Vec3& p1, double rad
     double s = 0, d = start;
     advance(gap, travel, s, d);
     if (d > std::max(kGapResolution, margin)) return false;
-    if (closes && d > 0) s = firstTouch(gap, s, d, 1, end);
+    if (start > kResting && d > 0) s = touchAfter(gap, travel, radius, s, d, end);
     at = p0 + s * (p1 - p0);
     return true;
   }
@@ -127,7 +127,7 @@ std::optional<Axis> touching(const SweptObstacle& m, const StickCapsule& k, doub
     double s = 0, d = start;
     advance(gapAt, travel, s, d);
     if (d > std::max(kGapResolution, margin)) return std::nullopt;
-    return axisAt(closes && d > 0 ? firstTouch(gapAt, s, d, 1, end) : s);
+    return axisAt(start > kResting && d > 0 ? touchAfter(gapAt, travel, thin, s, d, end) : s);
   }
   if (std::min(start, end) > margin) return std::nullopt;
   return axisAt(closes ? firstTouch(gapAt, 0, start, 1, end) : 1);

@@ -47,6 +47,14 @@ void advance(const Gap& gap, double travel, double& time, double& now) {
   }
 }
 
+/// Where a sweep that may pass through what is `thin` [m], and has stopped at `time` with a gap
+/// `now` > 0, is first in touch; else where it ends, if the rest of its way is too short for that.
+template <class Gap>
+double touchAfter(const Gap& gap, double travel, double thin, double time, double now, double end) {
+  if (end <= 0) return firstTouch(gap, time, now, 1, end);
+  return (1 - time) * travel <= 0.5 * thin ? 1 : time;
+}
+
 /// [m] A gap that is open by less slides or rests: it does not come to touch.
 constexpr double kResting = 1e-6;
 

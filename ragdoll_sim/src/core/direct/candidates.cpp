@@ -137,16 +137,30 @@ bool takeNearest(const std::vector<Contact>& found, Contact& c) {
   return nearest;
 }
 
+/// Whether what is hit has the plane that the whole motion's chord reaches: the way there is
+/// curved.
+bool isHitElsewhere(const StepContext& step, const Contact& c, Role role) {
+  if (role != Role::kHit || c.touches_at_start) return false;
+  return c.obstacle < 0 || step.model.obstacles[c.obstacle].type != ObstacleSpec::Type::kPlane;
+}
+
 template <class Owner>
-void findAnew(Owner& owner, ContactSet& set, double over) {
+void findAnew(Owner& owner, ContactSet& set, double over, double substep) {
   const StepContext& step = contextOf(owner);
-  const auto isOther = [&](const Contact& c) { return hasOtherPlane(step, c, over); };
-  if (std::none_of(set.contacts.begin(), set.contacts.end(), isOther)) return;
+  const auto isOther = [&](std::size_t i) {
+    const Contact& c = set.contacts[i];
+    return hasOtherPlane(step, c, over) || isHitElsewhere(step, c, set.role[i]);
+  };
   std::vector<Contact>& near = set.scratch;
   near.clear();
-  appendNear(owner, over, near);
-  for (Contact& c : set.contacts)
-    if (isOther(c) && takeNearest(near, c)) startContact(owner, c, over, over);
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    if (!isOther(i)) continue;
+    if (near.empty()) appendNear(owner, over, near);
+    Contact& c = set.contacts[i];
+    if (!takeNearest(near, c)) continue;
+    startContact(owner, c, over, over);
+    c.found += (substep - over) / step.h * c.normal.dot(c.surface_motion);
+  }
 }
 
 void placeAtStart(const StepContext& step, ContactSet& set) {
@@ -227,11 +241,13 @@ void findCandidates(Island& island, double h) {
   startContacts(island, island.pairs, h);
 }
 
-void findContactsAnew(Body& body, double over) { findAnew(body, body.constraints, over); }
+void findContactsAnew(Body& body, double over, double substep) {
+  findAnew(body, body.constraints, over, substep);
+}
 
-void findContactsAnew(Island& island, double over) {
-  for (Body* body : island.bodies) findContactsAnew(*body, over);
-  findAnew(island, island.pairs, over);
+void findContactsAnew(Island& island, double over, double substep) {
+  for (Body* body : island.bodies) findContactsAnew(*body, over, substep);
+  findAnew(island, island.pairs, over, substep);
 }
 
 void placeAtStart(Island& island) {

@@ -10,9 +10,10 @@ namespace ragdoll {
 void findCandidates(Body& body, double h);
 void findCandidates(Island& island, double h);
 
-/// Has contacts whose planes are others in a motion that is cut short to `over` as they are then.
-void findContactsAnew(Body& body, double over);
-void findContactsAnew(Island& island, double over);
+/// Has contacts whose planes are others in a motion that is cut short to `over`, of its substep, as
+/// they are then; so has what is hit.
+void findContactsAnew(Body& body, double over, double substep);
+void findContactsAnew(Island& island, double over, double substep);
 
 /// Has what touches at the start as it is there: for velocities before any motion.
 void placeAtStart(Island& island);

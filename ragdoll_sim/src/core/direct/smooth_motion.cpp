@@ -7,6 +7,7 @@
 #include "core/direct/constants.h"
 #include "core/direct/contact_motion.h"
 #include "core/direct/driving.h"
+#include "core/direct/graze.h"
 #include "core/direct/impact.h"
 #include "core/direct/mode_events.h"
 #include "core/direct/motion.h"
@@ -74,7 +75,8 @@ bool pressesInMode(const Body& body) {
   return goesThroughEvents(*body.context) && !body.cache.impulses().empty();
 }
 
-void take(Body& body, const SmoothEnd& end) {
+/// Returns the error [m] of a motion over h in a part of a step.
+double take(Body& body, const SmoothEnd& end, double h) {
   body.cache.clear();
   body.given += end.work;
   body.x() += body.motion.dx;
@@ -84,6 +86,8 @@ void take(Body& body, const SmoothEnd& end) {
   response.setEnd(body.xData());
   response.projectAtEnd(body.vData());
   response.endIsStart();
+  if (!body.context->isPart()) return 0;
+  return rungeKuttaError(response, body.xData(), body.vData(), driveOf(body), h, body.stages);
 }
 
 /// After a motion over h that met something: moves to where that is reached and takes the impact.
@@ -100,36 +104,47 @@ SmoothTrial stopAtImpact(Island& island, double h) {
   for (int i = 0; i < kRefinements && until > 0; ++i) {
     end = integrate(body, until);
     if (!end.ok) return {until, false};
+    findContactsAnew(body, until, h);
     if (body.driven)
       limitDepenetration(body, until, h);  // planes that move are where they are then
     const double better = std::min(impactAgain(body, until), h);
     if (i + 1 == kRefinements || std::abs(better - until) < kSnap * h) break;
     until = better;
   }
+  SmoothTrial trial{std::max(until, kSnap * h)};
   if (until > 0)
-    take(body, end);
+    trial.error = take(body, end, until);
   else
     placeAtStart(island);
   bounce(island);
-  return {std::max(until, kSnap * h), true};
+  return trial;
 }
 
 }  // namespace
 
 SmoothTrial moveSmoothly(Island& island, double h) {
   Body& body = *island.bodies[0];
-  const SmoothEnd end = integrate(body, h);
+  SmoothTrial trial{h};
+  SmoothEnd end = integrate(body, h);
   findCandidates(body, h);
-  if (end.ok && isFree(body) && !pressesInMode(body)) {
-    take(body, end);
-    return {h, true};
+  const bool free = end.ok && isFree(body) && !pressesInMode(body);
+  const double graze = free ? timeOfGraze(body, *end.v, h) : h;
+  if (free && graze == h) {
+    trial.error = take(body, end, h);
+    return trial;
   }
-  int contacts = 0;
-  if (moveThroughEvents(island, h, contacts)) return {h, true, true, contacts};
-  const bool whole = end.ok && integrate(body, h).ok;
-  findCandidates(body, h);
-  if (!whole) return {h, false};
-  return stopAtImpact(island, h);
+  if (moveThroughEvents(island, h, trial.contacts)) {
+    trial.exact = true;
+    return trial;
+  }
+  if (end.ok) end = integrate(body, graze);
+  findCandidates(body, graze);
+  trial.took = graze;
+  trial.ok = end.ok;
+  if (!trial.ok) return trial;
+  if (!free || !isFree(body)) return stopAtImpact(island, graze);
+  trial.error = take(body, end, graze);
+  return trial;
 }
 
 SmoothTrial moveTogether(Island& island, double h) {
@@ -146,10 +161,8 @@ bool moveFreely(Island& island, double h, double& error) {
   Body& body = *island.bodies[0];
   const SmoothEnd end = integrate(body, h);
   findCandidates(body, h);
-  if (!end.ok || !isFree(body)) return false;
-  take(body, end);
-  error = rungeKuttaError(body.memory->response, body.xData(), body.vData(), driveOf(body), h,
-                          body.stages);
+  if (!end.ok || !isFree(body) || timeOfGraze(body, *end.v, h) < h) return false;
+  error = take(body, end, h);
   return std::isfinite(error);
 }
 

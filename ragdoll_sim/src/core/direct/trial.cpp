@@ -41,7 +41,7 @@ bool freeMotions(Island& island, double h) {
 /// The positions at `time` of motions over h that end there. Whether they were found.
 bool cutShort(Island& island, double time, double h, Trial& trial) {
   const bool whole = freeMotions(island, time);
-  findContactsAnew(island, time);
+  findContactsAnew(island, time, h);
   limitDepenetration(island, time, h);
   return whole && solvePositions(island, time, trial.contacts);
 }
@@ -156,7 +156,7 @@ Trial takeExplicitTrial(Island& island, double h) {
   if (solver.method == Method::kRk && (island.isLone() || solver.events)) {
     const SmoothTrial smooth = island.isLone() ? moveSmoothly(island, h) : moveTogether(island, h);
     trial = {smooth.took, smooth.ok, smooth.contacts, smooth.exact};
-    trial.defect = kUnknownRate;
+    trial.defect = smooth.error / kOfDefect;
   }
   if (trial.ok && trial.took == 0) {
     trial = leapfrog(island, h);

@@ -15,8 +15,8 @@ struct Trial {
   bool exact = false;        ///< by rk from event to event
   bool handed_over = false;  ///< rk was asked for, and this is leapfrog
   bool limited = false;      ///< energy was taken out within
-  double turn = 0;    ///< [s] when a slip turned back within (slip_turns.h); 0: none did
-  double defect = 0;  ///< [m] of leapfrog's motion in a part of a step; of others not known
+  double turn = 0;           ///< [s] when a slip turned back within (slip_turns.h); 0: none did
+  double defect = 0;         ///< [m] in a part of a step: leapfrog's, or as much of rk's error
 };
 
 /// By the control's way, over its substep or to the first impact.

@@ -55,7 +55,7 @@ TEST(Candidates, HaveThePlaneOfThePartThatAnImpactLeaves) {
   ASSERT_EQ(body.constraints.contacts.size(), 1U);
   body.motion.dx *= 1e-6;
   EXPECT_NEAR(gapAfter(body, body.constraints.contacts[0]), -1e-5, 1e-6);
-  findContactsAnew(body, 1e-6 * one.h);
+  findContactsAnew(body, 1e-6 * one.h, one.h);
   EXPECT_NEAR(gapAfter(body, body.constraints.contacts[0]), 0, 1e-12);
 }
 

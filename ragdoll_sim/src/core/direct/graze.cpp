@@ -1,0 +1,76 @@
+#include "core/direct/graze.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/direct/constants.h"
+#include "core/direct/contact_motion.h"
+
+namespace ragdoll {
+namespace {
+
+/// [m], [rad] of a gap at both ends of a motion, and its rates there over the motion.
+struct GapEnds {
+  double start, end, start_rate, end_rate;
+
+  /// Of the cubic [Hairer1993, II.6].
+  double at(double share) const {
+    const double left = 1 - share;
+    return left * left * ((1 + 2 * share) * start + share * start_rate) +
+           share * share * ((1 + 2 * left) * end - left * end_rate);
+  }
+};
+
+/// Share of the motion at which a gap that shrinks at its start and grows in the end is smallest.
+double lowest(const GapEnds& gap) {
+  // The derivative a + 2 b s + c s^2 goes from below zero to above it.
+  const double a = gap.start_rate, rise = gap.end - gap.start;
+  const double b = 3 * rise - 2 * gap.start_rate - gap.end_rate;
+  const double c = 3 * (gap.start_rate + gap.end_rate - 2 * rise);
+  return -a / (b + std::sqrt(std::max(0.0, b * b - a * c)));
+}
+
+/// Has the share be that of this gap if it is touched earlier.
+void consider(const GapEnds& gap, double touching, double& first) {
+  if (!(gap.start > touching && gap.end > touching && gap.start_rate < 0 && gap.end_rate > 0))
+    return;
+  const double share = lowest(gap);
+  if (share > kSnap && share < first && gap.at(share) <= touching) first = share;
+}
+
+/// sum_k w_k n . v_k over h, of velocities v (3 x n) of the body's own points.
+double openingOf(const Body& body, const Contact& c, const Points& v, double h) {
+  double rate = -c.normal.dot(c.surface_motion) / body.context->h;
+  visitMoving(body, c,
+              [&](int k, const Body&, int i) { rate += c.weight[k] * c.normal.dot(v.col(i)); });
+  return h * rate;
+}
+
+double openingOf(const Body& body, const LimitRow& limit, const Points& v, double h) {
+  double rate = 0;
+  for (int k = 0; k < limit.count; ++k)
+    rate += limit.gradient[k].dot(v.col(limit.particle[k] - body.first));
+  return h * rate;
+}
+
+}  // namespace
+
+double timeOfGraze(const Body& body, const Points& v1, double h) {
+  const ConstraintSet& set = body.constraints;
+  const Tolerances& tolerances = body.context->tolerances;
+  const Points v0 = body.v();
+  double first = 1;
+  for (const Contact& c : set.contacts)
+    consider({c.gap_start, gapAfter(body, c), openingOf(body, c, v0, h), openingOf(body, c, v1, h)},
+             tolerances.touching, first);
+  for (const LimitRow& limit : set.limits) {
+    const LimitRow before = anglesBefore(body).row(limit.limit);
+    const LimitRow& after = anglesAfter(body).row(limit.limit);
+    consider(
+        {limit.before, limit.value, openingOf(body, before, v0, h), openingOf(body, after, v1, h)},
+        tolerances.touching_angle, first);
+  }
+  return first * h;
+}
+
+}  // namespace ragdoll
