@@ -138,9 +138,9 @@ bool takeNearest(const std::vector<Contact>& found, Contact& c) {
 }
 
 /// Whether what is hit has the plane that the whole motion's chord reaches: the way there is
-/// curved.
+/// curved. What moves keeps its plane, as above.
 bool isHitElsewhere(const StepContext& step, const Contact& c, Role role) {
-  if (role != Role::kHit || c.touches_at_start) return false;
+  if (role != Role::kHit || c.touches_at_start || !c.surface_motion.isZero(0)) return false;
   return c.obstacle < 0 || step.model.obstacles[c.obstacle].type != ObstacleSpec::Type::kPlane;
 }
 

@@ -38,15 +38,18 @@ void consider(const GapEnds& gap, double touching, double& first) {
   if (share > kSnap && share < first && gap.at(share) <= touching) first = share;
 }
 
-/// sum_k w_k n . v_k over h, of velocities v (3 x n) of the body's own points.
-double openingOf(const Body& body, const Contact& c, const Points& v, double h) {
+/// [m/s] Of the body's own points.
+using Velocities = Eigen::Ref<const Points>;
+
+/// sum_k w_k n . v_k over h.
+double openingOf(const Body& body, const Contact& c, const Velocities& v, double h) {
   double rate = -c.normal.dot(c.surface_motion) / body.context->h;
   visitMoving(body, c,
               [&](int k, const Body&, int i) { rate += c.weight[k] * c.normal.dot(v.col(i)); });
   return h * rate;
 }
 
-double openingOf(const Body& body, const LimitRow& limit, const Points& v, double h) {
+double openingOf(const Body& body, const LimitRow& limit, const Velocities& v, double h) {
   double rate = 0;
   for (int k = 0; k < limit.count; ++k)
     rate += limit.gradient[k].dot(v.col(limit.particle[k] - body.first));
@@ -58,7 +61,7 @@ double openingOf(const Body& body, const LimitRow& limit, const Points& v, doubl
 double timeOfGraze(const Body& body, const Points& v1, double h) {
   const ConstraintSet& set = body.constraints;
   const Tolerances& tolerances = body.context->tolerances;
-  const Points v0 = body.v();
+  const Velocities v0 = body.v();
   double first = 1;
   for (const Contact& c : set.contacts)
     consider({c.gap_start, gapAfter(body, c), openingOf(body, c, v0, h), openingOf(body, c, v1, h)},
