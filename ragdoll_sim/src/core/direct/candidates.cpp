@@ -137,11 +137,20 @@ bool takeNearest(const std::vector<Contact>& found, Contact& c) {
   return nearest;
 }
 
+/// Whether an obstacle turns in this step.
+bool turns(const StepContext& step, int obstacle) {
+  const std::vector<Pose>& end = step.inputs.obstacles;
+  return !end.empty() &&
+         end[obstacle].orientation.coeffs() != step.state.obstacles[obstacle].orientation.coeffs();
+}
+
 /// Whether what is hit has the plane that the whole motion's chord reaches: the way there is
-/// curved. What moves keeps its plane, as above.
+/// curved. What turns itself keeps its plane, as above.
 bool isHitElsewhere(const StepContext& step, const Contact& c, Role role) {
-  if (role != Role::kHit || c.touches_at_start || !c.surface_motion.isZero(0)) return false;
-  return c.obstacle < 0 || step.model.obstacles[c.obstacle].type != ObstacleSpec::Type::kPlane;
+  if (role != Role::kHit || c.touches_at_start) return false;
+  if (c.obstacle < 0) return true;
+  return step.model.obstacles[c.obstacle].type != ObstacleSpec::Type::kPlane &&
+         !turns(step, c.obstacle);
 }
 
 template <class Owner>
