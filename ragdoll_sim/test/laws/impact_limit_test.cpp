@@ -140,8 +140,7 @@ ragdolls:
 }
 
 /// A ball that is thrown at a sphere: its way there is curved, so that it hits elsewhere than along
-/// the step's chord. 2.1e-4 m off at 60 Hz, 1.4e-5 m at 240 Hz if it
-/// does not.
+/// the step's chord. 2.1e-4 m off at 60 Hz, 1.4e-5 m at 240 Hz if it does not.
 TEST(ImpactLimit, OfABallThatIsThrownAtASphere) {
   const LimitOfImpacts limit(R"(
 ragdolls:
