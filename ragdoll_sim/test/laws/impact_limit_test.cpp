@@ -152,6 +152,19 @@ obstacles: [{type: sphere, position: [0, 0, 0], radius: 0.2, restitution: 0.5, f
   limit.expectSecondOrder(0.01, {60.0, 240.0, 960.0});
 }
 
+/// The same at a capsule, from beside. 2.1e-5 m off at 250 Hz, 8e-8 m at 4000 Hz along the chord.
+TEST(ImpactLimit, OfABallThatIsThrownAtACapsule) {
+  const LimitOfImpacts limit(R"(
+ragdolls:
+  - {position: [0.11, 0.02, 0.42], velocity: [-0.7, 0.9, -1.3],
+     model: {particles: {p: {position: [0, 0, 0], mass: 1, radius: 0.05}}}}
+obstacles: [{type: capsule, from: [-0.4, -0.2, 0], to: [0.5, 0.3, 0.1], radius: 0.15, friction: 0.4,
+             restitution: 0.3}]
+)",
+                             0.2);
+  limit.expectSecondOrder(1e-3, {250.0, 1000.0, 4000.0});
+}
+
 /// A blow bends a joint onto a spring and a damper: where they are reached, from which way they
 /// push and where they let go. 4e-4 m off at 1000 Hz, 6e-5 m at 4000 Hz, where one of these is of
 /// first order.
