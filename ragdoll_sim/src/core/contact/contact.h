@@ -24,6 +24,9 @@ struct Contact {
   double friction = 0, restitution = 0;
   Compliance give;  ///< of both surfaces; rigid: all methods but direct take it so
   Vec3 surface_motion = Vec3::Zero();  ///< [m] of the obstacle at the contact during the step
+  /// [m] The step's length times the obstacle's velocity where it is touched, at the motion's start
+  /// and end: where it does not turn, surface_motion.
+  Vec3 surface_start = Vec3::Zero(), surface_end = Vec3::Zero();
   int ragdoll = 0, other = -1;  ///< other: the second ragdoll; -1: an obstacle or the same ragdoll
   std::array<bool, 2> moves{true, true};  ///< ragdoll, other: false while it sleeps
   bool follows = false;                   ///< the obstacle follows a frame of others
@@ -57,12 +60,15 @@ struct Contact {
     if (!touches_at_start) return c;
     c.normal = start_normal;
     c.weight = start_weight;
+    c.surface_end = surface_start;
     return c;
   }
   /// Of the place that is in touch half way: what slips.
   double middleWeight(int k) const {
     return touches_at_start ? 0.5 * (start_weight[k] + weight[k]) : weight[k];
   }
+  /// [m] Of the obstacle where it is touched meanwhile.
+  Vec3 surfaceMean() const { return 0.5 * (surface_start + surface_end); }
   /// Along the normal and two tangents.
   std::array<Vec3, 3> directions() const {
     const Vec3 t1 =

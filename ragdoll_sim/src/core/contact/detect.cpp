@@ -21,6 +21,20 @@ Vec3 halfExtent(const Obstacle& o, const Eigen::Matrix3d& R) {
   return (R.cwiseAbs() * o.half).array() + o.radius;
 }
 
+/// Has the obstacle's velocity at a motion's end be that where it is touched, at `arm` (world) from
+/// its centre.
+void setSurface(const SweptObstacle& m, const Vec3& arm, const Contact& c, Vec3& surface) {
+  surface = m.turn.isZero(0) ? c.surface_motion : Vec3(m.p1 - m.p0 + m.turn.cross(arm));
+}
+
+/// Its contact touched at the start, with its axis at p0 (the obstacle's frame).
+void setStart(const SweptObstacle& m, const Vec3& p0, Contact& c) {
+  const Distance d = signedDistance(*m.obstacle, p0);
+  c.start_normal = m.R0 * d.normal;
+  setSurface(m, m.R0 * (p0 - d.value * d.normal), c, c.surface_start);
+  c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
+}
+
 /// Contact with the plane at the distance d from `p` (a point of the body's axis, in the obstacle's
 /// frame).
 Contact planeAt(const SweptObstacle& m, const Vec3& p, const Distance& d, double radius) {
@@ -30,6 +44,8 @@ Contact planeAt(const SweptObstacle& m, const Vec3& p, const Distance& d, double
   const Vec3 surface_W = m.R1 * surface + m.p1;
   c.offset = c.normal.dot(surface_W) + radius;
   c.surface_motion = surface_W - (m.R0 * surface + m.p0);
+  setSurface(m, m.R0 * surface, c, c.surface_start);
+  setSurface(m, m.R1 * surface, c, c.surface_end);
   c.friction = m.obstacle->friction;
   c.restitution = m.obstacle->restitution;
   c.follows = !m.obstacle->frame.empty();
@@ -84,9 +100,8 @@ void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, dou
   c.gap_start = start;
   c.touches_at_start = touchesAtStart(give, start);
   if (!c.touches_at_start) return;
-  c.start_normal = m.R0 * signedDistance(*m.obstacle, p0).normal;
   c.start_weight = {1, 0, 0, 0};
-  c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
+  setStart(m, p0, c);
 }
 
 struct StickCapsule {
@@ -175,9 +190,8 @@ std::optional<double> placeBefore(const Places& before, const Places& now, int i
 
 /// Its contact touched at the start, at a place t of `axis`.
 void setStart(const SweptObstacle& m, const Axis& axis, double t, Contact& c) {
-  c.start_normal = m.R0 * signedDistance(*m.obstacle, axis.at(t)).normal;
   c.start_weight = {1 - t, t, 0, 0};
-  c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
+  setStart(m, axis.at(t), c);
 }
 
 /// A capsule between whose ends contacts are looked for.
@@ -243,6 +257,8 @@ void setSpringStart(const SweptObstacle& m, const StickSearch& k, const StickEnd
   if (!touchesAtStart(k.give, k.start)) return;
   c.start_normal = m.R0 * before.normal;
   c.start_weight = {1 - before.at, before.at, 0, 0};
+  const Vec3 centre = k.at_start.at(before.at);
+  setSurface(m, m.R0 * (centre - k.at_start.radius(before.at) * before.normal), c, c.surface_start);
   c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
 }
 
@@ -384,6 +400,12 @@ SweptObstacle sweepObstacle(const Obstacle& o, const Pose& start, const Pose& en
       end.position,
       {},
       start.position != end.position || start.orientation.coeffs() != end.orientation.coeffs()};
+  if (start.orientation.coeffs() != end.orientation.coeffs()) {
+    Eigen::Quaterniond turn = end.orientation * start.orientation.conjugate();
+    if (turn.w() < 0) turn.coeffs() *= -1;  // the short way, as slerp
+    const Eigen::AngleAxisd angle(turn);
+    m.turn = angle.angle() * angle.axis();
+  }
   if (o.type == ObstacleSpec::Type::kPlane) {
     m.bounds = {Vec3::Constant(-std::numeric_limits<double>::infinity()),
                 Vec3::Constant(std::numeric_limits<double>::infinity())};

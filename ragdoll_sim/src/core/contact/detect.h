@@ -24,6 +24,7 @@ struct SweptObstacle {
   Vec3 p0, p1;
   Bounds bounds;  ///< world, over the step; planes: unbounded
   bool moves;
+  Vec3 turn = Vec3::Zero();  ///< [rad] rotation vector of the step, world
 
   Vec3 toStart(const Vec3& x) const { return R0.transpose() * (x - p0); }
   Vec3 toEnd(const Vec3& x) const { return R1.transpose() * (x - p1); }

@@ -153,7 +153,7 @@ double rateBefore(const Island& island, const Contact& c) {
   Vec3 rate = Vec3::Zero();
   visitMoving(island, c,
               [&](int k, const Body& body, int i) { rate += c.weight[k] * body.saved.v.col(i); });
-  return c.normal.dot(rate - c.surface_motion / island.context.h);
+  return c.normal.dot(rate - c.surface_start / island.context.h);
 }
 
 /// How much larger than its part along the normal a force is: by its friction, which is as much of

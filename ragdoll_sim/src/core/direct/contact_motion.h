@@ -50,7 +50,7 @@ Vec3 slipAfter(const Owner& owner, const Contact& c, const Vec3& turn) {
 /// [m/s] of the contact's point against the other surface; along that; and at which the gap opens
 /// now.
 inline Vec3 rateOf(const StepContext& step, const Contact& c) {
-  return c.of(step.state.v) - c.surface_motion / step.h;
+  return c.of(step.state.v) - c.surface_end / step.h;
 }
 inline Vec3 slipOf(const StepContext& step, const Contact& c) {
   return tangentialPart(rateOf(step, c), c.normal);

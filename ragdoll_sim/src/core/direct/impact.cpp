@@ -106,28 +106,42 @@ struct Arrival {
   double time(double h) const { return timeOfZero(before, rate, end, h); }
 };
 
-/// At a contact.
-template <class Owner>
-Arrival arrivalAt(const Owner& owner, const StepContext& step, const ContactSet& set) {
-  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
-    const Contact& c = set.contacts[i];
-    if (set.role[i] == Role::kHit)
-      return {true, c.before, rateAtStart(step, c), gapAfter(owner, c), step.tolerances.touching};
-  }
-  return {};
+/// What it hits has pushed the motion back to where it is: the gap without that.
+template <class Rows>
+void takeBack(const Rows& rows, const RowValues& total, int row, Arrival& arrival) {
+  if (row >= 0 && row < total.size() && total[row] > 0)
+    arrival.end -= rows.entry(row, row) * total[row];
 }
 
-/// At a contact of the body's own, or a limit.
-Arrival arrivalOf(const Body& body) {
+/// At a contact; i: its place in the set.
+template <class Owner>
+Arrival arrivalAt(const Owner& owner, const StepContext& step, const ContactSet& set, int& i) {
+  const auto hit = std::find(set.role.begin(), set.role.end(), Role::kHit);
+  if (hit == set.role.end()) return {};
+  i = static_cast<int>(hit - set.role.begin());
+  const Contact& c = set.contacts[i];
+  return {true, c.before, rateAtStart(step, c), gapAfter(owner, c), step.tolerances.touching};
+}
+
+/// At a contact of the body's own, or a limit. pushed: whether that has a row.
+Arrival arrivalOf(const Body& body, bool pushed) {
   const StepContext& step = *body.context;
   const ConstraintSet& set = body.constraints;
-  for (std::size_t i = 0; i < set.limits.size(); ++i) {
+  Arrival arrival;
+  int i = 0, row = -1;
+  const auto hit = std::find(set.limit_role.begin(), set.limit_role.end(), Role::kHit);
+  if (hit != set.limit_role.end()) {
+    i = static_cast<int>(hit - set.limit_role.begin());
     const LimitRow& limit = set.limits[i];
-    if (set.limit_role[i] == Role::kHit)
-      return {true, limit.before, rateAtStart(body, limit), anglesAfter(body)[limit.limit],
-              step.tolerances.touching_angle};
+    arrival = {true, limit.before, rateAtStart(body, limit), anglesAfter(body)[limit.limit],
+               step.tolerances.touching_angle};
+    if (pushed) row = set.limit_row[i];
+  } else {
+    arrival = arrivalAt(body, step, set, i);
+    if (pushed && arrival.found) row = set.row[i];
   }
-  return arrivalAt(body, step, set);
+  takeBack(body.memory->schur, body.total, row, arrival);
+  return arrival;
 }
 
 /// Keeps the earlier of the two.
@@ -228,15 +242,20 @@ void takeImpact(Island& island, const Impact& impact) {
 }
 
 double impactAgain(const Body& body, double h) {
-  const Arrival arrival = arrivalOf(body);
+  const Arrival arrival = arrivalOf(body, false);
   return arrival.found ? arrival.time(h) : h;
 }
 
 double impactAgain(const Island& island, double h) {
-  Arrival arrival = arrivalAt(island, island.context, island.pairs);
+  int i = 0;
+  Arrival arrival = arrivalAt(island, island.context, island.pairs, i);
+  if (arrival.found) takeBack(island.s.joint, island.s.total, island.pairs.row[i], arrival);
   for (const Body* body : island.bodies)
-    if (!arrival.found) arrival = arrivalOf(*body);
-  return arrival.found && arrival.end > arrival.touching ? arrival.time(h) : h;
+    if (!arrival.found) arrival = arrivalOf(*body, true);
+  // What has pushed it back has become a speed.
+  const double pushed = kContactTolerance / kTouching * arrival.touching * h / island.context.h;
+  const bool reached = arrival.end <= arrival.touching && arrival.end >= -pushed;
+  return arrival.found && !reached ? arrival.time(h) : h;
 }
 
 }  // namespace ragdoll

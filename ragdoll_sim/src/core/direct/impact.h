@@ -37,9 +37,9 @@ void takeImpact(Island& island, const Impact& impact);
 void takeEdge(Island& island);
 
 /// The time again at which what is hit is reached, by a motion of a lone body over h that should
-/// have ended there.
+/// have ended there, and that nothing has pushed.
 double impactAgain(const Body& body, double h);
-/// Of an island's; h: it is closed there.
+/// Of an island's, that what is hit may have pushed back to it; h: it was reached there.
 double impactAgain(const Island& island, double h);
 
 }  // namespace ragdoll

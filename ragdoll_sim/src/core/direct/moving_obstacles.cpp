@@ -50,7 +50,9 @@ const std::vector<SweptObstacle>& obstaclesOver(const Body& body, double h) {
 }
 
 void scaleMotion(const StepContext& step, double h, Contact& contact) {
-  if (h < step.h && contact.obstacle >= 0) contact.surface_motion *= step.h / h;
+  if (!(h < step.h) || contact.obstacle < 0) return;
+  for (Vec3* motion : {&contact.surface_motion, &contact.surface_start, &contact.surface_end})
+    *motion *= step.h / h;
 }
 
 }  // namespace ragdoll

@@ -16,7 +16,7 @@ Pose between(const Pose& a, const Pose& b, double share);
 /// thread's next call.
 const std::vector<SweptObstacle>& obstaclesOver(const Body& body, double h);
 
-/// Of a contact found with these: its surface_motion in the part becomes that of a whole step.
+/// Of a contact found with these: its motion in the part becomes that of a whole step.
 void scaleMotion(const StepContext& step, double h, Contact& contact);
 
 }  // namespace ragdoll

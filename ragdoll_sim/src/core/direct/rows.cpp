@@ -41,7 +41,7 @@ void evaluateContactGaps(const Owner& owner, const ContactSet& set, const Rows& 
     b[row] = gapAfter(owner, c);
     if (c.isSoft()) b[row] += set.springs[i].offset + rows.row(row).compliance * total[row];
     if (!(c.friction > 0)) continue;
-    const Vec3 slip = c.slipOf(slipAfter(owner, c, turnOf(c)) - share * c.surface_motion);
+    const Vec3 slip = c.slipOf(slipAfter(owner, c, turnOf(c)) - share * c.surfaceMean());
     for (int k = 1; k < 3; ++k) b[row + k] = rows.row(row + k).direction.dot(slip);
   }
 }

@@ -41,7 +41,7 @@ Vec3 slipAtEnd(const Island& island, const Sliding& s, const Vec3& turn) {
 
 Vec3 slipAtStart(const Island& island, const Sliding& s, const Vec3& turn) {
   const Contact& c = *s.contact;
-  Vec3 slip = -c.surface_motion / island.context.h;
+  Vec3 slip = -c.surface_start / island.context.h;
   visitPoints(island, s, [&](int k, const Body& body, int i) {
     const Vec3 x = body.saved.x.col(i), v = body.saved.v.col(i);
     slip += c.start_weight[k] * (v - turn.cross(x));
@@ -52,7 +52,7 @@ Vec3 slipAtStart(const Island& island, const Sliding& s, const Vec3& turn) {
 /// [m/s] The mean one.
 Vec3 meanSlip(const Island& island, const Sliding& s, const Vec3& turn, double h) {
   const Contact& c = *s.contact;
-  Vec3 slip = -c.surface_motion / island.context.h;
+  Vec3 slip = -c.surfaceMean() / island.context.h;
   visitPoints(island, s, [&](int k, const Body& body, int i) {
     const Vec3 dx = body.motion.dx.col(i), x = 0.5 * (body.saved.x.col(i) + body.x().col(i));
     slip += c.middleWeight(k) * (dx / h - turn.cross(x));
@@ -74,10 +74,10 @@ double leastFriction(const Island& island, const Sliding& s, double h) {
   return share * h * std::max(kLeastPull, island.context.model.gravity.norm()) * mass;
 }
 
-/// [s] When a slip that begins with `start` has turned by 45 degrees, or ended. Until then it changes
-/// at an even rate, by friction against its start and by what else acts, G over h: known from what
-/// the slip came to, end - start = A (f + G) with f the friction. It goes on if G is more than
-/// friction can hold.
+/// [s] When a slip that begins with `start` has turned by 45 degrees, or ended. Until then it
+/// changes at an even rate, by friction against its start and by what else acts, G over h: known
+/// from what the slip came to, end - start = A (f + G) with f the friction. It goes on if G is more
+/// than friction can hold.
 double timeOfTurn(const Island& island, const RowValues& p, const Sliding& s, const Vec3& start,
                   const Vec3& turn, double h) {
   const double never = 2 * h, speed = start.norm();

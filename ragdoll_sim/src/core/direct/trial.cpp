@@ -60,7 +60,7 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
   double time = impact.time;
   trial.ok = cutShort(island, time, h, trial);
   for (int i = 0; i < kRefinements && trial.ok; ++i) {
-    const double again = std::min(impactAgain(island, time), h);
+    const double again = std::clamp(impactAgain(island, time), kSnap * h, h);
     if (again == time) break;
     time = again;
     trial.ok = cutShort(island, time, h, trial);
