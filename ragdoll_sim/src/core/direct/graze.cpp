@@ -41,9 +41,10 @@ void consider(const GapEnds& gap, double touching, double& first) {
 /// [m/s] Of the body's own points.
 using Velocities = Eigen::Ref<const Points>;
 
-/// sum_k w_k n . v_k over h.
-double openingOf(const Body& body, const Contact& c, const Velocities& v, double h) {
-  double rate = -c.normal.dot(c.surface_motion) / body.context->h;
+/// sum_k w_k n . v_k over h. surface: [m] as the contact's.
+double openingOf(const Body& body, const Contact& c, const Vec3& surface, const Velocities& v,
+                 double h) {
+  double rate = -c.normal.dot(surface) / body.context->h;
   visitMoving(body, c,
               [&](int k, const Body&, int i) { rate += c.weight[k] * c.normal.dot(v.col(i)); });
   return h * rate;
@@ -64,7 +65,8 @@ double timeOfGraze(const Body& body, const Points& v1, double h) {
   const Velocities v0 = body.v();
   double first = 1;
   for (const Contact& c : set.contacts)
-    consider({c.gap_start, gapAfter(body, c), openingOf(body, c, v0, h), openingOf(body, c, v1, h)},
+    consider({c.gap_start, gapAfter(body, c), openingOf(body, c, c.surface_start, v0, h),
+              openingOf(body, c, c.surface_end, v1, h)},
              tolerances.touching, first);
   for (const LimitRow& limit : set.limits) {
     const LimitRow before = anglesBefore(body).row(limit.limit);

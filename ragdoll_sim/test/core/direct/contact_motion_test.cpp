@@ -65,7 +65,7 @@ TEST(ContactMotion, RatesAreAgainstTheOtherSurface) {
   c.count = 1;
   c.weight = {1};
   c.obstacle = 0;
-  c.surface_motion = two.h * Vec3(1, 0, 0);
+  c.surface_end = two.h * Vec3(1, 0, 0);
   EXPECT_LT((rateOf(two.context, c) - Vec3(0, 2, 3)).norm(), 1e-15);
   EXPECT_NEAR(openingRate(two.context, c), 2.4, 1e-15);
 }
