@@ -97,7 +97,7 @@ obstacles: [{type: box, position: [0, 0, -0.1], size: [2, 2, 0.2], friction: 0.9
 )";
   const Vec3 exact(radius * std::cos(spin * seconds), radius * std::sin(spin * seconds), 0.05);
   for (const double rate : {60.0, 250.0, 1000.0, 4000.0}) {
-    const State state = after(text, {{}, {0, 0, spin}}, Method::kShake, rate, seconds);
+    const State state = after(text, {Vec3::Zero(), {0, 0, spin}}, Method::kShake, rate, seconds);
     EXPECT_LT((state.x.col(0) - exact).norm(), 0.3 / (rate * rate)) << rate;
     const Vec3 v = Vec3(0, 0, spin).cross(exact);
     EXPECT_LT((state.v.col(0) - v).norm(), 1 / (rate * rate)) << rate;

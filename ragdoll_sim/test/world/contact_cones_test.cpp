@@ -41,8 +41,10 @@ TEST_P(ConesOf, HumansHoldEveryForce) {
   World world(scene);
   world.keepContacts(true);
   const double h = world.stepLength(), weight = 75 * 9.81;
-  // `fast` on an obstacle's edge: its normal turns in the step.
-  const double share = scene.solver.method == Method::kFast ? 1e-3 : 0;
+  // On an obstacle's edge the normal turns between two parts of a step: each is in its cone, their
+  // sum along one normal (3e-6 of the force beyond in 3 of 40 starts by `rk`) or in `fast` not.
+  const Method method = scene.solver.method;
+  const double share = method == Method::kFast ? 1e-3 : method == Method::kRk ? 1e-5 : 0;
   int rows = 0, pulls = 0, beyond = 0;
   double worst = 0;  // [N]
   while (world.state().time < 8) {
