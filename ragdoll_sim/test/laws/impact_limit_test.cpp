@@ -165,6 +165,22 @@ obstacles: [{type: capsule, from: [-0.4, -0.2, 0], to: [0.5, 0.3, 0.1], radius: 
   limit.expectSecondOrder(1e-3, {250.0, 1000.0, 4000.0});
 }
 
+/// A rod slides over the corners of a box, and where it touches runs to its end: it presses on
+/// there. Where the end strikes instead, 2e-4 m off at 1000 Hz.
+TEST(ImpactLimit, OfARodThatTouchesUpToItsEnd) {
+  const Scene scene = parseScene(R"(
+ragdolls:
+  - {position: [-0.2, 0, 0.24], velocity: [2, 0, -0.5], angular_velocity: [0, 2, 0],
+     model: {sticks: [[p, q]], particles: {p: {position: [-0.25, 0, 0], mass: 1, radius: 0.03},
+       q: {position: [0.3, 0, 0], mass: 1.1, radius: 0.03}}}}
+obstacles: [{type: box, position: [0, 0, 0], size: [0.3, 1, 0.4], friction: 0.2}]
+)");
+  const Points end = endOfImpacts(scene, Method::kShake, 1.0 / 64000, 0.12);
+  for (const double rate : {250.0, 1000.0, 4000.0})
+    EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.12) - end), 5 / (rate * rate))
+        << rate;
+}
+
 /// A blow bends a joint onto a spring and a damper: where they are reached, from which way they
 /// push and where they let go. 4e-4 m off at 1000 Hz, 6e-5 m at 4000 Hz, where one of these is of
 /// first order.

@@ -220,17 +220,22 @@ double gapAtStart(const StickSearch& k, double share) {
   return k.at_start.gap(std::clamp(over, 0.0, 1.0));
 }
 
+bool isBetweenEnds(double share) { return share > kEndOfStick && share < 1 - kEndOfStick; }
+
 /// Contacts of a capsule between its ends, each with the plane that is tangent there. Where it
-/// rolls over an edge the place goes along, and with it its gap.
+/// rolls over an edge the place goes along, and with it its gap; and where that comes to an end of
+/// the capsule it still presses, or the end would strike.
 void placeContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Contact>& contacts) {
   const Places places = placesOf(m, k.axis, k.give);
   std::optional<Places> before;  // of most sticks an end is nearest, and nobody asks
   for (int i = 0; i < (places.flat ? 2 : 1); ++i) {
     const double share = places.at[i];
-    if (share <= kEndOfStick || share >= 1 - kEndOfStick) continue;
+    const bool touches = std::abs(k.start) <= kResting;
+    if (!touches && !isBetweenEnds(share)) continue;
+    if (!before) before = placesOf(m, k.at_start, k.give);
+    if (!isBetweenEnds(share) && !isBetweenEnds(before->at[before->flat ? i : 0])) continue;
     Contact c = k.contactWith(tangentAt(m, k.axis, share));
     c.weight = {1 - share, share, 0, 0};
-    if (!before) before = placesOf(m, k.at_start, k.give);
     const std::optional<double> from = placeBefore(*before, places, i);
     if (k.start > -kResting) c.gap_start = from ? k.at_start.gap(*from) : gapAtStart(k, share);
     if (from && touchesAtStart(k.give, c.gap_start)) setStart(m, k.at_start, *from, c);
