@@ -21,17 +21,17 @@ Vec3 halfExtent(const Obstacle& o, const Eigen::Matrix3d& R) {
   return (R.cwiseAbs() * o.half).array() + o.radius;
 }
 
-/// Has the obstacle's velocity at a motion's end be that where it is touched, at `arm` (world) from
-/// its centre.
-void setSurface(const SweptObstacle& m, const Vec3& arm, const Contact& c, Vec3& surface) {
-  surface = m.turn.isZero(0) ? c.surface_motion : Vec3(m.p1 - m.p0 + m.turn.cross(arm));
+/// [m] The step's length times the obstacle's velocity at `arm` (world) from its centre; chord: [m]
+/// how that place moves, the same unless it turns.
+Vec3 surfaceAt(const SweptObstacle& m, const Vec3& arm, const Vec3& chord) {
+  return m.turn.isZero(0) ? chord : Vec3(m.p1 - m.p0 + m.turn.cross(arm));
 }
 
 /// Its contact touched at the start, with its axis at p0 (the obstacle's frame).
 void setStart(const SweptObstacle& m, const Vec3& p0, Contact& c) {
   const Distance d = signedDistance(*m.obstacle, p0);
   c.start_normal = m.R0 * d.normal;
-  setSurface(m, m.R0 * (p0 - d.value * d.normal), c, c.surface_start);
+  c.surface_start = surfaceAt(m, m.R0 * (p0 - d.value * d.normal), c.surface_motion);
   c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
 }
 
@@ -44,8 +44,8 @@ Contact planeAt(const SweptObstacle& m, const Vec3& p, const Distance& d, double
   const Vec3 surface_W = m.R1 * surface + m.p1;
   c.offset = c.normal.dot(surface_W) + radius;
   c.surface_motion = surface_W - (m.R0 * surface + m.p0);
-  setSurface(m, m.R0 * surface, c, c.surface_start);
-  setSurface(m, m.R1 * surface, c, c.surface_end);
+  c.surface_start = surfaceAt(m, m.R0 * surface, c.surface_motion);
+  c.surface_end = surfaceAt(m, m.R1 * surface, c.surface_motion);
   c.friction = m.obstacle->friction;
   c.restitution = m.obstacle->restitution;
   c.follows = !m.obstacle->frame.empty();
@@ -262,8 +262,8 @@ void setSpringStart(const SweptObstacle& m, const StickSearch& k, const StickEnd
   if (!touchesAtStart(k.give, k.start)) return;
   c.start_normal = m.R0 * before.normal;
   c.start_weight = {1 - before.at, before.at, 0, 0};
-  const Vec3 centre = k.at_start.at(before.at);
-  setSurface(m, m.R0 * (centre - k.at_start.radius(before.at) * before.normal), c, c.surface_start);
+  const Vec3 arm = k.at_start.at(before.at) - k.at_start.radius(before.at) * before.normal;
+  c.surface_start = surfaceAt(m, m.R0 * arm, c.surface_motion);
   c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
 }
 
@@ -396,20 +396,18 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
 }  // namespace
 
 SweptObstacle sweepObstacle(const Obstacle& o, const Pose& start, const Pose& end) {
-  SweptObstacle m{
-      &o,
-      -1,
-      start.orientation.toRotationMatrix(),
-      end.orientation.toRotationMatrix(),
-      start.position,
-      end.position,
-      {},
-      start.position != end.position || start.orientation.coeffs() != end.orientation.coeffs()};
-  if (start.orientation.coeffs() != end.orientation.coeffs()) {
-    Eigen::Quaterniond turn = end.orientation * start.orientation.conjugate();
-    if (turn.w() < 0) turn.coeffs() *= -1;  // the short way, as slerp
-    const Eigen::AngleAxisd angle(turn);
-    m.turn = angle.angle() * angle.axis();
+  const bool turns = start.orientation.coeffs() != end.orientation.coeffs();
+  SweptObstacle m{&o,
+                  -1,
+                  start.orientation.toRotationMatrix(),
+                  end.orientation.toRotationMatrix(),
+                  start.position,
+                  end.position,
+                  {},
+                  turns || start.position != end.position};
+  if (turns) {  // the short way, as slerp
+    const Eigen::AngleAxisd turn(end.orientation * start.orientation.conjugate());
+    m.turn = turn.angle() * turn.axis();
   }
   if (o.type == ObstacleSpec::Type::kPlane) {
     m.bounds = {Vec3::Constant(-std::numeric_limits<double>::infinity()),

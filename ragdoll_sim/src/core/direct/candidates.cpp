@@ -143,7 +143,7 @@ bool isHitElsewhere(const StepContext& step, const Contact& c, Role role) {
   if (role != Role::kHit || c.touches_at_start) return false;
   if (c.obstacle < 0) return true;
   return step.model.obstacles[c.obstacle].type != ObstacleSpec::Type::kPlane ||
-         !c.surface_end.isApprox(c.surface_motion, 0);
+         c.surface_end != c.surface_motion;
 }
 
 template <class Owner>
