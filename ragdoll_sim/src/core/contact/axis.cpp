@@ -131,6 +131,14 @@ double nearest(const Axis& axis) {
   return 1;
 }
 
+bool isRoundTo(const Axis& axis, double t, double end) {
+  const double lo = std::min(t, end), hi = std::max(t, end);
+  const Pieces pieces = piecesOf(axis);
+  const auto first = pieces.cut.begin() + 1, last = pieces.cut.begin() + pieces.count;
+  const bool one = std::none_of(first, last, [&](double cut) { return lo < cut && cut < hi; });
+  return one && outsideOf(axis, lo, hi).sum() > 1;
+}
+
 double flatEnd(const Axis& axis, double t, double end) {
   constexpr int kFace = 1, kEdge = 2;
   const double over = lastBeside(axis, t, stretch(axis, t, end, kFlatStick), kFace);

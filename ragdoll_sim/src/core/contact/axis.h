@@ -1,7 +1,8 @@
-// A stick's capsule beside one obstacle, in the obstacle's frame: where it is nearest, and how far it
-// lies flat.
+// A stick's capsule beside one obstacle, in the obstacle's frame: where it is nearest, and how far
+// it lies flat.
 #pragma once
 
+#include "core/contact/constants.h"
 #include "core/contact/distance.h"
 #include "ragdoll_sim/core/model.h"
 
@@ -18,12 +19,19 @@ struct Axis {
   double gap(double t) const { return signedDistanceValue(obstacle, at(t)) - radius(t); }
 };
 
+/// Whether a place is between the ends of its stick. What touches at an end is a particle.
+inline bool isBetweenEnds(double t) { return t > kEndOfStick && t < 1 - kEndOfStick; }
+
 /// Nearest place to the obstacle, in [0, 1].
 double nearest(const Axis& axis);
 
 /// How far the axis lies flat on a box from its nearest place `t` towards `end` (0 or 1): over a
-/// face, whose plane is right for all of it, or along an edge. Across an edge it does not: there the
-/// gap is small nearby only since the capsule is round.
+/// face, whose plane is right for all of it, or along an edge. Across an edge it does not: there
+/// the gap is small nearby only since the capsule is round.
 double flatEnd(const Axis& axis, double t, double end);
+
+/// Whether from its place `t` to `end` (0 or 1) the axis is beside one edge or corner of a box, or
+/// beside what is round: there it is the nearer the nearer to t, by its roundness alone.
+bool isRoundTo(const Axis& axis, double t, double end);
 
 }  // namespace ragdoll

@@ -31,8 +31,10 @@ struct Contact {
   std::array<bool, 2> moves{true, true};  ///< ragdoll, other: false while it sleeps
   bool follows = false;                   ///< the obstacle follows a frame of others
   bool dropped = false;                   ///< while contacts are looked for: to be taken out
-  int obstacle = -1;                      ///< of the model; -1: another body
-  double gap_start = 0;                   ///< [m] at the step's start
+  /// Of a stick: which of its ends touches when its place of contact has run there, not before.
+  std::array<bool, 2> has_end{};
+  int obstacle = -1;     ///< of the model; -1: another body
+  double gap_start = 0;  ///< [m] at the step's start
   // Direct methods.
   /// It touches at the motion's start: place and normal there, along which positions are pushed.
   /// Velocities are along `normal`, at the end: as RATTLE does with equalities [Andersen1983].

@@ -192,6 +192,8 @@ std::optional<double> placeBefore(const Places& before, const Places& now, int i
 void setStart(const SweptObstacle& m, const Axis& axis, double t, Contact& c) {
   c.start_weight = {1 - t, t, 0, 0};
   setStart(m, axis.at(t), c);
+  if (!c.touches_at_start || !isBetweenEnds(t)) return;
+  for (int end = 0; end < 2; ++end) c.has_end[end] = isRoundTo(axis, t, end);
 }
 
 /// A capsule between whose ends contacts are looked for.
@@ -219,8 +221,6 @@ double gapAtStart(const StickSearch& k, double share) {
   const double over = along.dot(k.axis.at(share) - k.at_start.a) / along.squaredNorm();
   return k.at_start.gap(std::clamp(over, 0.0, 1.0));
 }
-
-bool isBetweenEnds(double share) { return share > kEndOfStick && share < 1 - kEndOfStick; }
 
 /// Contacts of a capsule between its ends, each with the plane that is tangent there. Where it
 /// rolls over an edge the place goes along, and with it its gap; and where that comes to an end of
@@ -364,6 +364,19 @@ bool stickAgainst(const Model& model, const Points& x0, const Points& x1, int in
                                                       : give.compliance > 0;
 }
 
+/// Takes the ends out that are the sticks', of the contacts from `begin` on, all with one obstacle.
+/// They come near as the place runs to them, and would be hit just before it is there.
+void dropEndsOfSticks(std::size_t begin, std::vector<Contact>& contacts) {
+  const auto first = contacts.begin() + static_cast<std::ptrdiff_t>(begin);
+  for (auto c = first; c != contacts.end(); ++c)
+    for (int k = 0; k < 2; ++k)
+      if (c->has_end[k])
+        for (auto end = first; end != contacts.end(); ++end)
+          if (end->count == 1 && end->particle[0] == c->particle[k]) end->dropped = true;
+  contacts.erase(std::remove_if(first, contacts.end(), [](const Contact& c) { return c.dropped; }),
+                 contacts.end());
+}
+
 void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int index,
                     const SweptObstacle& m, double margin, std::vector<Contact>& contacts) {
   const Ragdoll& r = model.ragdolls[index];
@@ -386,6 +399,7 @@ void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int 
     any_soft =
         stickAgainst(model, x0, x1, index, static_cast<int>(j), m, margin, contacts) || any_soft;
   }
+  dropEndsOfSticks(begin, contacts);
   if (!any_soft) return;
   if (m.obstacle->type == ObstacleSpec::Type::kBox)
     shareSprings(model, *m.obstacle, r, begin, contacts);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/contact/constants.h"
+#include "core/contact/golden_section.h"
 
 namespace ragdoll {
 
@@ -53,6 +54,24 @@ template <class Gap>
 double touchAfter(const Gap& gap, double travel, double thin, double time, double now, double end) {
   if (end <= 0) return firstTouch(gap, time, now, 1, end);
   return (1 - time) * travel <= 0.5 * thin ? 1 : time;
+}
+
+constexpr double kNeverTouched = 2;
+
+/// Time in [lo, hi] at which a gap that is open at both, `start` and `end`, is least, if it is
+/// closed there; kNeverTouched: it stays open.
+template <class Gap>
+double lowestIfClosed(const Gap& gap, double lo, double start, double hi, double end) {
+  const double near = (hi - lo) / 64;  // in which it is all but straight
+  const double falls = (gap(lo + near) - start) / near;
+  if (!(falls < 0)) return kNeverTouched;
+  const double rises = (end - gap(hi - near)) / near;
+  if (!(rises > 0)) return kNeverTouched;
+  // Convex, it is above the lines through both its ends.
+  const double cross = (start - end + rises * (hi - lo)) / (rises - falls);
+  if (start + falls * std::clamp(cross, 0.0, hi - lo) > 0) return kNeverTouched;
+  const double least = goldenSection(gap, lo, hi);
+  return gap(least) > 0 ? kNeverTouched : least;
 }
 
 /// [m] A gap that is open by less slides or rests: it does not come to touch.

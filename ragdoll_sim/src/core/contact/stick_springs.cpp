@@ -95,7 +95,7 @@ StickPress pressOf(const Axis& axis, const StickEnds& ends) {
   Place p = placeAt(axis, ends, press.at);
   press.depth = p.depth;
   press.normal = p.normal;
-  press.between = p.t > kEndOfStick && p.t < 1 - kEndOfStick;
+  press.between = isBetweenEnds(p.t);
   if (!(p.depth > kTouches)) return press;
   Place lo = placeAt(axis, ends, 0), hi = placeAt(axis, ends, 1);
   const double depth_a = std::max(0.0, lo.depth), depth_b = std::max(0.0, hi.depth);

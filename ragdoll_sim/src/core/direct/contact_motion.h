@@ -2,6 +2,9 @@
 // motion closes it, a body (with obstacles and itself) or an island (between its bodies).
 #pragma once
 
+#include <algorithm>
+#include <array>
+
 #include "core/direct/island.h"
 
 namespace ragdoll {
@@ -45,6 +48,16 @@ Vec3 slipAfter(const Owner& owner, const Contact& c, const Vec3& turn) {
     apart += c.middleWeight(k) * (body.x().col(i) + 0.5 * dx);
   });
   return slip - turn.cross(apart);
+}
+
+/// [m] How far its two sides move against each other, at the most.
+template <class Owner>
+double travelOf(const Owner& owner, const Contact& c) {
+  std::array<double, 2> most{};
+  visitMoving(owner, c, [&](int k, const Body& body, int i) {
+    most[k / 2] = std::max(most[k / 2], body.motion.dx.col(i).norm());
+  });
+  return most[0] + most[1] + c.surface_motion.norm();
 }
 
 /// [m/s] of the contact's point against the other surface; along that; and at which the gap opens

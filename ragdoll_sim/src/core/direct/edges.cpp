@@ -3,23 +3,21 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/constants.h"
 #include "core/direct/constants.h"
+#include "core/direct/contact_motion.h"
+#include "core/direct/contact_path.h"
 #include "core/direct/impact.h"
-#include "core/direct/moving_obstacles.h"
 
 namespace ragdoll {
 namespace {
 
-/// [m] In the obstacle's frame: at the motion's start, and end; [m/s] at its start.
-struct Path {
-  Vec3 start, end, rate;
-};
-
-/// [s] When it first crosses the border of the core (a box, a line or a point) along one of its
-/// axes. More than h: never.
+/// [s] When a point first crosses the border of the core (a box, a line or a point) along one of
+/// its axes. More than h: never.
 double timeOfBorder(const Vec3& half, const Path& path, double h) {
   double first = 2 * h;
   for (int k = 0; k < 3; ++k) {
+    if (half[k] == 0) continue;
     for (const double side : {-1.0, 1.0}) {
       const double out = side * path.start[k] - half[k], end = side * path.end[k] - half[k];
       const double way = std::copysign(1.0, out);  // positive until it is crossed
@@ -30,24 +28,66 @@ double timeOfBorder(const Vec3& half, const Path& path, double h) {
   return first;
 }
 
-Path pathOf(const Body& body, const SweptObstacle& m, int particle, double h) {
-  const Vec3 x0 = body.context->state.x.col(particle);
-  const Vec3 x1 = x0 + body.motion.dx.col(particle - body.first);
-  Path path{m.toStart(x0), m.toEnd(x1), {}};
-  path.rate = m.moves ? Vec3((path.end - path.start) / h)
-                      : Vec3(m.R0.transpose() * body.context->state.v.col(particle));
-  return path;
+/// Of a place that runs along a stick from `start` to `end`, straight.
+Path pathOfPlace(const ContactPath& stick, double start, double end) {
+  const Path &a = stick.point[0], &b = stick.point[1];
+  Path place;
+  place.start = a.start + start * (b.start - a.start);
+  place.end = a.end + end * (b.end - a.end);
+  place.rate = (place.end - place.start) / stick.h;
+  return place;
 }
 
-double timeOfEdge(const Body& body, double h) {
-  double first = 2 * h;
-  const std::vector<SweptObstacle>& obstacles = obstaclesOver(body, h);
-  for (const Contact& c : body.constraints.contacts) {
-    if (c.obstacle < 0 || c.count != 1 || !c.touches_at_start) continue;
-    const SweptObstacle& m = obstacles[static_cast<std::size_t>(c.obstacle)];
-    if (m.obstacle->type == ObstacleSpec::Type::kPlane) continue;
-    first = std::min(first, timeOfBorder(m.obstacle->half, pathOf(body, m, c.particle[0], h), h));
+/// [s] When the place where a stick of that length [m] touches comes to one of its ends, or from
+/// there. More than h: never. start, end: that place; placeAt(share): after a share of the motion.
+template <class PlaceAt>
+double timeOfEnd(double start, double end, double length, double h, const PlaceAt& placeAt) {
+  const bool ends = !isBetweenEnds(end);
+  if (ends != isBetweenEnds(start)) return 2 * h;
+  if (ends && length * std::min(start, 1 - start) < kAtEdge) return 2 * h;
+  double lo = 0, hi = 1;
+  while (hi - lo > kSnap) {
+    const double share = 0.5 * (lo + hi);
+    (isBetweenEnds(placeAt(share)) == ends ? lo : hi) = share;
   }
+  return hi * h;
+}
+
+/// Whether sticks lie along what they touch: at two places, neither of which turns them.
+bool isFlat(const std::vector<Contact>& contacts, const Contact& c) {
+  return std::count_if(contacts.begin(), contacts.end(), [&c](const Contact& other) {
+           return other.obstacle == c.obstacle && other.count == c.count &&
+                  other.particle == c.particle;
+         }) > 1;
+}
+
+/// Whether it is of something that has no edges, or whose places are its springs'.
+bool isSmooth(const Model& model, const Contact& c) {
+  if (c.obstacle < 0) return false;
+  return model.obstacles[static_cast<std::size_t>(c.obstacle)].type == ObstacleSpec::Type::kPlane ||
+         (c.count == 2 && c.isSoft());
+}
+
+/// [s] When the contact goes over an edge, or an end of its sticks.
+double timeOfEdge(const Contact& c, const ContactPath& path, double h) {
+  if (c.count == 1) return timeOfBorder(path.obstacle->half, path.point[0], h);
+  const double start = c.start_weight[1], end = c.weight[1];
+  const double first = timeOfEnd(start, end, path.length(0), h,
+                                 [&](double share) { return path.placesAt(share).s; });
+  if (path.obstacle)
+    return std::min(first, timeOfBorder(path.obstacle->half, pathOfPlace(path, start, end), h));
+  return std::min(first, timeOfEnd(-c.start_weight[3], -c.weight[3], path.length(1), h,
+                                   [&](double share) { return path.placesAt(share).t; }));
+}
+
+/// Of the contacts of a body, or between bodies.
+template <class Owner>
+double timeOfEdge(const Owner& owner, const std::vector<Contact>& contacts, double h) {
+  double first = 2 * h;
+  for (const Contact& c : contacts)
+    if (c.touches_at_start && !isSmooth(contextOf(owner).model, c) &&
+        !(c.count > 1 && isFlat(contacts, c)))
+      first = std::min(first, timeOfEdge(c, pathOf(owner, c, h), h));
   return first;
 }
 
@@ -55,9 +95,13 @@ double timeOfEdge(const Body& body, double h) {
 
 double timeOfEdge(const Island& island, double h) {
   double first = 2 * h;
-  for (const Body* body : island.bodies)
-    if (body->located < kMaxLocated) first = std::min(first, timeOfEdge(*body, h));
-  return first;
+  bool all = true;
+  for (const Body* body : island.bodies) {
+    const bool may = body->located < kMaxLocated;
+    if (may) first = std::min(first, timeOfEdge(*body, body->constraints.contacts, h));
+    all = all && may;
+  }
+  return all ? std::min(first, timeOfEdge(island, island.pairs.contacts, h)) : first;
 }
 
 }  // namespace ragdoll

@@ -1,14 +1,14 @@
-// When what presses on an obstacle goes over from one part of its surface to another, as from a
-// face to an edge: there its force jumps, and what was fast enough leaves. A motion ends there, so
-// that the order of the method survives it.
+// When what presses goes over from one part of a surface to another, as from a face of an obstacle
+// to an edge, or from a stick's side to its end: there its force jumps, and what was fast enough
+// leaves. A motion ends there, so that the order of the method survives it.
 #pragma once
 
 #include "core/direct/island.h"
 
 namespace ragdoll {
 
-/// [s] The first time at which a particle that touches goes over an edge of an obstacle, in motions
-/// over h that are solved; more than h: none does.
+/// [s] The first time at which a particle or stick that touches goes over an edge of an obstacle,
+/// or over an end of a stick, in motions over h that are solved; more than h: none does.
 double timeOfEdge(const Island& island, double h);
 
 }  // namespace ragdoll

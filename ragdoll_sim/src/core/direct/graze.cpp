@@ -5,11 +5,12 @@
 
 #include "core/direct/constants.h"
 #include "core/direct/contact_motion.h"
+#include "core/direct/contact_path.h"
 
 namespace ragdoll {
 namespace {
 
-/// [m], [rad] of a gap at both ends of a motion, and its rates there over the motion.
+/// [rad] of a limit at both ends of a motion, and its rates there over the motion.
 struct GapEnds {
   double start, end, start_rate, end_rate;
 
@@ -41,15 +42,7 @@ void consider(const GapEnds& gap, double touching, double& first) {
 /// [m/s] Of the body's own points.
 using Velocities = Eigen::Ref<const Points>;
 
-/// sum_k w_k n . v_k over h. surface: [m] as the contact's.
-double openingOf(const Body& body, const Contact& c, const Vec3& surface, const Velocities& v,
-                 double h) {
-  double rate = -c.normal.dot(surface) / body.context->h;
-  visitMoving(body, c,
-              [&](int k, const Body&, int i) { rate += c.weight[k] * c.normal.dot(v.col(i)); });
-  return h * rate;
-}
-
+/// [rad] over h.
 double openingOf(const Body& body, const LimitRow& limit, const Velocities& v, double h) {
   double rate = 0;
   for (int k = 0; k < limit.count; ++k)
@@ -64,10 +57,11 @@ double timeOfGraze(const Body& body, const Points& v1, double h) {
   const Tolerances& tolerances = body.context->tolerances;
   const Velocities v0 = body.v();
   double first = 1;
-  for (const Contact& c : set.contacts)
-    consider({c.gap_start, gapAfter(body, c), openingOf(body, c, c.surface_start, v0, h),
-              openingOf(body, c, c.surface_end, v1, h)},
-             tolerances.touching, first);
+  for (const Contact& c : set.contacts) {
+    const double end = gapAfter(body, c);
+    if (std::min(c.gap_start, end) > tolerances.touching && c.gap_start + end < travelOf(body, c))
+      first = std::min(first, shareOfGraze(pathOf(body, c, h, &v1), tolerances.touching));
+  }
   for (const LimitRow& limit : set.limits) {
     const LimitRow before = anglesBefore(body).row(limit.limit);
     const LimitRow& after = anglesAfter(body).row(limit.limit);

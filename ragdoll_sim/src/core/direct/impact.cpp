@@ -5,6 +5,7 @@
 
 #include "core/direct/constants.h"
 #include "core/direct/contact_motion.h"
+#include "core/direct/contact_path.h"
 
 namespace ragdoll {
 namespace {
@@ -23,19 +24,23 @@ double rateAtStart(const Body& body, const LimitRow& limit) {
   return rate;
 }
 
-/// What decides for contacts: the smallest size of the bodies, by a human's, and how many impacts
-/// of the step were located.
+/// What decides for contacts: the smallest size of the bodies, by a human's, how many impacts of
+/// the step were located, and [m] the deepest overlap.
 struct Located {
   double scale = 1;
   int count = 0;
+  double overlap = 0;
 };
 
-Located locatedOf(const Body& body) { return {body.rows->scale, body.located}; }
+Located locatedOf(const Body& body) {
+  return {body.rows->scale, body.located, body.constraints.overlap};
+}
 Located locatedOf(const Island& island) {
   Located all;
   for (const Body* body : island.bodies) {
     all.scale = std::min(all.scale, body->rows->scale);
     all.count = std::max(all.count, body->located);
+    all.overlap = std::max(all.overlap, body->constraints.overlap);
   }
   return all;
 }
@@ -149,15 +154,51 @@ void consider(double time, Role& role, double h, Impact& first) {
   if (time < first.time) first = {std::clamp(time, 0.0, h), &role};
 }
 
-/// The first of the contacts that are coming.
+/// Whether two contacts are of the same parts, or of one and the next.
+bool areNeighbours(const Contact& a, const Contact& b) {
+  if (a.obstacle != b.obstacle || (a.count == 4) != (b.count == 4)) return false;
+  if (a.count < 4) return a.isOfSame(b);
+  const auto share = [&](int i, int j) {
+    const auto isOfA = [&](int particle) {
+      return particle == a.particle[i] || particle == a.particle[i + 1];
+    };
+    return isOfA(b.particle[j]) || isOfA(b.particle[j + 1]);
+  };
+  return (share(0, 0) && share(2, 2)) || (share(0, 2) && share(2, 0));
+}
+
+/// Whether a motion at whose ends the contact is open, at the end by `end`, is long enough that it
+/// may be touched in between.
+template <class Owner>
+bool mayGraze(const Owner& owner, const StepContext& step, const ContactSet& set, std::size_t i,
+              double end) {
+  const Contact& c = set.contacts[i];
+  const double touching = step.tolerances.touching;
+  if (c.gap_start <= touching || end <= touching || c.isSoft()) return false;
+  if (c.gap_start + end >= travelOf(owner, c)) return false;
+  // What opens an overlap goes a way of its own.
+  const Located located = locatedOf(owner);
+  if (located.count >= kMaxLocated || located.overlap > kClose) return false;
+  // What slides on goes from one to the next of these as they are nearest in turn; and of two where
+  // a stick lies flat one is nearest.
+  return std::none_of(set.contacts.begin(), set.contacts.end(), [&](const Contact& other) {
+    if (&other == &c || !areNeighbours(other, c)) return false;
+    return std::min(other.gap_start, gapAfter(owner, other)) <= touching ||
+           (other.particle == c.particle && other.gap_start < c.gap_start);
+  });
+}
+
+/// The first of the contacts that are coming, or are left again before the end.
 template <class Owner>
 void considerContacts(const Owner& owner, const StepContext& step, ContactSet& set, double h,
                       Impact& first) {
   for (std::size_t i = 0; i < set.contacts.size(); ++i) {
     const Contact& c = set.contacts[i];
-    if (set.role[i] != Role::kComing) continue;
     const double end = gapAfter(owner, c);
-    if (end < -step.tolerances.contact)
+    if (mayGraze(owner, step, set, i, end))
+      consider(h * shareOfTouch(pathOf(owner, c, h), step.tolerances.touching), set.role[i], h,
+               first);
+    if (set.role[i] == Role::kComing && end < -step.tolerances.contact)
       consider(timeOfTouch(step, c, end, h), set.role[i], h, first);
   }
 }

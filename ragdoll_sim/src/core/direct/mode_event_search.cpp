@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/contact/first_touch.h"
+#include "core/direct/constants.h"
 #include "core/direct/mode_constants.h"
 #include "core/direct/mode_motion.h"
 #include "core/direct/mode_piece.h"
@@ -26,8 +28,9 @@ double eventValue(Island& island, std::size_t i, Event event, const ModePoint& p
   if (event == kGap) {
     if (row.presses) return kLasting;
     const double noise = row.gap_start < kClosedGap ? kGapNoise : 0;
-    return openingOf(island, row, point.x.data(), point.v.data()) - std::min(0.0, row.gap_start) +
-           noise;
+    const double opening = openingOf(island, row, point.x.data(), point.v.data()) -
+                           std::min(0.0, row.gap_start) + noise;
+    return opening > 0 || !isEndOfTouchingStick(island, row, point.x.data()) ? opening : kLasting;
   }
   if (!row.presses) return kLasting;
   if (event == kForce) return point.forces.normal[i] + none;
@@ -131,6 +134,36 @@ bool findFirst(Island& island, double h, double before, double share, ModeEvent&
   return true;
 }
 
+/// [m/s] Of the fastest point at either end of the motion, and twice that: two sides may come to
+/// each other so fast.
+double fastestApproach(const Mode& mode) {
+  double square = 0;
+  for (const ModePoint* point : {&mode.start, &mode.end})
+    for (Eigen::Index i = 0; i + 2 < point->v.size(); i += 3)
+      square = std::max(square, point->v.segment<3>(i).squaredNorm());
+  return 2 * std::sqrt(square);
+}
+
+/// The share between two at which a row that is open at both, mode.earlier and mode.event, is
+/// nearest, if it is closed there: it would be left again unseen. kNeverTouched: there is none.
+double shareOfGraze(Island& island, double h, double before, double share) {
+  Mode& mode = island.s.mode;
+  const double reach = (share - before) * h * fastestApproach(mode);
+  double first = kNeverTouched;
+  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+    const std::size_t which = kEventsOfRow * i + kGap;
+    const double start = mode.earlier[which], end = mode.event[which];
+    const double lever = mode.rows[i].isContact() ? 1 : kLever;
+    if (mode.rows[i].presses || !(start > 0 && end > 0) || lever * (start + end) >= reach) continue;
+    const auto gap = [&](double at) {
+      interpolate(mode.start, mode.end, h, at, mode.stage);
+      return eventValue(island, i, kGap, mode.stage) + kGapNoise;
+    };
+    first = std::min(first, lowestIfClosed(gap, before, start, share, end));
+  }
+  return first;
+}
+
 /// Whether something rigid has closed before mode.end: the search for one event may lead past
 /// another.
 bool passedAnother(Island& island) {
@@ -150,10 +183,16 @@ bool findModeEvent(Island& island, double h, ModeEvent& found) {
   double before = 0;
   mode.sample = mode.end;
   for (int k = 1; k <= kEventSamples && !found.any; ++k) {
-    const double share = k / static_cast<double>(kEventSamples);
+    double share = k / static_cast<double>(kEventSamples);
     ModePoint& point = k < kEventSamples ? mode.sample : mode.end;
     if (k < kEventSamples) interpolate(mode.start, mode.end, h, share, point);
     if (!eventsAt(island, point, mode.event)) return false;
+    const double graze = shareOfGraze(island, h, before, share);
+    if (graze < share) {
+      share = graze;
+      interpolate(mode.start, mode.end, h, share, mode.sample);
+      if (!eventsAt(island, mode.sample, mode.event)) return false;
+    }
     if (!findFirst(island, h, before, share, found)) return false;
     std::swap(mode.event, mode.earlier);
     before = share;

@@ -92,7 +92,7 @@ void visitBorders(const Axis& axis, const Visit& visit) {
   for (int k = 0; k < 3; ++k)
     for (const int side : {-1, 1}) {
       const double t = (side * axis.obstacle.half[k] - axis.a[k]) / (axis.b[k] - axis.a[k]);
-      if (t > kEndOfStick && t < 1 - kEndOfStick) visit(k, side, t);
+      if (isBetweenEnds(t)) visit(k, side, t);
     }
 }
 
@@ -448,11 +448,26 @@ double roomOf(Island& island, const ModeRow& row, const double* x,
   return roomOfOwn(*island.bodies[row.body], row, x + island.s.mode.offset[row.body], feature);
 }
 
-bool liesAcross(const Body& body, const ModeRow& row) {
+bool liesAcross(const Body& body, const ModeRow& row, const double* x) {
   std::array<int, 3> edges{};
-  const Axis axis = axisOf(obstacleOf(body, row), row, body.xData());
+  const Axis axis = axisOf(obstacleOf(body, row), row, x);
   visitBorders(axis, [&](int k, int, double t) { edges[k] += std::abs(axis.gap(t)) < kTouching; });
   return *std::max_element(edges.begin(), edges.end()) > 1;
+}
+
+bool isEndOfTouchingStick(const Island& island, const ModeRow& row, const double* x) {
+  const Body& body = *island.bodies[row.body];
+  if (row.kind != ModeKind::kParticle || row.isSoft() ||
+      obstacleOf(body, row).obstacle->type == ObstacleSpec::Type::kPlane)
+    return false;
+  bool is_end = false;
+  visitSticksAt(body, row, [&](const ModeRow& stick) {
+    const Axis axis = axisOf(obstacleOf(body, stick), stick, x + island.s.mode.offset[row.body]);
+    const double t = nearest(axis);
+    is_end = is_end || (roomOnStick(t) > 0 && axis.gap(t) < kClosedGap &&
+                        isRoundTo(axis, t, stick.b == row.a ? 1 : 0));
+  });
+  return is_end;
 }
 
 bool hasPressed(Island& island, const ModeRow& row, const RowPlace& place) {

@@ -38,8 +38,13 @@ double openingOf(Island& island, const ModeRow& row, const double* x, const doub
 double roomOf(Island& island, const ModeRow& row, const double* x,
               const std::array<int, 3>& feature);
 
-/// Whether a stick touches a box at two opposite edges at once: one row is not enough.
-bool liesAcross(const Body& body, const ModeRow& stick);
+/// Whether at the body's positions x a stick touches a box at two opposite edges at once: one row
+/// is not enough.
+bool liesAcross(const Body& body, const ModeRow& stick, const double* x);
+
+/// Whether a particle is the end of a stick that touches beside one edge or corner, or what is
+/// round: the place where that touches has to run there first.
+bool isEndOfTouchingStick(const Island& island, const ModeRow& particle, const double* x);
 
 /// Whether it pressed in the last motion.
 bool hasPressed(Island& island, const ModeRow& row, const RowPlace& place);

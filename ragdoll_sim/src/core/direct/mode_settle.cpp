@@ -32,10 +32,14 @@ void settleSpring(Island& island, const ModePoint& ahead, ModeRow& row) {
 }
 
 /// Whether it touches within its sticks, and goes on to: where it leaves over a stick's end, what
-/// is the end's takes its place, and rounding does not bring it back. ahead: a moment later.
+/// is the end's takes its place, not before, and rounding does not bring it back. ahead: a moment
+/// later.
 bool staysWithin(Island& island, const ModePoint& ahead, const ModeRow& row,
                  const RowPlace& place) {
   if (!place.inside || !place.regular) return false;
+  if (row.kind == ModeRow::Kind::kParticle)
+    return !isEndOfTouchingStick(island, row, island.s.mode.start.x.data()) ||
+           !isEndOfTouchingStick(island, row, ahead.x.data());
   if (row.kind != ModeRow::Kind::kStick && row.kind != ModeRow::Kind::kPair) return true;
   return placeOf(island, row, ahead.x.data(), ahead.v.data(), false).inside;
 }
@@ -66,6 +70,16 @@ bool touchesElsewhere(Island& island, const ModeRow& row) {
            other.other == row.other && (isWithin(row, other) || isWithin(other, row)) &&
            gapOf(island, other, now.x.data()) < kClosedGap &&
            placeOf(island, other, now.x.data(), now.v.data(), false).inside;
+  });
+}
+
+/// Whether a stick has come to lie across a box: it would strike one edge as if it had left the
+/// other.
+bool anyLiesAcross(const Island& island) {
+  const Mode& mode = island.s.mode;
+  return std::any_of(mode.rows.begin(), mode.rows.end(), [&](const ModeRow& row) {
+    return row.kind == ModeRow::Kind::kStick && !row.isSoft() &&
+           liesAcross(*island.bodies[row.body], row, mode.start.x.data() + mode.offset[row.body]);
   });
 }
 
@@ -124,6 +138,7 @@ bool closeChatter(Island& island, const ModePoint& ahead) {
 bool settleMode(Island& island, bool pressed) {
   Mode& mode = island.s.mode;
   const ModePoint& ahead = lookAhead(mode);
+  if (anyLiesAcross(island)) return false;
   if (findClosed(island, ahead, pressed, false)) {
     findClosed(island, ahead, pressed, true);
     if (!takeModeImpact(island, mode.start)) return false;

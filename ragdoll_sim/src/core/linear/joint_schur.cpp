@@ -116,8 +116,12 @@ bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeping sweeps) {
   if (!shares_load_) return settled;
   double last = std::numeric_limits<double>::infinity();
   for (int k = 0; settled && k < kShareRounds; ++k) {
+    kept_ = p;
     const double change = share(p, k > 0);
-    if (change <= kShared) break;
+    if (change <= kShared) {
+      p = kept_;  // within its cones, as sweeps leave it
+      break;
+    }
     settled = sweep(b, p, sweeps);
     if (change > kShrinks * last) break;
     last = change;

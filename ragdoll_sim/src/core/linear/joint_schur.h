@@ -80,6 +80,7 @@ class JointSchur {
   EqualSprings springs_;
   SweepBatches batches_;
   RowValues diagonal_;
+  RowValues kept_;                  ///< before the load is shared
   std::vector<RowValues> answers_;  ///< per body
 };
 
