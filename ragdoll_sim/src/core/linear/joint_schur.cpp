@@ -1,10 +1,26 @@
 #include "core/linear/joint_schur.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <vector>
 
 #include "core/linear/schur_sweeps.h"
 
 namespace ragdoll {
+namespace {
+
+/// Friction that a load shared anew leaves outside its cone, as sweeps would put it back.
+void holdInCones(const std::vector<SchurBlock>& blocks, RowValues& p) {
+  for (const SchurBlock& b : blocks) {
+    if (!b.has_tangents) continue;
+    const double limit = b.friction * std::max(0.0, p[b.row]);
+    const double force = std::hypot(p[b.row + 1], p[b.row + 2]);
+    if (force > limit) p.segment<2>(b.row + 1) *= limit / force;
+  }
+}
+
+}  // namespace
 
 /// As findBlocks and projectedGaussSeidel want them.
 struct JointSchur::View {
@@ -116,10 +132,9 @@ bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeping sweeps) {
   if (!shares_load_) return settled;
   double last = std::numeric_limits<double>::infinity();
   for (int k = 0; settled && k < kShareRounds; ++k) {
-    kept_ = p;
     const double change = share(p, k > 0);
     if (change <= kShared) {
-      p = kept_;  // within its cones, as sweeps leave it
+      holdInCones(isOneBody() ? bodies_[0]->blocks() : blocks_, p);
       break;
     }
     settled = sweep(b, p, sweeps);
