@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/contact/constants.h"
 #include "core/direct/constants.h"
 #include "core/direct/contact_motion.h"
 #include "core/direct/contact_path.h"
@@ -178,7 +179,7 @@ bool mayGraze(const Owner& owner, const StepContext& step, const ContactSet& set
   if (c.gap_start + end >= travelOf(owner, c)) return false;
   // What opens an overlap goes a way of its own.
   const Located located = locatedOf(owner);
-  if (located.count >= kMaxLocated || located.overlap > kClose) return false;
+  if (located.count >= kMaxLocated || located.overlap > kGapResolution) return false;
   // What slides on goes from one to the next of these as they are nearest in turn; and of two where
   // a stick lies flat one is nearest.
   return std::none_of(set.contacts.begin(), set.contacts.end(), [&](const Contact& other) {
