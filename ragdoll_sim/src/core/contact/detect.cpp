@@ -11,7 +11,7 @@
 #include "core/contact/constants.h"
 #include "core/contact/distance.h"
 #include "core/contact/first_touch.h"
-#include "core/contact/shared_springs.h"
+#include "core/contact/stick_ends.h"
 #include "core/contact/stick_springs.h"
 
 namespace ragdoll {
@@ -362,19 +362,6 @@ bool stickAgainst(const Model& model, const Points& x0, const Points& x1, int in
   stickContacts(model, m, {stays ? at_end : *axis, at_start, start, a, b, index, give}, contacts);
   return m.obstacle->type == ObstacleSpec::Type::kBox ? restsOnEnds(model, *m.obstacle, give)
                                                       : give.compliance > 0;
-}
-
-/// Takes the ends out that are the sticks', of the contacts from `begin` on, all with one obstacle.
-/// They come near as the place runs to them, and would be hit just before it is there.
-void dropEndsOfSticks(std::size_t begin, std::vector<Contact>& contacts) {
-  const auto first = contacts.begin() + static_cast<std::ptrdiff_t>(begin);
-  for (auto c = first; c != contacts.end(); ++c)
-    for (int k = 0; k < 2; ++k)
-      if (c->has_end[k])
-        for (auto end = first; end != contacts.end(); ++end)
-          if (end->count == 1 && end->particle[0] == c->particle[k]) end->dropped = true;
-  contacts.erase(std::remove_if(first, contacts.end(), [](const Contact& c) { return c.dropped; }),
-                 contacts.end());
 }
 
 void ragdollAgainst(const Model& model, const Points& x0, const Points& x1, int index,

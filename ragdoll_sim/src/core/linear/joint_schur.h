@@ -80,7 +80,6 @@ class JointSchur {
   EqualSprings springs_;
   SweepBatches batches_;
   RowValues diagonal_;
-  RowValues kept_;                  ///< before the load is shared
   std::vector<RowValues> answers_;  ///< per body
 };
 

@@ -1,4 +1,4 @@
-// Which springs press where a stick and the particles at its ends give way on one obstacle.
+// Which contacts with one obstacle are a stick's, and which are those of the particles at its ends.
 #pragma once
 
 #include <vector>
@@ -16,5 +16,10 @@ void shareSprings(const Model& model, const Obstacle& obstacle, const Ragdoll& r
 /// comes or goes as the place moves onto the deeper end. Takes that end's out, of the contacts from
 /// `begin` on, all with one obstacle.
 void dropDeeperEnds(std::size_t begin, std::vector<Contact>& contacts);
+
+/// Takes the ends out that are the sticks' (Contact::has_end), of the contacts from `begin` on, all
+/// with one obstacle. They come near as the place runs to them, and would be hit just before it is
+/// there.
+void dropEndsOfSticks(std::size_t begin, std::vector<Contact>& contacts);
 
 }  // namespace ragdoll

@@ -1,10 +1,19 @@
-#include "core/contact/shared_springs.h"
+#include "core/contact/stick_ends.h"
 
 #include <algorithm>
 
 #include "core/contact/stick_springs.h"
 
 namespace ragdoll {
+namespace {
+
+void eraseDropped(std::size_t begin, std::vector<Contact>& contacts) {
+  contacts.erase(std::remove_if(contacts.begin() + static_cast<std::ptrdiff_t>(begin),
+                                contacts.end(), [](const Contact& c) { return c.dropped; }),
+                 contacts.end());
+}
+
+}  // namespace
 
 void shareSprings(const Model& model, const Obstacle& o, const Ragdoll& r, std::size_t begin,
                   std::vector<Contact>& contacts) {
@@ -26,8 +35,7 @@ void shareSprings(const Model& model, const Obstacle& o, const Ragdoll& r, std::
       c->give.damping *= static_cast<double>(left) / all;
     }
   }
-  contacts.erase(std::remove_if(first, contacts.end(), [](const Contact& c) { return c.dropped; }),
-                 contacts.end());
+  eraseDropped(begin, contacts);
 }
 
 void dropDeeperEnds(std::size_t begin, std::vector<Contact>& contacts) {
@@ -44,8 +52,17 @@ void dropDeeperEnds(std::size_t begin, std::vector<Contact>& contacts) {
     const auto deeper = is_a ? a : b;
     if (deeper != contacts.end()) deeper->dropped = true;
   }
-  contacts.erase(std::remove_if(first, contacts.end(), [](const Contact& c) { return c.dropped; }),
-                 contacts.end());
+  eraseDropped(begin, contacts);
+}
+
+void dropEndsOfSticks(std::size_t begin, std::vector<Contact>& contacts) {
+  const auto first = contacts.begin() + static_cast<std::ptrdiff_t>(begin);
+  for (auto c = first; c != contacts.end(); ++c)
+    for (int k = 0; k < 2; ++k)
+      if (c->has_end[k])
+        for (auto end = first; end != contacts.end(); ++end)
+          if (end->count == 1 && end->particle[0] == c->particle[k]) end->dropped = true;
+  eraseDropped(begin, contacts);
 }
 
 }  // namespace ragdoll

@@ -1,4 +1,4 @@
-#include "core/contact/shared_springs.h"
+#include "core/contact/stick_ends.h"
 
 #include <gtest/gtest.h>
 
