@@ -11,7 +11,7 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kFlatEdge = 1e-6;      ///< [m] flat along an edge, beside which a capsule is round
+constexpr double kFlatEdge = 1e-9;      ///< [m] flat along an edge, beside which a capsule is round
 constexpr double kAxisRounding = 1e-9;  ///< of a place along a stick
 constexpr int kNarrowings = 8;          ///< false position, of the end of what lies flat
 constexpr int kHalvings = 16;           ///< and halvings of what that leaves
@@ -141,7 +141,7 @@ bool isRoundTo(const Axis& axis, double t, double end) {
 
 double flatEnd(const Axis& axis, double t, double end) {
   constexpr int kFace = 1, kEdge = 2;
-  const double over = lastBeside(axis, t, stretch(axis, t, end, kFlatStick), kFace);
+  const double over = lastBeside(axis, t, end, kFace);
   if (!std::isnan(over)) return over;
   const double least = t + std::copysign(kStickEnd, end - t);
   if (std::abs(end - t) > kStickEnd && axis.gap(least) > axis.gap(t) + kFlatEdge) return t;

@@ -17,7 +17,6 @@ constexpr double kAlong = 0.9;      ///< cosine: a normal along the stick cannot
 constexpr double kParallel = 0.03;  ///< squared sine (10 degrees) below which axes may lie flat
 
 // --- Not tuned: made of others.
-constexpr double kFlatStick = 10 * kGapResolution;  ///< [m] flat: a stick's gap varies by less
 /// Of a stick: flat contact spans more of an axis; no axis goes out across itself nearer to an end.
 constexpr double kStickEnd = kNoLength;
 

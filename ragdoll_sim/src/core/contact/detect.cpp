@@ -1,7 +1,6 @@
 #include "core/contact/detect.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -12,6 +11,7 @@
 #include "core/contact/distance.h"
 #include "core/contact/first_touch.h"
 #include "core/contact/stick_ends.h"
+#include "core/contact/stick_places.h"
 #include "core/contact/stick_springs.h"
 
 namespace ragdoll {
@@ -159,35 +159,6 @@ Contact tangentAt(const SweptObstacle& m, const Axis& axis, double t) {
   return planeAt(m, p, d, axis.radius(t));
 }
 
-/// Where a capsule touches between its ends: where it is nearest, or both ends of where it lies
-/// flat.
-struct Places {
-  std::array<double, 2> at;
-  bool flat;
-};
-
-Places placesOf(const SweptObstacle& m, const Axis& axis, const Compliance& give) {
-  const double t = nearest(axis);
-  // The only one to lie flat on; a spring at its ends is enough, and does not come and go.
-  if (m.obstacle->type != ObstacleSpec::Type::kBox || give.compliance > 0) return {{t, t}, false};
-  const double lo = flatEnd(axis, t, 0), hi = flatEnd(axis, t, 1);
-  if (hi - lo > kStickEnd) return {{lo, hi}, true};
-  return {{t, t}, false};
-}
-
-/// Which of them is nearer to a place t.
-int nearer(const Places& places, double t) {
-  return std::abs(places.at[1] - t) < std::abs(places.at[0] - t) ? 1 : 0;
-}
-
-/// The place before the motion that such a place has come from; nothing if there is none near it.
-std::optional<double> placeBefore(const Places& before, const Places& now, int i) {
-  const int k = before.flat && now.flat ? i : nearer(before, now.at[i]);
-  const bool same = before.flat == now.flat || nearer(now, before.at[k]) == i;
-  if (!same || std::abs(now.at[i] - before.at[k]) > kSamePlace) return std::nullopt;
-  return before.at[k];
-}
-
 /// Its contact touched at the start, at a place t of `axis`.
 void setStart(const SweptObstacle& m, const Axis& axis, double t, Contact& c) {
   c.start_weight = {1 - t, t, 0, 0};
@@ -203,6 +174,7 @@ struct StickSearch {
   int a = 0, b = 0;     ///< particles
   int ragdoll = 0;
   Compliance give;
+  double reach = 0;  ///< [m] what is nearer may touch
 
   Contact contactWith(Contact c) const {
     c.gap_start = start;
@@ -226,13 +198,13 @@ double gapAtStart(const StickSearch& k, double share) {
 /// rolls over an edge the place goes along, and with it its gap; and where that comes to an end of
 /// the capsule it still presses, or the end would strike.
 void placeContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Contact>& contacts) {
-  const Places places = placesOf(m, k.axis, k.give);
-  std::optional<Places> before;  // of most sticks an end is nearest, and nobody asks
+  const StickPlaces places = placesOf(k.axis, k.give, k.reach);
+  std::optional<StickPlaces> before;  // of most sticks an end is nearest, and nobody asks
   for (int i = 0; i < (places.flat ? 2 : 1); ++i) {
     const double share = places.at[i];
     const bool touches = std::abs(k.start) <= kResting;
     if (!touches && !isBetweenEnds(share)) continue;
-    if (!before) before = placesOf(m, k.at_start, k.give);
+    if (!before) before = placesOf(k.at_start, k.give, k.reach);
     if (!isBetweenEnds(share) && !isBetweenEnds(before->at[before->flat ? i : 0])) continue;
     Contact c = k.contactWith(tangentAt(m, k.axis, share));
     c.weight = {1 - share, share, 0, 0};
@@ -359,7 +331,9 @@ bool stickAgainst(const Model& model, const Points& x0, const Points& x1, int in
   // What is in touch all along gives way as it ends, however far that is.
   const bool stays =
       restsOnEnds(model, *m.obstacle, give) && start <= kResting && at_end.gap(nearest(at_end)) < 0;
-  stickContacts(model, m, {stays ? at_end : *axis, at_start, start, a, b, index, give}, contacts);
+  const double reach = travelOf(at_start, at_end) + margin;
+  stickContacts(model, m, {stays ? at_end : *axis, at_start, start, a, b, index, give, reach},
+                contacts);
   return m.obstacle->type == ObstacleSpec::Type::kBox ? restsOnEnds(model, *m.obstacle, give)
                                                       : give.compliance > 0;
 }
@@ -477,7 +451,9 @@ void appendStickOverlaps(const Model& model, const std::vector<SweptObstacle>& o
       if (restsOnEnds(model, *m.obstacle, give)) continue;  // its springs are known
       const Axis at_start{*m.obstacle, m.toStart(x0.col(a)), m.toStart(x0.col(b)), ra, rb};
       const double start = at_start.gap(nearest(at_start));
-      stickContacts(model, m, {axis, at_start, start, a, b, ragdoll, give}, contacts);
+      stickContacts(model, m,
+                    {axis, at_start, start, a, b, ragdoll, give, travelOf(at_start, axis)},
+                    contacts);
     }
   }
 }

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "core/contact/axis.h"
 #include "core/contact/constants.h"
+#include "core/contact/detect.h"
 #include "core/direct/constants.h"
 #include "core/direct/contact_motion.h"
 #include "core/direct/moving_obstacles.h"
@@ -137,14 +139,36 @@ bool takeNearest(const std::vector<Contact>& found, Contact& c) {
   return nearest;
 }
 
-/// Whether what is hit has the plane that the whole motion's chord reaches: the way there is
-/// curved.
+/// Whether what is hit, or may be with it, has the plane that the whole motion's chord reaches: the
+/// way there is curved.
 bool isHitElsewhere(const StepContext& step, const Contact& c, Role role) {
-  if (role != Role::kHit || c.touches_at_start) return false;
+  if (!isReached(role) || c.touches_at_start) return false;
   if (c.obstacle < 0) return true;
   return step.model.obstacles[c.obstacle].type != ObstacleSpec::Type::kPlane ||
          c.surface_end != c.surface_motion;
 }
+
+/// Has the contact of a stick that has none any more, as its place stays at one of its ends, be
+/// that end's; whether it touches. found: where contacts are put meanwhile.
+bool takeEnd(Body& body, double over, std::vector<Contact>& found, Contact& c) {
+  const bool ends = c.count == 2 && c.touches_at_start && !isBetweenEnds(c.start_weight[1]);
+  if (!ends || c.obstacle < 0) return false;
+  const StepContext& step = *body.context;
+  const std::vector<SweptObstacle>& swept = obstaclesOver(body, over);
+  const auto obstacle = std::find_if(swept.begin(), swept.end(), [&c](const SweptObstacle& m) {
+    return m.index == c.obstacle;
+  });
+  const int particle = c.particle[c.start_weight[1] < 0.5 ? 0 : 1] - body.first;
+  const std::size_t known = found.size();
+  appendParticleContact(step.model, *obstacle, step.state.x, poseAfter(body), body.index, particle,
+                        kNearBody, found);
+  if (found.size() == known) return false;
+  c = found.back();
+  found.pop_back();
+  return true;
+}
+/// Between bodies ends are the sticks'.
+bool takeEnd(Island&, double, std::vector<Contact>&, Contact&) { return false; }
 
 template <class Owner>
 void findAnew(Owner& owner, ContactSet& set, double over, double substep) {
@@ -159,7 +183,7 @@ void findAnew(Owner& owner, ContactSet& set, double over, double substep) {
     if (!isOther(i)) continue;
     if (near.empty()) appendNear(owner, over, near);
     Contact& c = set.contacts[i];
-    if (!takeNearest(near, c)) continue;
+    if (!takeNearest(near, c) && !takeEnd(owner, over, near, c)) continue;
     startContact(owner, c, over, over);
     c.found += (substep - over) / step.h * c.normal.dot(c.surface_motion);
   }

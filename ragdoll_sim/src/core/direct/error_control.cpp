@@ -64,8 +64,10 @@ bool ErrorControl::accepts(double error, int order) {
     other_rate_ = 0;
     in_vain_ = 0;
   }
-  missed_ = missed_ || !kept;
-  if (rate < kUnknownRate) made_ += error;
+  if (rate < kUnknownRate)
+    made_ += error;
+  else
+    unknown_ = true;
   spent_ += std::min(error, may_have);
   left_ -= part_;
   ++taken_;
@@ -76,7 +78,8 @@ bool ErrorControl::accepts(double error, int order) {
 void ErrorControl::tell(int bodies, StepReport& report) const {
   report.substeps = std::max(report.substeps, taken_);
   report.error_estimate = std::max(report.error_estimate, made_ / h_);
-  if (missed_) report.tolerance_missed += bodies;
+  const bool missed = made_ > (1 + kNothingLeft) * tolerance_ * h_;
+  if (unknown_ || missed) report.tolerance_missed += bodies;
 }
 
 }  // namespace ragdoll

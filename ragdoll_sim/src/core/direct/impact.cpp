@@ -294,9 +294,10 @@ double impactAgain(const Island& island, double h) {
   if (arrival.found) takeBack(island.s.joint, island.s.total, island.pairs.row[i], arrival);
   for (const Body* body : island.bodies)
     if (!arrival.found) arrival = arrivalOf(*body, true);
-  // What has pushed it back has become a speed.
-  const double pushed = kContactTolerance / kTouching * arrival.touching * h / island.context.h;
-  const bool reached = arrival.end <= arrival.touching && arrival.end >= -pushed;
+  // What else is reached with it, on a longer lever, is to count as touching; and what has pushed
+  // it back has become a speed.
+  const double left = kContactTolerance / kTouching * arrival.touching;
+  const bool reached = arrival.end <= left && arrival.end >= -left * h / island.context.h;
   return arrival.found && !reached ? arrival.time(h) : h;
 }
 
