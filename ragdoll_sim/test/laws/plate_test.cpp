@@ -31,7 +31,7 @@ obstacles: [{type: box, position: [0.3, 0, 0], rpy_deg: [0, 0, 11.5], size: [0.6
 }
 
 /// It slides over the edge, and a corner of it. 1.5e-3 m off at 1000 Hz, 5.6e-4 m at 2000; within
-/// 1e-4 m/s 1.7 times what is allowed.
+/// 1e-4 m/s 1.7 times what is allowed. (Within 1e-2 m/s it is 2.0 times.)
 TEST(Plate, SlidesOverAnEdge) {
   const LimitOf plate(R"(
 ragdolls:
@@ -50,7 +50,7 @@ obstacles: [{type: box, position: [0.3, 0, 0], rpy_deg: [0, 0, -4.3], size: [0.6
 )",
                       0.2);
   plate.expectSecondOrder(10, {500.0, 1000.0, 2000.0, 4000.0});
-  plate.expectWithinTolerances();
+  plate.expectWithinTolerances({1e-3, 1e-4});
 }
 
 }  // namespace
