@@ -142,7 +142,8 @@ bool isRoundTo(const Axis& axis, double t, double end) {
 double flatEnd(const Axis& axis, double t, double end) {
   constexpr int kFace = 1, kEdge = 2;
   const double over = lastBeside(axis, t, end, kFace);
-  if (!std::isnan(over)) return over;
+  const double length = std::abs(over - t) * (axis.b - axis.a).norm();
+  if (!std::isnan(over) && axis.gap(over) - axis.gap(t) <= std::sqrt(kParallel) * length) return over;
   const double least = t + std::copysign(kStickEnd, end - t);
   if (std::abs(end - t) > kStickEnd && axis.gap(least) > axis.gap(t) + kFlatEdge) return t;
   const double along = lastBeside(axis, t, stretch(axis, t, end, kFlatEdge), kEdge);
