@@ -18,7 +18,7 @@ ragdolls:
        q: {position: [0.3, 0, 0], mass: 1.1, radius: 0.05}}}}
 obstacles: [{type: capsule, from: [0, -0.5, 0.05], to: [0.1, 0.5, 0], radius: 0.2, friction: 0.1}]
 )",
-                         0.2);
+                    0.2);
   rod.expectSecondOrder(1, {250.0, 1000.0, 4000.0, 16000.0});
   rod.expectWithinTolerances();
 }
@@ -38,7 +38,7 @@ ragdolls:
         c: {position: [0.3, 0.0, -0.1], mass: 0.8, radius: 0.03}
 obstacles: [{type: box, position: [-0.15, 0, 0], size: [0.5, 0.8, 0.4], friction: 0.2}]
 )",
-                           0.2);
+                      0.2);
   chain.expectSecondOrder(10, {250.0, 1000.0, 4000.0, 16000.0});
   chain.expectWithinTolerances();
 }
@@ -57,7 +57,7 @@ ragdolls:
      model: {sticks: [[p, q]], particles: {p: {position: [0, -0.3, 0], mass: 1, radius: 0.03},
        q: {position: [0, 0.25, 0], mass: 1.1, radius: 0.04}}}}
 )",
-                          0.1);
+                     0.1);
   rods.expectSecondOrder(0.5, {250.0, 1000.0, 4000.0});
   rods.expectWithinTolerances();
 }
@@ -72,13 +72,13 @@ ragdolls:
        q: {position: [0.3, 0, 0], mass: 1.1, radius: 0.03}}}}
 obstacles: [{type: box, position: [0, 0, 0], size: [0.3, 1, 0.4], friction: 0.2}]
 )",
-                         0.2);
+                    0.2);
   rod.expectSecondOrder(10, {250.0, 1000.0});
   rod.expectWithinTolerances();
 }
 
-/// Turns about a box's edge down onto its face. Its place was taken to be where it is 1 mm above the
-/// face: 4.8e-4 m off at 250 to 1000 Hz, within 1e-3 m/s 13 times what is allowed.
+/// Turns about a box's edge down onto its face. Its place was taken to be where it is 1 mm above
+/// the face: 4.8e-4 m off at 250 to 1000 Hz, within 1e-3 m/s 13 times what is allowed.
 TEST(StickEnd, TurnsDownOntoAFace) {
   const LimitOf rod(R"(
 ragdolls:

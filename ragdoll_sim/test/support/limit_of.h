@@ -25,8 +25,7 @@ class LimitOf {
   void expectBelow(double most, std::initializer_list<double> rates) const {
     for (const double rate : rates) EXPECT_LT(errorAt(rate), most) << rate;
   }
-  void expectWithinTolerances(
-      std::initializer_list<double> tolerances = {1e-2, 1e-3, 1e-4}) const {
+  void expectWithinTolerances(std::initializer_list<double> tolerances = {1e-2, 1e-3, 1e-4}) const {
     for (const double tolerance : tolerances) {
       Scene scene = scene_;
       scene.solver.tolerance = tolerance;

@@ -11,11 +11,11 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kFlatEdge = 1e-9;      ///< [m] flat along an edge, beside which a capsule is round
+constexpr double kFlatEdge = 1e-9;  ///< [m] flat along an edge, beside which a capsule is round
 constexpr double kAsDeep = 10 * kGapResolution;  ///< [m] a stick's depth varies by less
-constexpr double kAxisRounding = 1e-9;  ///< of a place along a stick
-constexpr int kNarrowings = 8;          ///< false position, of the end of what lies flat
-constexpr int kHalvings = 16;           ///< and halvings of what that leaves
+constexpr double kAxisRounding = 1e-9;           ///< of a place along a stick
+constexpr int kNarrowings = 8;                   ///< false position, of the end of what lies flat
+constexpr int kHalvings = 16;                    ///< and halvings of what that leaves
 
 /// Where |u + t v| - taper t is least between lo and hi.
 double leastOf(const Vec3& u, const Vec3& v, double taper, double lo, double hi) {
@@ -140,14 +140,17 @@ bool isRoundTo(const Axis& axis, double t, double end) {
   return one && outsideOf(axis, lo, hi).sum() > 1;
 }
 
+double travelOf(const Axis& start, const Axis& end) {
+  return std::max((end.a - start.a).norm(), (end.b - start.b).norm());
+}
+
 double flatEnd(const Axis& axis, double t, double end) {
   constexpr int kFace = 1, kEdge = 2;
   // What runs through the box comes out across itself, by what of it is as deep.
   const bool inside = axis.gap(t) < -axis.radius(t);
-  const double far = inside ? stretch(axis, t, end, kAsDeep) : end;
-  const double over = lastBeside(axis, t, far, kFace);
+  const double over = lastBeside(axis, t, inside ? stretch(axis, t, end, kAsDeep) : end, kFace);
   const double rise = std::sqrt(kParallel) * std::abs(over - t) * (axis.b - axis.a).norm();
-  if (inside ? !std::isnan(over) : axis.gap(over) - axis.gap(t) <= rise) return over;
+  if (!std::isnan(over) && (inside || axis.gap(over) - axis.gap(t) <= rise)) return over;
   const double least = t + std::copysign(kStickEnd, end - t);
   if (std::abs(end - t) > kStickEnd && axis.gap(least) > axis.gap(t) + kFlatEdge) return t;
   const double along = lastBeside(axis, t, stretch(axis, t, end, kFlatEdge), kEdge);

@@ -22,12 +22,16 @@ struct Axis {
 /// Whether a place is between the ends of its stick. What touches at an end is a particle.
 inline bool isBetweenEnds(double t) { return t > kEndOfStick && t < 1 - kEndOfStick; }
 
+/// [m] How far its ends move.
+double travelOf(const Axis& start, const Axis& end);
+
 /// Nearest place to the obstacle, in [0, 1].
 double nearest(const Axis& axis);
 
 /// How far the axis is over a face of a box from its nearest place `t` towards `end` (0 or 1), at
 /// less than 10 degrees, or lies along an edge: all of it may come into touch at once. Across an
-/// edge only t does: there the gap is small nearby only since the capsule is round.
+/// edge only t does: there the gap is small nearby only since the capsule is round. Where it runs
+/// through the box, how far it is as deep.
 double flatEnd(const Axis& axis, double t, double end);
 
 /// Whether from its place `t` to `end` (0 or 1) the axis is beside one edge or corner of a box, or

@@ -104,11 +104,6 @@ void particleContact(const SweptObstacle& m, const Vec3& x0, const Vec3& x1, dou
   setStart(m, p0, c);
 }
 
-struct StickCapsule {
-  Vec3 a0, b0, a1, b1;  ///< ends at the step's start and end, world
-  double ra, rb;
-};
-
 /// Whether a line is farther than `reach` [m] from the core of a solid along one of its frame's
 /// axes, by more than rounding.
 bool isBeside(const Obstacle& o, const Vec3& a, const Vec3& b, double reach) {
@@ -118,22 +113,23 @@ bool isBeside(const Obstacle& o, const Vec3& a, const Vec3& b, double reach) {
 }
 
 /// The capsule at the instant of its first touch, or in the end; nothing if it stays clear.
-std::optional<Axis> touching(const SweptObstacle& m, const StickCapsule& k, double margin,
+/// start: its gap at the step's start.
+std::optional<Axis> touching(const Axis& at_start, const Axis& at_end, double margin,
                              double& start) {
-  const Obstacle& o = *m.obstacle;
-  const Vec3 a0 = m.toStart(k.a0), b0 = m.toStart(k.b0), a1 = m.toEnd(k.a1), b1 = m.toEnd(k.b1);
-  const double travel = std::max((a1 - a0).norm(), (b1 - b0).norm());
-  const auto axisAt = [&](double s) {
-    return Axis{o, a0 + s * (a1 - a0), b0 + s * (b1 - b0), k.ra, k.rb};
-  };
+  const Obstacle& o = at_start.obstacle;
+  const Vec3 &a0 = at_start.a, &b0 = at_start.b;
+  const double ra = at_start.ra, rb = at_start.rb;
+  const Vec3 da = at_end.a - a0, db = at_end.b - b0;
+  const double travel = travelOf(at_start, at_end);
+  const auto axisAt = [&](double s) { return Axis{o, a0 + s * da, b0 + s * db, ra, rb}; };
   const auto gapAt = [&](double s) {
     const Axis axis = axisAt(s);
     return axis.gap(nearest(axis));
   };
-  if (isBeside(o, a0, b0, std::max(k.ra, k.rb) + travel + margin)) return std::nullopt;
+  if (isBeside(o, a0, b0, std::max(ra, rb) + travel + margin)) return std::nullopt;
   start = gapAt(0);
   if (start > travel + margin) return std::nullopt;
-  const double thin = std::min(k.ra, k.rb), end = gapAt(1);
+  const double thin = std::min(ra, rb), end = gapAt(1);
   const bool closes = start > kResting && end <= 0;
   const auto nearestAt = [&](double s) { return axisAt(s).at(nearest(axisAt(s))); };
   const bool rests = std::abs(start) <= kResting;
@@ -319,15 +315,13 @@ bool stickAgainst(const Model& model, const Points& x0, const Points& x1, int in
   const Ragdoll& r = model.ragdolls[index];
   const Skeleton& s = model.skeletonOf(r);
   const int a = r.first + s.sticks[j].a, b = r.first + s.sticks[j].b;
-  const StickCapsule capsule{x0.col(a), x0.col(b),       x1.col(a),
-                             x1.col(b), model.radius[a], model.radius[b]};
+  const double ra = model.radius[a], rb = model.radius[b];
+  const Axis at_start{*m.obstacle, m.toStart(x0.col(a)), m.toStart(x0.col(b)), ra, rb};
+  const Axis at_end{*m.obstacle, m.toEnd(x1.col(a)), m.toEnd(x1.col(b)), ra, rb};
   double start = 0;
-  const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
-  const std::optional<Axis> axis = touching(m, capsule, margin, start);
+  const std::optional<Axis> axis = touching(at_start, at_end, margin, start);
   if (!axis) return false;
-  const Axis at_start{*m.obstacle, m.toStart(capsule.a0), m.toStart(capsule.b0), capsule.ra,
-                      capsule.rb};
-  const Axis at_end{*m.obstacle, m.toEnd(capsule.a1), m.toEnd(capsule.b1), capsule.ra, capsule.rb};
+  const Compliance give = giveOf(model, *m.obstacle, r, s.stick_contact, j);
   // What is in touch all along gives way as it ends, however far that is.
   const bool stays =
       restsOnEnds(model, *m.obstacle, give) && start <= kResting && at_end.gap(nearest(at_end)) < 0;

@@ -1,6 +1,5 @@
 #include "core/contact/stick_places.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/contact/constants.h"
@@ -33,10 +32,6 @@ std::optional<double> placeBefore(const StickPlaces& before, const StickPlaces& 
   const bool same = before.flat == now.flat || nearer(now, before.at[k]) == i;
   if (!same || std::abs(now.at[i] - before.at[k]) > kSamePlace) return std::nullopt;
   return before.at[k];
-}
-
-double travelOf(const Axis& start, const Axis& end) {
-  return std::max((end.a - start.a).norm(), (end.b - start.b).norm());
 }
 
 }  // namespace ragdoll

@@ -21,7 +21,4 @@ StickPlaces placesOf(const Axis& axis, const Compliance& give, double reach);
 /// The place before the motion that place i has come from; nothing if there is none near it.
 std::optional<double> placeBefore(const StickPlaces& before, const StickPlaces& now, int i);
 
-/// [m] How far the stick's ends move.
-double travelOf(const Axis& start, const Axis& end);
-
 }  // namespace ragdoll

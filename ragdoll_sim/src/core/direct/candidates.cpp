@@ -155,9 +155,8 @@ bool takeEnd(Body& body, double over, std::vector<Contact>& found, Contact& c) {
   if (!ends || c.obstacle < 0) return false;
   const StepContext& step = *body.context;
   const std::vector<SweptObstacle>& swept = obstaclesOver(body, over);
-  const auto obstacle = std::find_if(swept.begin(), swept.end(), [&c](const SweptObstacle& m) {
-    return m.index == c.obstacle;
-  });
+  const auto obstacle = std::find_if(
+      swept.begin(), swept.end(), [&c](const SweptObstacle& m) { return m.index == c.obstacle; });
   const int particle = c.particle[c.start_weight[1] < 0.5 ? 0 : 1] - body.first;
   const std::size_t known = found.size();
   appendParticleContact(step.model, *obstacle, step.state.x, poseAfter(body), body.index, particle,

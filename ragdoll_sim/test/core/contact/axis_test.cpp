@@ -60,16 +60,20 @@ TEST(Axis, LiesFlatOnAFaceUpToItsEdges) {
   EXPECT_NEAR(flatEnd(axis, t, 1), 2.5 / 4, 1e-14);
 }
 
-/// Also where it leans on one of them, or tapers: all of it comes into touch at once.
-TEST(Axis, IsOverAFaceUpToItsEdgeHoweverItLeans) {
+/// Also where it leans on one of them by less than 10 degrees, or tapers: all of it may come into
+/// touch at once.
+TEST(Axis, IsOverAFaceUpToItsEdgeWhereItLeans) {
   const Vec3 a(-1.5, 0, 1.05), b(0.5, 0, 1.05);
-  const Axis leans{kUnitBox, a, b + 0.3 * Vec3::UnitZ(), 0.05, 0.05};
+  const Axis leans{kUnitBox, a, b + 2 * std::tan(9 * M_PI / 180) * Vec3::UnitZ(), 0.05, 0.05};
   const Axis tapers{kUnitBox, a, b, 0.05, 0.01};
   for (const Axis* axis : {&leans, &tapers}) {
     const double t = nearest(*axis);
     EXPECT_LT(t, 0.3);
     EXPECT_EQ(flatEnd(*axis, t, 1), 1);
   }
+  const Axis stands{kUnitBox, a, b + 2 * std::tan(11 * M_PI / 180) * Vec3::UnitZ(), 0.05, 0.05};
+  const double t = nearest(stands);
+  EXPECT_EQ(flatEnd(stands, t, 1), t);
 }
 
 /// Along an edge it does, up to the box's corners. Across an edge it does not.
