@@ -28,8 +28,7 @@ void ErrorControl::choosePart() {
 
 double ErrorControl::allowed(int order) const {
   const double rest = tolerance_ * h_ - spent_ - kReserved * tolerance_ * (left_ - part_);
-  return order == kOrderOfRk ? std::min(rest, tolerance_ * part_)
-                             : rest;  // free: there is no event
+  return order == kOrderOfRk ? std::min(rest, tolerance_ * part_) : rest;  // free: there is no event
 }
 
 bool ErrorControl::helps(double rate, int order) {
@@ -37,7 +36,7 @@ bool ErrorControl::helps(double rate, int order) {
   if (other_rate_ > 0 && known == (other_rate_ < kUnknownRate)) {
     const double least = other_rate_ * std::pow(part_ / other_part_, kLeastOfOrder * order);
     in_vain_ = part_ <= other_part_ ? (rate > least ? in_vain_ + 1 : 0)
-                                    : (rate < least || !known ? in_vain_ : 0);
+                                   : (rate < least || !known ? in_vain_ : 0);
   } else {
     in_vain_ = 0;
   }
@@ -65,10 +64,8 @@ bool ErrorControl::accepts(double error, int order) {
     other_rate_ = 0;
     in_vain_ = 0;
   }
-  if (rate < kUnknownRate)
-    made_ += error;
-  else
-    unknown_ = true;
+  missed_ = missed_ || !kept;
+  if (rate < kUnknownRate) made_ += error;
   spent_ += std::min(error, may_have);
   left_ -= part_;
   ++taken_;
@@ -79,8 +76,7 @@ bool ErrorControl::accepts(double error, int order) {
 void ErrorControl::tell(int bodies, StepReport& report) const {
   report.substeps = std::max(report.substeps, taken_);
   report.error_estimate = std::max(report.error_estimate, made_ / h_);
-  const bool missed = made_ > (1 + kNothingLeft) * tolerance_ * h_;
-  if (unknown_ || missed) report.tolerance_missed += bodies;
+  if (missed_) report.tolerance_missed += bodies;
 }
 
 }  // namespace ragdoll

@@ -1,8 +1,8 @@
 // How long the parts of a step are, so that their errors together keep to the tolerance: error per
 // unit step, [Hairer1993, sec. II.4], and what is left of the step's whole allowance for what
 // happens at one time, as an impact does. A part whose error is too large is to be taken back and
-// done again, shorter; one that cannot keep to the tolerance stands, and what all of them come to is
-// told (docs/equations.md#tolerance).
+// done again, shorter; one that cannot keep to the tolerance stands, and is told
+// (docs/equations.md#tolerance).
 #pragma once
 
 #include "ragdoll_sim/core/step_report.h"
@@ -36,7 +36,7 @@ class ErrorControl {
   double other_rate_ = 0, other_part_ = 0;  ///< of the last one that was not kept; 0: none
   int in_vain_ = 0;                       ///< of these one after the other that did not help
   int taken_ = 0;
-  bool unknown_ = false;  ///< whether one stands whose error is not known
+  bool missed_ = false;
 };
 
 }  // namespace ragdoll
