@@ -117,7 +117,7 @@ TEST_P(PartsOf, EveryPartHasItsOwn) {
   PartsTold told;
   ASSERT_NO_FATAL_FAILURE(expectPartsWithinCones(buildModel(scene), told));
   EXPECT_GT(told.all, 100);
-  for (RagdollSpec& ragdoll : scene.ragdolls) ragdoll.position.z() += 0.3;
+  for (RagdollSpec& ragdoll : scene.ragdolls) ragdoll.pose.position.z() += 0.3;
   ASSERT_NO_FATAL_FAILURE(expectPartsWithinCones(buildModel(scene), told));
   EXPECT_GT(told.single, 10);
 }
