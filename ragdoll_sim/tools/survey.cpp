@@ -1,6 +1,7 @@
 #include "survey.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/number_text.h"
@@ -11,14 +12,31 @@ namespace {
 
 constexpr double kReferenceShare = 0.2;  ///< of the progress bar
 constexpr double kAccuracyShare = 0.3;
+constexpr double kFinestForPokes = 480;  ///< [Hz] where no longer steps fit the pokes
+constexpr double kWholeStep = 1e-6;      ///< of a step: nearer to a whole number is one
 constexpr double kLongest = 1000;  ///< [s] of simulation, in the reference's small steps
 
-/// Steps that differ by factors of two and end where the window does.
-std::vector<Configuration> grid(const Family& family, double window, const SolverSpec& scene) {
+/// Whether the scene's pokes begin and end with steps.
+bool fitsPokes(const Model& model, double step) {
+  const auto isWhole = [step](double time) {
+    return time <= 0 || std::abs(std::remainder(time, step)) < kWholeStep * step;
+  };
+  return std::all_of(model.pokes.begin(), model.pokes.end(), [&](const Poke& poke) {
+    return isWhole(poke.start) && isWhole(poke.duration);
+  });
+}
+
+/// Steps that differ by factors of two and end where the window does. Of those within a tolerance
+/// the longest that fits the pokes: that they are rounded to steps is an error that none controls.
+std::vector<Configuration> grid(const Family& family, double window, const Model& model) {
   std::vector<Configuration> result;
-  for (double rate = family.coarsest; rate <= family.finest * 1.001; rate *= 2) {
+  const bool adaptive = family.solver.tolerance > 0;
+  const double finest = adaptive ? kFinestForPokes : family.finest;
+  for (double rate = family.coarsest; rate <= finest * 1.001; rate *= 2) {
     if (stepsIn(window, 1 / rate) == 0) continue;
-    result.push_back({family.name, false, damped(at(family, rate), scene)});
+    if (adaptive && rate < finest && !fitsPokes(model, 1 / rate)) continue;
+    result.push_back({family.name, false, damped(at(family, rate), model.solver)});
+    if (adaptive) break;
   }
   return result;
 }
@@ -53,7 +71,7 @@ Survey survey(const Model& model, const SurveyOptions& options, Progress& progre
   const std::vector<Family> all = families(options.integrators);
   double done = 0;
   for (const Family& family : all) {
-    for (const Configuration& c : grid(family, options.window, model.solver)) {
+    for (const Configuration& c : grid(family, options.window, model)) {
       progress.show(kReferenceShare + kAccuracyShare * done / static_cast<double>(all.size()),
                     family.name);
       const double begin = cpuTime();

@@ -80,6 +80,22 @@ TEST_F(LabTrade, CsvShowsTheOrderOfEachMethod) {
   EXPECT_NEAR(shake[0] / shake[1], 4, 0.2);
 }
 
+/// A poke of one and a half steps of 1/30 s would be rounded to two: no error that rk controls.
+TEST_F(LabTrade, StepsWithinAToleranceFitThePokes) {
+  const std::string poked =
+      file("poked.yaml", std::string(kPendulum) +
+                             "pokes: [{at: 0, body: r/b, force: [0, 50, 0], duration: 0.05}]\n");
+  ASSERT_EQ(lab("trade " + poked + " --dearest 0.02 --out " + folder.string()).status, 0);
+  int seen = 0;
+  for (const auto& row : csv()) {
+    if (row[0].rfind("rk to ", 0) != 0) continue;
+    ++seen;
+    EXPECT_NEAR(std::stod(row[3]) * 60, 1, 1e-9) << row[0];
+    EXPECT_LT(std::stod(row[8]), std::stod(row[17])) << row[0];
+  }
+  EXPECT_GE(seen, 4);
+}
+
 TEST_F(LabTrade, JointDampingBelongsToTheSceneForEveryMethod) {
   // Two swinging links: without their damping each method would end elsewhere than the reference.
   const std::string chain =

@@ -86,6 +86,26 @@ ContactPath pathOf(const Island& island, const Contact& c, double h) {
   return pathInWorld(island, c, h, nullptr);
 }
 
+bool isFlat(const std::vector<Contact>& contacts, const Contact& c) {
+  return std::count_if(contacts.begin(), contacts.end(), [&c](const Contact& other) {
+           return other.obstacle == c.obstacle && other.count == c.count &&
+                  other.particle == c.particle;
+         }) > 1;
+}
+
+void placeAtEnd(const Body& body, const std::vector<Contact>& contacts, double h, Contact& c) {
+  if (c.count != 2 || c.isSoft() || !c.touches_at_start || isFlat(contacts, c)) return;
+  const SweptObstacle& m = obstaclesOver(body, h)[static_cast<std::size_t>(c.obstacle)];
+  const Axis axis = pathOf(body, c, h).axisAt(1);
+  const double place = nearest(axis);
+  if (std::abs(place - c.weight[1]) > kSamePlace || !isBetweenEnds(place)) return;
+  const Distance distance = signedDistance(*m.obstacle, axis.at(place));
+  const Vec3 normal = m.R1 * distance.normal;
+  if (distance.value <= 0 || !(normal.dot(c.normal) > kSameSide)) return;  // its axis is inside
+  c.normal = normal;
+  c.weight = {1 - place, place, 0, 0};
+}
+
 double shareOfGraze(const ContactPath& path, double touching) {
   const auto gap = [&](double share) { return path.gapAt(share); };
   const double start = gap(0), end = gap(1);

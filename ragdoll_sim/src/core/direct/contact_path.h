@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "core/contact/axis.h"
 #include "core/contact/capsule_pairs.h"
@@ -34,7 +35,7 @@ struct ContactPath {
   /// [m] between the first two points or the last two: of the sticks.
   double length(int stick) const;
 
- private:
+  /// The two sticks' (first: 0, 2), or the one's beside the obstacle.
   CapsuleAxis capsuleAt(int first, double share) const;
   Axis axisAt(double share) const;
 };
@@ -43,6 +44,16 @@ struct ContactPath {
 /// of motions of second order.
 ContactPath pathOf(const Body& body, const Contact& contact, double h, const Points* v1 = nullptr);
 ContactPath pathOf(const Island& island, const Contact& contact, double h);
+
+/// Whether sticks lie along what they touch: at two of the contacts, neither of which turns them.
+bool isFlat(const std::vector<Contact>& contacts, const Contact& c);
+
+/// Has a stick that is rigid and touches an obstacle all along a motion over h the place and the
+/// normal that it has there in the end; contacts: with those that are found with it. It was found
+/// where the motion leads before anything presses, so that a speed along the surface would be one
+/// into it: by the way that it is pressed back, over the surface's radius.
+void placeAtEnd(const Body& body, const std::vector<Contact>& contacts, double h, Contact& c);
+inline void placeAtEnd(const Island&, const std::vector<Contact>&, double, Contact&) {}
 
 /// The share of a motion at which the nearest places are nearest, if they touch there and are
 /// farther than `touching` [m] at both ends; and the first one at which they do. kNeverTouched

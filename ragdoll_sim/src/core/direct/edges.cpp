@@ -53,14 +53,6 @@ double timeOfEnd(double start, double end, double length, double h, const PlaceA
   return hi * h;
 }
 
-/// Whether sticks lie along what they touch: at two places, neither of which turns them.
-bool isFlat(const std::vector<Contact>& contacts, const Contact& c) {
-  return std::count_if(contacts.begin(), contacts.end(), [&c](const Contact& other) {
-           return other.obstacle == c.obstacle && other.count == c.count &&
-                  other.particle == c.particle;
-         }) > 1;
-}
-
 /// Whether it is of something that has no edges, or whose places are its springs'.
 bool isSmooth(const Model& model, const Contact& c) {
   if (c.obstacle < 0) return false;

@@ -25,6 +25,25 @@ double rateAtStart(const Body& body, const LimitRow& limit) {
   return rate;
 }
 
+/// The rates at which what touches opens at the start, before the damping of the motion's first
+/// half: what that does is no impact.
+template <class Owner>
+double rateBeforeDamping(const Owner& owner, const StepContext& step, const Contact& c) {
+  const Contact start = c.atStart();
+  Vec3 rate = -start.surface_end / step.h;
+  visitMoving(owner, start, [&](int k, const Body& body, int i) {
+    rate += start.weight[k] * body.saved.v.col(i);
+  });
+  return start.normal.dot(rate);
+}
+double rateBeforeDamping(const Body& body, const LimitRow& limit) {
+  const LimitRow& row = anglesBefore(body).row(limit.limit);
+  double rate = 0;
+  for (int k = 0; k < row.count; ++k)
+    rate += row.gradient[k].dot(body.saved.v.col(row.particle[k] - body.first));
+  return rate;
+}
+
 /// What decides for contacts: the smallest size of the bodies, by a human's, how many impacts of
 /// the step were located, and [m] the deepest overlap.
 struct Located {
@@ -55,7 +74,7 @@ bool isComing(const Owner& owner, const StepContext& step, const Located& locate
   const double end = gapAfter(owner, c);
   if (!c.isSoft() && end < -kDeepImpact * located.scale) return located.count < kMaxDeepImpacts;
   if (located.count >= kMaxLocated) return false;
-  const double rate = touches ? rateAtStart(step, c) : (end - c.before) / h;
+  const double rate = touches ? rateBeforeDamping(owner, step, c) : (end - c.before) / h;
   return -rate > comingSpeed(step, c);
 }
 
@@ -71,7 +90,7 @@ bool isComing(const Body& body, const LimitRow& limit, double h) {
   const bool touches = limit.before < touching;
   if (limit.isSoft() ? touches : limit.before < -touching) return false;
   if (body.located >= kMaxLocated) return false;
-  const double rate = touches ? rateAtStart(body, limit) : (limit.value - limit.before) / h;
+  const double rate = touches ? rateBeforeDamping(body, limit) : (limit.value - limit.before) / h;
   const double pull = std::max(kLeastPull, body.context->model.gravity.norm());
   return -rate > kRestSteps * body.context->h * pull / kLimb;
 }

@@ -91,6 +91,7 @@ void setTime(Island& island, double left) {
 void stepUnguarded(Island& island) {
   double left = island.context.h;
   while (left > kNothingLeft * island.context.h) {
+    save(island);
     setTime(island, left);
     left -= takeExplicitTrial(island, left).took;
   }

@@ -7,6 +7,7 @@
 #include "core/direct/constants.h"
 #include "core/direct/contact_log.h"
 #include "core/direct/contact_motion.h"
+#include "core/direct/contact_path.h"
 #include "core/direct/driving.h"
 #include "core/direct/exact_rows.h"
 #include "core/direct/impact.h"
@@ -187,7 +188,9 @@ void keepTouching(const Owner& owner, const StepContext& step, const ContactSet&
     }
     kept.contacts.push_back(c);
     kept.hit.push_back(hit);
-    Vec3 warm = warmOf(c, total, row, h, leapfrog);
+    Contact& end = kept.contacts.back();
+    if (leapfrog && h > 0) placeAtEnd(owner, set.contacts, h, end);
+    Vec3 warm = warmOf(end, total, row, h, leapfrog);
     if (c.isSoft()) warm[0] = spring;
     for (int k = 0; k < rowsOf(c); ++k) kept.warm.push_back(warm[k]);
   }
