@@ -26,17 +26,22 @@ bool fitsPokes(const Model& model, double step) {
   });
 }
 
-/// Steps that differ by factors of two and end where the window does. Of those within a tolerance
-/// the longest that fits the pokes: that they are rounded to steps is an error that none controls.
+/// [Hz] The family's longest steps; within a tolerance those that fit the pokes: that they are
+/// rounded to steps is an error that none controls.
+double coarsestOf(const Family& family, const Model& model) {
+  double rate = family.coarsest;
+  if (family.solver.tolerance > 0)
+    while (rate < kFinestForPokes && !fitsPokes(model, 1 / rate)) rate *= 2;
+  return rate;
+}
+
+/// Steps that differ by factors of two and end where the window does.
 std::vector<Configuration> grid(const Family& family, double window, const Model& model) {
   std::vector<Configuration> result;
-  const bool adaptive = family.solver.tolerance > 0;
-  const double finest = adaptive ? kFinestForPokes : family.finest;
-  for (double rate = family.coarsest; rate <= finest * 1.001; rate *= 2) {
+  const double coarsest = coarsestOf(family, model), finest = std::max(coarsest, family.finest);
+  for (double rate = coarsest; rate <= finest * 1.001; rate *= 2) {
     if (stepsIn(window, 1 / rate) == 0) continue;
-    if (adaptive && rate < finest && !fitsPokes(model, 1 / rate)) continue;
     result.push_back({family.name, false, damped(at(family, rate), model.solver)});
-    if (adaptive) break;
   }
   return result;
 }

@@ -184,13 +184,7 @@ struct RollingRod {
     return scene;
   }
   static State end(Method method, double rate) {
-    Scene scene = RollingRod::scene();
-    scene.solver.method = method;
-    scene.solver.events = method == Method::kRk;
-    scene.solver.step = 1 / rate;
-    World world(scene);
-    world.steps(static_cast<int>(std::lround(kTime * rate)));
-    return world.state;
+    return stateOfImpacts(RollingRod::scene(), method, 1 / rate, kTime);
   }
 };
 

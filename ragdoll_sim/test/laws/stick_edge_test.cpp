@@ -68,20 +68,11 @@ ragdolls:
        q: {position: [0.5, 0, 0], mass: 1.1, radius: 0.03}}}}
 obstacles: [{type: box, position: [-0.5, 0, 0], size: [1, 4, 1], friction: 0.3}]
 )");
-  const auto end = [&](Method method, double rate) {
-    Scene run = scene;
-    run.solver.method = method;
-    run.solver.events = method == Method::kRk;
-    run.solver.step = 1 / rate;
-    World world(run);
-    world.steps(static_cast<int>(std::lround(kSeconds * rate)));
-    return world.state;
-  };
-  const State exact = end(Method::kRk, 1920);
+  const State exact = stateOfImpacts(scene, Method::kRk, 1.0 / 1920, kSeconds);
   for (const double rate : {120.0, 240.0, 480.0}) {
-    const State state = end(Method::kShake, rate);
-    EXPECT_LT(largest(state.x - exact.x), 0.15 / (rate * rate)) << rate;
-    EXPECT_LT(largest(state.v - exact.v), 0.3 / (rate * rate)) << rate;
+    const State end = stateOfImpacts(scene, Method::kShake, 1 / rate, kSeconds);
+    EXPECT_LT(largest(end.x - exact.x), 0.15 / (rate * rate)) << rate;
+    EXPECT_LT(largest(end.v - exact.v), 0.3 / (rate * rate)) << rate;
   }
 }
 

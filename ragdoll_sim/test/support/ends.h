@@ -18,7 +18,7 @@ inline Points endOf(Scene scene, Method method, double rate, double seconds) {
 
 /// After `seconds` in steps of `h`, by the scene's own method; counts the steps of rk that were
 /// handed over.
-inline Points endInSteps(Scene scene, double h, double seconds, int* handed_over = nullptr) {
+inline State stateInSteps(Scene scene, double h, double seconds, int* handed_over = nullptr) {
   scene.solver.step = h;
   World world(scene);
   const int steps = static_cast<int>(std::lround(seconds / h));
@@ -26,15 +26,21 @@ inline Points endInSteps(Scene scene, double h, double seconds, int* handed_over
     const int over = world.steps(1).handed_over;
     if (handed_over) *handed_over += over;
   }
-  return world.state.x;
+  return world.state;
+}
+inline Points endInSteps(const Scene& scene, double h, double seconds, int* handed_over = nullptr) {
+  return stateInSteps(scene, h, seconds, handed_over).x;
 }
 
 /// The same with nothing asleep, by rk from event to event.
-inline Points endOfImpacts(Scene scene, Method method, double h, double seconds) {
+inline State stateOfImpacts(Scene scene, Method method, double h, double seconds) {
   scene.solver.method = method;
   scene.solver.events = method == Method::kRk;
   scene.solver.sleep = false;
-  return endInSteps(scene, h, seconds);
+  return stateInSteps(scene, h, seconds);
+}
+inline Points endOfImpacts(const Scene& scene, Method method, double h, double seconds) {
+  return stateOfImpacts(scene, method, h, seconds).x;
 }
 
 /// Of a particle's distances or velocities.

@@ -16,17 +16,23 @@ double rateAtStart(const StepContext& step, const Contact& c) {
   return openingRate(step, c.touches_at_start ? c.atStart() : c);
 }
 
-/// [rad/s] the same of a limit.
-double rateAtStart(const Body& body, const LimitRow& limit) {
+/// [rad/s] at which a limit opens at the start, by these velocities [m/s] of the columns from
+/// `first` on.
+double rateAtStart(const Body& body, const LimitRow& limit, const Points& v, int first) {
   const LimitRow& row = anglesBefore(body).row(limit.limit);
-  const Points& v = body.context->state.v;
   double rate = 0;
-  for (int k = 0; k < row.count; ++k) rate += row.gradient[k].dot(v.col(row.particle[k]));
+  for (int k = 0; k < row.count; ++k) rate += row.gradient[k].dot(v.col(row.particle[k] - first));
   return rate;
 }
+double rateAtStart(const Body& body, const LimitRow& limit) {
+  return rateAtStart(body, limit, body.context->state.v, 0);
+}
 
-/// The rates at which what touches opens at the start, before the damping of the motion's first
-/// half: what that does is no impact.
+/// The same of what touches, before the damping of the motion's first half: what that does is no
+/// impact.
+double rateBeforeDamping(const Body& body, const LimitRow& limit) {
+  return rateAtStart(body, limit, body.saved.v, body.first);
+}
 template <class Owner>
 double rateBeforeDamping(const Owner& owner, const StepContext& step, const Contact& c) {
   const Contact start = c.atStart();
@@ -35,13 +41,6 @@ double rateBeforeDamping(const Owner& owner, const StepContext& step, const Cont
     rate += start.weight[k] * body.saved.v.col(i);
   });
   return start.normal.dot(rate);
-}
-double rateBeforeDamping(const Body& body, const LimitRow& limit) {
-  const LimitRow& row = anglesBefore(body).row(limit.limit);
-  double rate = 0;
-  for (int k = 0; k < row.count; ++k)
-    rate += row.gradient[k].dot(body.saved.v.col(row.particle[k] - body.first));
-  return rate;
 }
 
 /// What decides for contacts: the smallest size of the bodies, by a human's, how many impacts of
