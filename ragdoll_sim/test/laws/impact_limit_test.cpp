@@ -6,29 +6,10 @@
 
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/ends.h"
+#include "support/limit_of.h"
 
 namespace ragdoll::test {
 namespace {
-
-/// [m] How far a scene ends from the limit after `seconds`, in steps of 1 / rate.
-class LimitOfImpacts {
- public:
-  LimitOfImpacts(const char* text, double seconds) : scene_(parseScene(text)), seconds_(seconds) {
-    exact_ = endOfImpacts(scene_, Method::kRk, 1e-3, seconds);
-  }
-  double distance(double rate) const {
-    return largest(endOfImpacts(scene_, Method::kShake, 1 / rate, seconds_) - exact_);
-  }
-  /// At most `most` [m/s^2] / rate^2, at each of the rates [Hz].
-  void expectSecondOrder(double most, std::initializer_list<double> rates) const {
-    for (const double rate : rates) EXPECT_LT(distance(rate), most / (rate * rate)) << rate;
-  }
-
- private:
-  Scene scene_;
-  double seconds_;
-  Points exact_;
-};
 
 /// Of a ball.
 void setMass(RagdollSpec& ball, double mass) {
@@ -40,7 +21,7 @@ void setMass(RagdollSpec& ball, double mass) {
 /// The impact's time is that of motions that the floor bears: of free ones it came too late, and
 /// the floor then lifted one ball into the other.
 TEST(ImpactLimit, OfABallThatHitsOneThatLies) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 ragdoll_collision: true
 ragdolls:
   - {name: a, position: [0, 0, 0.05], model: {particles: {p: {position: [0, 0, 0], mass: 1.1, radius: 0.05}}}}
@@ -48,7 +29,7 @@ ragdolls:
      model: {particles: {p: {position: [0, 0, 0], mass: 0.6, radius: 0.06}}}}
 obstacles: [{type: plane, friction: 0}]
 )",
-                             0.16);
+                      0.16);
   limit.expectSecondOrder(2, {250.0, 500.0, 1000.0, 4000.0});
 }
 
@@ -56,7 +37,7 @@ obstacles: [{type: plane, friction: 0}]
 /// What they meet by, or what has just thrown them off, told whether they slip beside their spin:
 /// 1.9e-4 m off at 250 Hz, 2.6e-6 m at 16000 Hz.
 TEST(ImpactLimit, OfRodsThatGlanceOff) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 ragdoll_collision: true
 ragdolls:
   - name: one
@@ -73,13 +54,13 @@ ragdolls:
       q: {position: [0.06,0.5,0.05], mass: 0.9, radius: 0.02}}}
 obstacles: [{type: plane, friction: 0.7, restitution: 0.8}]
 )",
-                             0.24);
+                      0.24);
   limit.expectSecondOrder(2, {250.0, 500.0, 1000.0, 4000.0});
 }
 
 /// Rods at 6 degrees meet where they cross, not where their ends are nearest.
 TEST(ImpactLimit, OfRodsThatAlmostLieAlongEachOther) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 gravity: [0, 0, 0]
 ragdoll_collision: true
 ragdolls:
@@ -91,15 +72,56 @@ ragdolls:
     model: {sticks: [[p, q]], particles: {p: {position: [-0.0989, -0.0209, 0.0803], mass: 1,
       radius: 0.03}, q: {position: [0.3486, 0.0261, 0.0803], mass: 1, radius: 0.03}}}
 )",
-                             0.1);
+                      0.1);
   limit.expectSecondOrder(0.01, {250.0, 1000.0, 4000.0});
+}
+
+/// A rod rolls over onto one that lies: where they touch runs half their length within a step, and
+/// was hit anew eight times, until no impact was located any more (1.6e-4 and 9e-5 m off).
+TEST(ImpactLimit, OfARodThatRollsOverOntoOneThatLies) {
+  const LimitOf limit(R"(
+ragdoll_collision: true
+ragdolls:
+  - name: one
+    position: [0.00799755, -0.0114308, 0.509887]
+    rpy_deg: [-61.6439, 1.97826, 40.6367]
+    velocity: [0.281473, -0.0259726, -0.0304724]
+    angular_velocity: [-0.914588, -0.52756, -1.30241]
+    model: {sticks: [[p, q]], particles: {p: {position: [-0.4, 0, 0], mass: 1, radius: 0.03},
+      q: {position: [0.4, 0, 0], mass: 1.5, radius: 0.04}}}
+  - name: two
+    position: [0, 0, 0.04]
+    rpy_deg: [0, 0, 20]
+    model: {sticks: [[p, q]], particles: {p: {position: [-0.4, 0, 0], mass: 1, radius: 0.04},
+      q: {position: [0.4, 0, 0], mass: 1.5, radius: 0.04}}}
+obstacles: [{type: plane, friction: 0.4}]
+)",
+                      0.3);
+  limit.expectBelow(1e-5, {500.0, 2000.0, 8000.0});
+}
+
+/// A rod slides down a capsule: what is microns deep in it at a step's start rests there, too.
+/// Taken for something that is yet to come it was thrown off, 4.5e-3 m after 0.3 s.
+TEST(ImpactLimit, OfARodThatSlidesDownACapsule) {
+  const LimitOf limit(R"(
+ragdolls:
+  - position: [0.123633, -0.0115199, 0.538388]
+    rpy_deg: [-92.0619, 3.40968, -58.679]
+    velocity: [-0.253455, 0.164999, -0.695979]
+    angular_velocity: [0.101877, -0.0120721, -1.39948]
+    model: {sticks: [[p, q]], particles: {p: {position: [-0.4, 0, 0], mass: 1, radius: 0.03},
+      q: {position: [0.4, 0, 0], mass: 1.5, radius: 0.04}}}
+obstacles: [{type: capsule, from: [0, -1, 0.2], to: [0, 1, 0.2], radius: 0.2, friction: 0.4}]
+)",
+                      0.3);
+  limit.expectSecondOrder(4, {120.0, 480.0, 1920.0});
 }
 
 /// A rod falls across one that lies, at 8 degrees: their crossing is far from where it was a step
 /// before, and the end that is next to touch does not touch yet. 2.7e-4 m off at 500 Hz, 3.5e-5 m
 /// at 4000 Hz if it does.
 TEST(ImpactLimit, OfARodThatFallsAcrossOneThatLies) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 ragdoll_collision: true
 ragdolls:
   - name: one
@@ -112,7 +134,7 @@ ragdolls:
       radius: 0.03}, q: {position: [0.2932, 0.0774, 0.16], mass: 1.5, radius: 0.03}}}
 obstacles: [{type: plane, friction: 0.5}]
 )",
-                             0.14);
+                      0.14);
   limit.expectSecondOrder(4, {500.0, 1000.0, 4000.0});
 }
 
@@ -120,7 +142,7 @@ obstacles: [{type: plane, friction: 0.5}]
 /// where they are then, not where they are a step later. 1.7e-4 m off at 1000 Hz, 4e-5 at 4000 Hz
 /// if they do it there.
 TEST(ImpactLimit, OfSticksThatMeetWhereAStepBegins) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 ragdoll_collision: true
 gravity: [0, 0, 0]
 ragdolls:
@@ -135,33 +157,33 @@ ragdolls:
     model: {sticks: [[p, q]], particles: {p: {position: [0, 0, 0], mass: 1.5, radius: 0.03},
       q: {position: [0.7, 0, 0], mass: 0.7, radius: 0.03}}}
 )",
-                             0.12);
+                      0.12);
   limit.expectSecondOrder(1, {250.0, 1000.0, 4000.0});
 }
 
 /// A ball that is thrown at a sphere: its way there is curved, so that it hits elsewhere than along
 /// the step's chord. 2.1e-4 m off at 60 Hz, 1.4e-5 m at 240 Hz if it does not.
 TEST(ImpactLimit, OfABallThatIsThrownAtASphere) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 ragdolls:
   - {position: [0.06, 0, 0.3537], velocity: [1, 0, -1],
      model: {particles: {p: {position: [0, 0, 0], mass: 1, radius: 0.05}}}}
 obstacles: [{type: sphere, position: [0, 0, 0], radius: 0.2, restitution: 0.5, friction: 0.3}]
 )",
-                             0.15);
+                      0.15);
   limit.expectSecondOrder(0.01, {60.0, 240.0, 960.0});
 }
 
 /// The same at a capsule, from beside. 2.1e-5 m off at 250 Hz, 8e-8 m at 4000 Hz along the chord.
 TEST(ImpactLimit, OfABallThatIsThrownAtACapsule) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 ragdolls:
   - {position: [0.11, 0.02, 0.42], velocity: [-0.7, 0.9, -1.3],
      model: {particles: {p: {position: [0, 0, 0], mass: 1, radius: 0.05}}}}
 obstacles: [{type: capsule, from: [-0.4, -0.2, 0], to: [0.5, 0.3, 0.1], radius: 0.15, friction: 0.4,
              restitution: 0.3}]
 )",
-                             0.2);
+                      0.2);
   limit.expectSecondOrder(1e-3, {250.0, 1000.0, 4000.0});
 }
 
@@ -185,7 +207,7 @@ obstacles: [{type: box, position: [0, 0, 0], size: [0.3, 1, 0.4], friction: 0.2}
 /// push and where they let go. 4e-4 m off at 1000 Hz, 6e-5 m at 4000 Hz, where one of these is of
 /// first order.
 TEST(ImpactLimit, OfALimbThatIsBentOntoASoftLimit) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 gravity: [0, 0, 0]
 ragdolls:
   - velocity: [0, -1.5, 0.2]
@@ -200,14 +222,14 @@ ragdolls:
                 stiffness: 50, damping: 2}
 obstacles: [{type: sphere, position: [0.31, -0.15, 0], radius: 0.1}]
 )",
-                             0.1);
+                      0.1);
   limit.expectSecondOrder(80, {250.0, 1000.0, 4000.0});
 }
 
 /// A ball that a poke throws on a box: a particle has no angular momentum that could be lost on the
 /// way there. 0.12 m off at 1000 Hz where rounding is given back as a spin.
 TEST(ImpactLimit, OfABallThatAPokeThrowsOnABox) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 gravity: [0, 0, 0]
 pokes:
   - {body: a/p0, force: [-2634.5505242, -517.161681902, -518.892697404], at: 0, duration: 0.004}
@@ -218,14 +240,14 @@ ragdolls:
 obstacles: [{type: box, position: [-0.230157517917, -0.052677930733, -0.177751464794],
   size: [0.360301317539, 0.369252900679, 0.538107452436], restitution: 0, friction: 0}]
 )",
-                             0.12);
-  for (const double rate : {250.0, 1000.0, 4000.0}) EXPECT_LT(limit.distance(rate), 1e-12) << rate;
+                      0.12);
+  for (const double rate : {250.0, 1000.0, 4000.0}) EXPECT_LT(limit.errorAt(rate), 1e-12) << rate;
 }
 
 /// A rod that lies, hit by a ball that stays on it: one end's slip turns right round within 0.2 ms.
 /// 1.7e-5, 1e-5 and 4e-6 m off where motions go on over that.
 TEST(ImpactLimit, OfARodThatLiesAndIsHit) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 ragdoll_collision: true
 ragdolls:
   - name: rod
@@ -237,14 +259,14 @@ ragdolls:
      model: {particles: {c: {position: [0,0,0], mass: 2, radius: 0.06}}}}
 obstacles: [{type: plane, friction: 0.4, restitution: 0.5}]
 )",
-                             0.1);
+                      0.1);
   for (const double rate : {500.0, 1000.0, 2000.0})
-    EXPECT_LT(limit.distance(rate), 4e-3 / rate) << rate;
+    EXPECT_LT(limit.errorAt(rate), 4e-3 / rate) << rate;
 }
 
 /// What presses from below has turned by the impact, by less than its place tells.
 TEST(ImpactLimit, OfABallOnABarThatIsHit) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 ragdoll_collision: true
 ragdolls:
   - {name: a, position: [0, 0, 0.053], model: {particles: {p: {position: [0, 0, 0], mass: 2.097, radius: 0.053}}}}
@@ -252,14 +274,14 @@ ragdolls:
      model: {particles: {p: {position: [0, 0, 0], mass: 0.723, radius: 0.032}}}}
 obstacles: [{type: capsule, from: [0.03, -0.8, -0.2], to: [-0.05, 0.9, -0.2], radius: 0.2, friction: 0}]
 )",
-                             0.24);
+                      0.24);
   limit.expectSecondOrder(5, {500.0, 1000.0, 2000.0, 4000.0, 8000.0});
 }
 
 /// In steps of 4 ms it ends 15 us after the impact: before the floor's share, free motions end
 /// without.
 TEST(ImpactLimit, OfAnImpactJustBeforeAStepsEnd) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 ragdoll_collision: true
 ragdolls:
   - {name: a, position: [-0.073, 0, 0.068], velocity: [0.706, -0.83, 0],
@@ -268,14 +290,14 @@ ragdolls:
      model: {particles: {p: {position: [0, 0, 0], mass: 2.457, radius: 0.046}}}}
 obstacles: [{type: box, position: [0.1, 0, -0.15], size: [0.9, 1.1, 0.3], friction: 0.777}]
 )",
-                             0.14);
+                      0.14);
   limit.expectSecondOrder(12, {250.0, 500.0, 1000.0, 2000.0});
 }
 
 /// A ball rolls against a rod, and sticks to it: the floor presses with nothing in the impact, but
 /// both lie on it, and friction's couple does not turn them into it.
 TEST(ImpactLimit, OfBodiesThatStayOnTheFloor) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 ragdoll_collision: true
 ragdolls:
   - {name: a, position: [-0.53, 0, 0.05], model: {sticks: [[a, b]], particles: {
@@ -284,14 +306,14 @@ ragdolls:
      model: {particles: {p: {position: [0, 0, 0], mass: 0.9, radius: 0.02}}}}
 obstacles: [{type: plane, friction: 0}]
 )",
-                             0.14);
+                      0.14);
   limit.expectSecondOrder(0.1, {250.0, 300.0, 600.0, 1000.0, 1200.0, 3000.0});
 }
 
 /// A ball throws a rod off two smooth spheres. What they held together while the spheres pressed
 /// may slip beside their spin when nothing does.
 TEST(ImpactLimit, OfARodThatTwoSpheresLetGo) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 gravity: [0, 0, 0]
 ragdoll_collision: true
 ragdolls:
@@ -304,15 +326,15 @@ obstacles:
   - {type: sphere, position: [-0.3, 0, 0], radius: 0.3, friction: 0}
   - {type: sphere, position: [0.3, 0, 0], radius: 0.3, friction: 0}
 )",
-                             0.12);
+                      0.12);
   for (const double rate : {250.0, 1000.0, 4000.0})
-    EXPECT_LT(limit.distance(rate), 2.5e-3 / rate) << rate;
+    EXPECT_LT(limit.errorAt(rate), 2.5e-3 / rate) << rate;
 }
 
 /// Two rods meet in the air and slide on each other at 5 m/s: what friction takes of their angular
 /// momentum meanwhile comes back as a turn, too.
 TEST(ImpactLimit, OfRodsThatSlideOnEachOtherAfterIt) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 ragdoll_collision: true
 ragdolls:
   - {name: a, position: [-0.2815, 0, 0.049], model: {sticks: [[a, b]], particles: {
@@ -325,14 +347,14 @@ ragdolls:
        a: {position: [0, 0, 0], mass: 0.859, radius: 0.067}, b: {position: [0.6865, 0, 0], mass: 1.67, radius: 0.064}}}}
 obstacles: [{type: capsule, from: [0.03, -0.8, -0.2], to: [-0.05, 0.9, -0.2], radius: 0.2, friction: 0.103}]
 )",
-                             0.24);
+                      0.24);
   for (const double rate : {250.0, 500.0, 1000.0, 2000.0, 4000.0})  // by 2 cm in a step of 4 ms
-    EXPECT_LT(limit.distance(rate), 9e-3 / rate) << rate;
+    EXPECT_LT(limit.errorAt(rate), 9e-3 / rate) << rate;
 }
 
 /// A rod's tip lies on a box; the rod falls across the box's edge. Each place has a gap of its own.
 TEST(ImpactLimit, OfARodThatFallsAcrossAnEdge) {
-  const LimitOfImpacts limit(R"(
+  const LimitOf limit(R"(
 ragdolls:
   - {name: a, position: [0, 0, 0.05], place: {a: [-0.137, 0.05, 0.037], b: [0.61, 0.09, 0.19]},
      model: {sticks: [[a, b, 0.7635561537961697]], particles: {
@@ -340,9 +362,9 @@ ragdolls:
        b: {position: [0.7635561537961697, 0, 0], mass: 0.9, radius: 0.06}}}}
 obstacles: [{type: box, position: [0, 0, -0.15], size: [0.9, 1.1, 0.3], friction: 0.35}]
 )",
-                             0.2);
+                      0.2);
   for (const double rate : {250.0, 500.0, 1000.0, 4000.0})
-    EXPECT_LT(limit.distance(rate), 1e-2 / rate) << rate;
+    EXPECT_LT(limit.errorAt(rate), 1e-2 / rate) << rate;
 }
 
 /// However much heavier what falls on it is, a ball that lies is no way through the floor: a sweep

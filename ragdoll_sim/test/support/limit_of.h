@@ -17,6 +17,10 @@ class LimitOf {
   LimitOf(const std::string& text, double seconds) : scene_(parseScene(text)), seconds_(seconds) {
     exact_ = endOfImpacts(scene_, Method::kRk, 1e-3, seconds);
   }
+  /// [m] In steps of 1 / rate.
+  double errorAt(double rate) const {
+    return largest(endOfImpacts(scene_, Method::kShake, 1 / rate, seconds_) - exact_);
+  }
   /// At most `most` [m/s^2] / rate^2, at each of the rates [Hz].
   void expectSecondOrder(double most, std::initializer_list<double> rates) const {
     for (const double rate : rates) EXPECT_LT(errorAt(rate), most / (rate * rate)) << rate;
@@ -35,10 +39,6 @@ class LimitOf {
   }
 
  private:
-  double errorAt(double rate) const {
-    return largest(endOfImpacts(scene_, Method::kShake, 1 / rate, seconds_) - exact_);
-  }
-
   Scene scene_;
   double seconds_;
   Points exact_;

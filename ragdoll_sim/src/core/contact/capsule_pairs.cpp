@@ -170,8 +170,7 @@ int findTouches(const SweptCapsule& first, const SweptCapsule& second, double ma
     const double end = gapAt(1);
     const bool closes = start > kResting && end <= 0;
     double gap = start;
-    if (travel > 0.5 * thin &&
-        !(std::abs(start) <= kResting && goAlong(first, second, end, thin))) {
+    if (travel > 0.5 * thin && !(isResting(start) && goAlong(first, second, end, thin))) {
       time = 0;
       advance(gapAt, travel, time, gap);
       if (gap > std::max(kGapResolution, near)) return 0;

@@ -21,7 +21,7 @@ Compliance giveOf(const Model& model, const Obstacle& obstacle, const Ragdoll& r
 }
 
 bool touchesAtStart(const Compliance& give, double start) {
-  return start <= kResting && (give.compliance > 0 || start >= -kResting);
+  return isResting(start) || (give.compliance > 0 && start <= kResting);
 }
 
 }  // namespace ragdoll

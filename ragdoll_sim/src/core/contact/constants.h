@@ -19,6 +19,9 @@ constexpr double kParallel = 0.03;  ///< squared sine (10 degrees) below which a
 // --- Not tuned: made of others.
 /// Of a stick: flat contact spans more of an axis; no axis goes out across itself nearer to an end.
 constexpr double kStickEnd = kNoLength;
+/// Of a stick: a place that runs farther in a motion cuts it short, so that what then presses there
+/// leaves it within kSamePlace.
+constexpr double kMostRun = kSamePlace / 2;
 
 // --- Not tuned: rounding.
 /// Of a stick: a touch nearer to an end is the particle's, so that it passes from one to the other

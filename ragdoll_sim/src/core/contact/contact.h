@@ -39,6 +39,8 @@ struct Contact {
   /// It touches at the motion's start: place and normal there, along which positions are pushed.
   /// Velocities are along `normal`, at the end: as RATTLE does with equalities [Andersen1983].
   bool touches_at_start = false;
+  /// Of sticks that are rigid: they do, but elsewhere: the place runs along them.
+  bool runs = false;
   std::array<double, 4> start_weight{};
   Vec3 start_normal = Vec3::UnitZ();
   double before = 0;  ///< [m] gap to the plane at the substep's start

@@ -73,7 +73,7 @@ bool particleTouch(const Obstacle& o, const Vec3& p0, const Vec3& p1, double rad
   const bool closes = start > kResting && end <= 0;
   at = p1;
   if (o.type == ObstacleSpec::Type::kPlane) return end <= margin || start <= margin;
-  const bool rests = std::abs(start) <= kResting;
+  const bool rests = isResting(start);
   if (start > -radius && travel > 0.5 * radius && !(rests && goesAlong(o, p0, p1, end, radius))) {
     // Far enough to pass through something. Touching already: p0.
     double s = 0, d = start;
@@ -132,7 +132,7 @@ std::optional<Axis> touching(const Axis& at_start, const Axis& at_end, double ma
   const double thin = std::min(ra, rb), end = gapAt(1);
   const bool closes = start > kResting && end <= 0;
   const auto nearestAt = [&](double s) { return axisAt(s).at(nearest(axisAt(s))); };
-  const bool rests = std::abs(start) <= kResting;
+  const bool rests = isResting(start);
   if (start > -thin && travel > 0.5 * thin &&
       !(rests && goesAlong(o, nearestAt(0), nearestAt(1), end, thin))) {
     double s = 0, d = start;
@@ -198,15 +198,17 @@ void placeContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Con
   std::optional<StickPlaces> before;  // of most sticks an end is nearest, and nobody asks
   for (int i = 0; i < (places.flat ? 2 : 1); ++i) {
     const double share = places.at[i];
-    const bool touches = std::abs(k.start) <= kResting;
+    const bool touches = isResting(k.start);
     if (!touches && !isBetweenEnds(share)) continue;
     if (!before) before = placesOf(k.at_start, k.give, k.reach);
     if (!isBetweenEnds(share) && !isBetweenEnds(before->at[before->flat ? i : 0])) continue;
     Contact c = k.contactWith(tangentAt(m, k.axis, share));
     c.weight = {1 - share, share, 0, 0};
     const std::optional<double> from = placeBefore(*before, places, i);
-    if (k.start > -kResting) c.gap_start = from ? k.at_start.gap(*from) : gapAtStart(k, share);
+    if (k.start >= -kGapResolution)
+      c.gap_start = from ? k.at_start.gap(*from) : gapAtStart(k, share);
     if (from && touchesAtStart(k.give, c.gap_start)) setStart(m, k.at_start, *from, c);
+    c.runs = touches && !from && !c.isSoft();
     contacts.push_back(c);
   }
 }

@@ -77,4 +77,7 @@ double lowestIfClosed(const Gap& gap, double lo, double start, double hi, double
 /// [m] A gap that is open by less slides or rests: it does not come to touch.
 constexpr double kResting = 1e-6;
 
+/// Whether what has that gap [m] slides or rests: it overlaps by no more than sound steps leave.
+inline bool isResting(double gap) { return gap <= kResting && gap >= -kGapResolution; }
+
 }  // namespace ragdoll

@@ -35,7 +35,8 @@ Bounds unionOf(const std::vector<Bounds>& all, std::size_t begin, std::size_t en
 /// Where the contact was at the start.
 void setStart(const CapsuleAxis& first, const CapsuleAxis& second, const AxisPoints& at,
               Contact& c) {
-  if (std::max(std::abs(at.s - c.weight[1]), std::abs(at.t + c.weight[3])) > kSamePlace) return;
+  c.runs = std::max(std::abs(at.s - c.weight[1]), std::abs(at.t + c.weight[3])) > kSamePlace;
+  if (c.runs) return;
   c.start_normal = (first.at(at.s) - second.at(at.t)).normalized();
   c.start_weight = {1 - at.s, at.s, at.t - 1, -at.t};
   c.touches_at_start = c.start_normal.dot(c.normal) > kSameSide;
@@ -82,6 +83,7 @@ void PairDetector::appendPair(const Model& model, const Body& p, int i, const Bo
     contact.gap_start = touch.gap_start;
     if (touchesAtStart(give, contact.gap_start))
       setStart(first.at(0), second.at(0), touch.start, contact);
+    contact.runs = contact.runs && !contact.isSoft();
     contacts.push_back(contact);
   }
 }

@@ -174,7 +174,7 @@ void findAnew(Owner& owner, ContactSet& set, double over, double substep) {
   const StepContext& step = contextOf(owner);
   const auto isOther = [&](std::size_t i) {
     const Contact& c = set.contacts[i];
-    return hasOtherPlane(step, c, over, substep) || isHitElsewhere(step, c, set.role[i]);
+    return hasOtherPlane(step, c, over, substep) || isHitElsewhere(step, c, set.role[i]) || c.runs;
   };
   std::vector<Contact>& near = set.scratch;
   near.clear();

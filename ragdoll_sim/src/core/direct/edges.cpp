@@ -53,6 +53,23 @@ double timeOfEnd(double start, double end, double length, double h, const PlaceA
   return hi * h;
 }
 
+/// [s] When the nearest place has run along one of the sticks so far that a longer motion would
+/// take it for another contact, which is hit. More than h: never, or it jumps, as over a face.
+double timeOfRun(const ContactPath& path, double h) {
+  const AxisPoints start = path.placesAt(0);
+  const auto run = [&](double share) {
+    const AxisPoints now = path.placesAt(share);
+    return std::max(std::abs(now.s - start.s), std::abs(now.t - start.t));
+  };
+  if (run(1) < kMostRun) return 2 * h;
+  double lo = 0, hi = 1;
+  while (hi - lo > kSnap) {
+    const double share = 0.5 * (lo + hi);
+    (run(share) < kMostRun ? lo : hi) = share;
+  }
+  return run(hi) < kSamePlace ? hi * h : 2 * h;
+}
+
 /// Whether it is of something that has no edges, or whose places are its springs'.
 bool isSmooth(const Model& model, const Contact& c) {
   if (c.obstacle < 0) return false;
@@ -76,10 +93,13 @@ double timeOfEdge(const Contact& c, const ContactPath& path, double h) {
 template <class Owner>
 double timeOfEdge(const Owner& owner, const std::vector<Contact>& contacts, double h) {
   double first = 2 * h;
-  for (const Contact& c : contacts)
-    if (c.touches_at_start && !isSmooth(contextOf(owner).model, c) &&
-        !(c.count > 1 && isFlat(contacts, c)))
+  for (const Contact& c : contacts) {
+    if (c.runs)
+      first = std::min(first, timeOfRun(pathOf(owner, c, h), h));
+    else if (c.touches_at_start && !isSmooth(contextOf(owner).model, c) &&
+             !(c.count > 1 && isFlat(contacts, c)))
       first = std::min(first, timeOfEdge(c, pathOf(owner, c, h), h));
+  }
   return first;
 }
 

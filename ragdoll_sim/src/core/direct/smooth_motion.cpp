@@ -53,10 +53,11 @@ template <class Gap>
 bool touchesOnTheWay(const Body& body, const Gap& gap) {
   const double touching = body.context->tolerances.touching;
   const ConstraintSet& set = body.constraints;
-  for (std::size_t i = 0; i < set.contacts.size(); ++i)
-    if (set.role[i] != Role::kComing &&
-        (gap(set.contacts[i]) <= touching || gapAfter(body, set.contacts[i]) <= touching))
-      return true;
+  for (std::size_t i = 0; i < set.contacts.size(); ++i) {
+    const Contact& c = set.contacts[i];
+    if (set.role[i] == Role::kComing) continue;
+    if (c.runs || gap(c) <= touching || gapAfter(body, c) <= touching) return true;
+  }
   for (std::size_t i = 0; i < set.limits.size(); ++i)
     if (set.limit_role[i] != Role::kComing &&
         (set.limits[i].value <= 0 || set.limits[i].start != 0))
