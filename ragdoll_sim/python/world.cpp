@@ -84,6 +84,9 @@ class PyWorld {
     all["joining"] = r.joining;
     all["unresolved"] = r.unresolved;
     all["fast_fallbacks"] = r.fast_fallbacks;
+    all["handed_over"] = r.handed_over;
+    all["tolerance_missed"] = r.tolerance_missed;
+    all["error_estimate"] = r.error_estimate;
     return all;
   }
 

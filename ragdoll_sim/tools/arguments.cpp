@@ -8,6 +8,7 @@
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "ragdoll_sim/world/world.h"
 
 namespace ragdoll::lab {
 
@@ -54,6 +55,10 @@ bool parse(CommandLine& line, const Words& words) { return parseWords(line, word
 
 Scene loadScene(const std::string& path, const Words& settings) {
   Scene scene = ragdoll::loadScene(path);
+  const auto follows = [](const auto& spec) { return !spec.frame.empty(); };
+  if (std::any_of(scene.obstacles.begin(), scene.obstacles.end(), follows) ||
+      std::any_of(scene.pins.begin(), scene.pins.end(), follows))
+    World{scene};  // throws what a node would refuse
   fixFrames(scene);
   applySettings(scene, settings);
   return scene;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/io/model_yaml.h"
 #include "ragdoll_sim/io/scene_yaml.h"
@@ -270,7 +271,7 @@ std::pair<std::string, std::string> keyAndValue(const std::string& setting) {
 Recorder::Recorder(Options options) : options_(std::move(options)) {
   if (!(options_.seconds > 0 && options_.seconds <= 3600))
     throw Error("--seconds", "must be in (0, 3600] s");
-  if (options_.threads < 0) throw Error("--threads", "must be 0 (all cores) or more");
+  checkThreads("--threads", options_.threads);
   model_ = loadModel(findModel(options_.model, ".", "--model"));
   const FallScene example = sceneOf(drawFall(0), model_);
   step_ = example.scene.solver.step;

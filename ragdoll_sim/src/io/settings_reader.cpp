@@ -13,7 +13,6 @@ namespace io {
 namespace {
 
 constexpr int kMaxSweeps = 100000;
-constexpr int kMaxThreads = 256;
 constexpr double kSmallestStep = 1e-7;  ///< [s]
 constexpr double kLargestStep = 1;      ///< [s]
 

@@ -12,6 +12,19 @@
 
 namespace ragdoll {
 
+namespace {
+
+nlohmann::json toJson(const TreeFinding& tree) {
+  nlohmann::json entry = {{"model", tree.model}, {"pins", tree.pins}};
+  if (tree.why_not.empty())
+    entry["coordinates"] = tree.coordinates;
+  else
+    entry["why_not"] = tree.why_not;
+  return entry;
+}
+
+}  // namespace
+
 std::string toJson(const Summary& s) {
   char hash[17];
   std::snprintf(hash, sizeof hash, "%016llx", static_cast<unsigned long long>(s.hash));
@@ -25,6 +38,8 @@ std::string toJson(const Summary& s) {
                                 {"fast_fallbacks", s.guard.fast_fallbacks},
                                 {"handed_over", s.guard.handed_over},
                                 {"tolerance_missed", s.guard.tolerance_missed}};
+  nlohmann::json trees = nlohmann::json::array();
+  for (const TreeFinding& tree : s.trees) trees.push_back(toJson(tree));
   std::vector<std::pair<std::string, nlohmann::json>> entries = {
       {"steps", s.steps},
       {"seconds", s.seconds},
@@ -40,6 +55,7 @@ std::string toJson(const Summary& s) {
       {"max_energy_rise", s.max_energy_rise},
       {"error_estimate", s.error_estimate},
       {"guard", guard},
+      {"trees", trees},
       {"asleep", s.asleep},
       {"hash", hash}};
   if (s.contact_impulse) {
@@ -62,6 +78,7 @@ std::string toJson(const Summary& s) {
 }
 
 WatchedRun::WatchedRun(const Model& model) : model_(model) {
+  summary_.trees = findTrees(model);
   state_ = startState(model, &summary_.start_energy_taken);
   inputs_.pokes = model.pokes;
   summary_.energy_start = energy();

@@ -271,12 +271,15 @@ void Contacts::follow(const Model& model, const State& state) {
       return isBefore(open.report.contact, of);
     };
     auto open = std::lower_bound(open_.begin(), open_.end(), c, before);
-    if (open == open_.end() || isBefore(c, open->report.contact)) {
-      open = open_.emplace(open);
+    const bool near = open != open_.end() && !isBefore(c, open->report.contact);
+    if (!near) open = open_.emplace(open);
+    // What relaxation keeps no account of is there before it presses.
+    if (!near || !open->pressed) {
       open->first = state.step;
       open->report.contact = c;
       open->report.contact.impulse.setZero();
-      open->told = c.approach > kImpactSpeed;
+      open->pressed = !c.impulse.isZero(0);
+      open->told = open->pressed && c.approach > kImpactSpeed;
       if (open->told) {
         open->report.id = static_cast<std::uint32_t>(state.step) * kImpactsOfAStep + begun++;
         open->report.step = state.step;

@@ -8,6 +8,7 @@
 #include <thread>
 #include <utility>
 
+#include "ragdoll_sim/core/bounds.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
@@ -63,7 +64,7 @@ void inParallel(int threads, int parts, const std::function<void(int)>& task) {
 
 Crowd::Crowd(std::vector<Scene> scenes, int threads) : threads_(threads) {
   if (scenes.empty()) throw Error("scenes", "there is none; at least one is expected");
-  if (threads < 0) throw Error("threads", "is " + std::to_string(threads) + "; 0 (all cores) or more is expected");
+  checkThreads("threads", threads);
   for (const Scene& scene : scenes)
     if (scene.solver.step != scenes.front().solver.step)
       throw Error(scene.where, "has another solver.step than the first scene; a crowd steps together");

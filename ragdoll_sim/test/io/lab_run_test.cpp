@@ -153,6 +153,7 @@ TEST_F(LabRun, SummaryHasItsKeysAndTellsTheTruth) {
                                           "peak_force",
                                           "approach_energy",
                                           "asleep",
+                                          "trees",
                                           "hash"};
   EXPECT_EQ(keys, expected);
   EXPECT_NEAR(summary["seconds"].get<double>(), 1, 0.02);
@@ -213,7 +214,11 @@ TEST_F(LabRun, BadInputEndsWithStatusTwoAndOneLine) {
   std::ofstream(folder / "sensor.yaml")
       << "ragdolls: [{model: human}]\nsensors:\n  - {name: head, type: imu, segment: head}\n";
   const std::string sensor = (folder / "sensor.yaml").string();
+  std::ofstream(folder / "own.yaml")
+      << "ragdolls: [{model: human}]\nobstacles:\n  - {type: plane, frame: ragdoll/head}\n";
+  const std::string own = (folder / "own.yaml").string();
   const std::vector<std::pair<std::string, std::string>> cases = {
+      {"run " + own, "'ragdoll/head' is one of the ragdolls' own"},
       {"", "subcommand"},
       {"walk", "walk"},
       {"run", "scene"},

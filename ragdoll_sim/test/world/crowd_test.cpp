@@ -50,5 +50,10 @@ TEST(Crowd, RefusesStepsOfSeveralLengths) {
   EXPECT_THROW(Crowd({here, other}), Error);
 }
 
+TEST(Crowd, RefusesMoreThreadsThanThereMayBe) {
+  for (const int threads : {-1, 257})
+    EXPECT_THROW(Crowd({particles(1)}, threads), Error) << threads;
+}
+
 }  // namespace
 }  // namespace ragdoll

@@ -129,6 +129,24 @@ TEST(RegionLoads, OfARodHitAtItsEndAreThoseOfAQuarterOfItsMass) {
   EXPECT_NEAR(load.peak_force, 1.5 * 2 * (3.0 / 4) / 0.01, 1e-4);
 }
 
+TEST(RegionLoads, OfMethodsThatKeepNoAccountHaveTheSameApproach) {
+  const auto energyOf = [](const char* solver, double edge) {
+    const auto loads =
+        loadsOf("gravity: [0, 0, 0]\nsolver: " + std::string(solver) +
+                    "\nragdolls:\n  - position: [0, 0, 0.5]\n    velocity: [0, 0, -2]" + kRod +
+                    "obstacles: [{type: box, position: [" + std::to_string(edge - 0.51) +
+                    ", 0, 0], size: [1.02, 1, 0.2], restitution: 0, friction: 0}]\n",
+                60);
+    return loads.empty() ? 0 : loads.begin()->second.approach_energy;
+  };
+  const double energy = 0.5 * (3.0 / 4) * 2 * 2;
+  for (const auto& [solver, off] : {std::pair("{method: fast, step: 0.01}", 1e-3),
+                                    std::pair("{method: jakobsen, step: 0.01}", 0.06)}) {
+    EXPECT_NEAR(energyOf(solver, 0.01), energy, off) << solver;
+    EXPECT_EQ(energyOf(solver, -0.06), 0) << solver << ": it passes 1 cm beside the box";
+  }
+}
+
 TEST(RegionLoads, ContactsOfARegionBearTogether) {
   const auto loads = loadsOf(
       "ragdolls:\n  - position: [0, 0, 0.05]" + std::string(kRod) + "obstacles: [{type: plane}]\n",

@@ -42,6 +42,10 @@ void checkGravity(const std::string& where, const Vec3& gravity, double h);
 constexpr double kSmallestTolerance = 1e-12;
 void checkTolerance(const std::string& where, double tolerance);
 
+/// Threads of a step, or of a crowd's; 0: all cores. Throws Error.
+constexpr int kMaxThreads = 256;
+void checkThreads(const std::string& where, int threads);
+
 /// Throws Error("force", ...) if the poke would give its ragdoll, in one step, more than kFastest.
 /// An offset counts by the body's size.
 void checkForce(const Model& model, const Poke& poke);

@@ -12,6 +12,8 @@
 
 namespace ragdoll {
 
+constexpr double kImpactSpeed = 0.1;  ///< [m/s] a touch that begins faster is an impact
+
 /// What one contact gave over a part of a step. Several of a step may be of the same contact.
 struct ContactImpulse {
   int ragdoll = 0;

@@ -11,6 +11,7 @@
 #include "ragdoll_sim/core/model.h"
 #include "ragdoll_sim/core/state.h"
 #include "ragdoll_sim/core/step.h"
+#include "ragdoll_sim/core/trees.h"
 
 namespace ragdoll {
 
@@ -23,8 +24,8 @@ struct GuardCounts {
   std::uint64_t limited = 0;     ///< steps in which energy was limited (StepReport)
   std::uint64_t unresolved = 0;  ///< steps whose constraints did not converge
   int max_substeps = 1;
-  std::uint64_t fast_fallbacks = 0;  ///< method fast: bodies' steps that shake took
-  std::uint64_t handed_over = 0;     ///< method rk: bodies' motions that shake took
+  std::uint64_t fast_fallbacks = 0;    ///< method fast: bodies' steps that shake took
+  std::uint64_t handed_over = 0;       ///< method rk: bodies' motions that shake took
   std::uint64_t tolerance_missed = 0;  ///< steps whose error was larger than the tolerance
 };
 
@@ -45,9 +46,10 @@ struct Summary {
   /// Indicators of injury, if they were kept: per "ragdoll/head" [1], [g]; per region that was
   /// touched, "ragdoll/torso", [N], [J].
   std::vector<std::pair<std::string, double>> hic15, peak_g, peak_force, approach_energy;
-  int asleep = 0;          ///< ragdolls asleep at the end
-  std::uint64_t hash = 0;  ///< of the last state
-  bool finite = true;      ///< every position and velocity was a number
+  std::vector<TreeFinding> trees;  ///< of the scene's models
+  int asleep = 0;                  ///< ragdolls asleep at the end
+  std::uint64_t hash = 0;          ///< of the last state
+  bool finite = true;              ///< every position and velocity was a number
 };
 
 /// {"steps": ..., ..., "hash": "<16 hex digits>"}, ending in a newline.

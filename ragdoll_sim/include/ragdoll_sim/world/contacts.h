@@ -53,8 +53,6 @@ struct ContactReport {
 
 class Contacts {
  public:
-  /// [m/s] a touch that begins faster is an impact.
-  static constexpr double kImpactSpeed = 0.1;
   /// [s] after its largest force an impact is over.
   static constexpr double kSettled = 0.1;
 
@@ -83,7 +81,7 @@ class Contacts {
   struct Open {
     ImpactReport report;
     bool touched = false;
-    bool told = false;
+    bool pressed = false, told = false;
     std::uint64_t first = 0, hardest = 0;  ///< steps
   };
 

@@ -321,6 +321,24 @@ std::vector<Contact> nearEachOther(const Model& model, State state, PairDetector
   return near;
 }
 
+/// [kg] that a push along a contact's normal meets, as a state alone tells it.
+double effectiveMass(const Model& model, const State& state, const Contact& c) {
+  const auto answerOf = [&](int ragdoll, int begin, int end) {
+    const Ragdoll& r = model.ragdolls[ragdoll];
+    BodyResponse response;
+    response.bind(model.systemOf(r).direct);
+    response.setStart(state.x.data() + 3 * r.first);
+    Schur schur;
+    schur.start(r.first);
+    schur.addContact(c, 0, begin, end);
+    response.assemble(schur, false);
+    return schur.entry(0, 0);
+  };
+  const double answer = c.other < 0 ? answerOf(c.ragdoll, 0, c.count)
+                                    : answerOf(c.ragdoll, 0, 2) + answerOf(c.other, 2, 4);
+  return answer > 0 ? 1 / answer : 0;
+}
+
 /// What lies by one body, as a state alone tells it, but for other bodies.
 void appendNear(const Model& model, const State& state, int ragdoll,
                 const std::vector<SweptObstacle>& obstacles, PairDetector& detector,
@@ -362,12 +380,14 @@ void appendPressing(const Model& model, const State& state, const std::vector<st
       // Of sleepers the state keeps what obstacles gave, not what they gave each other.
       if (!pressed && !cache.empty() && c.other < 0) continue;
       c.found = c.offset;
-      out.push_back(entryOf(model, state, c));
-      if (!pressed) continue;
-      out.back().impulse = timeOfKept(model) * pressed->impulse;
-      out.back().normal = turnedIntoCone(out.back());
-      if (before && !hasPressed(pressed_before[i], keyOf(c)))
-        out.back().approach = std::max(0.0, -c.normal.dot(c.of(before->v)));
+      ContactImpulse& entry = out.emplace_back(entryOf(model, state, c));
+      if (pressed) {
+        entry.impulse = timeOfKept(model) * pressed->impulse;
+        entry.normal = turnedIntoCone(entry);
+      }
+      if (!before || (pressed && hasPressed(pressed_before[i], keyOf(c)))) continue;
+      entry.approach = std::max(0.0, -c.normal.dot(c.of(before->v)));
+      if (entry.approach > kImpactSpeed) entry.effective_mass = effectiveMass(model, state, c);
     }
     for (std::size_t k = 0; k < cache.impulses().size(); ++k)
       if (!cache.isHandedOut(k)) addLeft(model, state, cache.impulses()[k], out);

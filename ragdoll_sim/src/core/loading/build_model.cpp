@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/loading/contact_regions.h"
+#include "core/loading/idle_settings.h"
 #include "core/loading/sensors.h"
 #include "core/loading/skeleton.h"
 #include "core/loading/start_pose.h"
@@ -22,7 +23,6 @@
 namespace ragdoll {
 namespace {
 
-constexpr int kMaxThreads = 256;        ///< of a step
 constexpr int kMaxParticles = 1000000;  ///< in a scene; more is a typing error
 /// Of a scene's systems, whose matrices over particles and sticks are dense: 2 GB and about 10 s.
 constexpr double kMaxNumbers = 1e8, kMaxWork = 2e10;
@@ -34,9 +34,7 @@ void checkSolver(const SolverSpec& s) {
     throw Error(s.where + ".sweeps",
                 "sweeps is " + std::to_string(s.sweeps) + "; it must be in 1 ... 100000");
   checkTolerance(s.where + ".tolerance", s.tolerance);
-  if (s.threads < 0 || s.threads > kMaxThreads)
-    throw Error(s.where + ".threads", "threads is " + std::to_string(s.threads) +
-                                          "; it must be in 0 ... " + std::to_string(kMaxThreads));
+  checkThreads(s.where + ".threads", s.threads);
   if (!(std::isfinite(s.damping) && s.damping >= 0))
     throw Error(s.where + ".damping", "damping must be >= 0 [1/s]");
   if (!(std::isfinite(s.joint_damping) && s.joint_damping >= 0))
@@ -297,6 +295,7 @@ Model buildModel(const Scene& scene) {
   std::stable_sort(model.pokes.begin(), model.pokes.end(), [&](const Poke& a, const Poke& b) {
     return actsBefore(a, b, model.solver.step);
   });
+  warnOfIdleSettings(model);
   return model;
 }
 

@@ -54,6 +54,12 @@ void checkTolerance(const std::string& where, double tolerance) {
                          numberText(kSmallestTolerance) + " m and finite" + reason);
 }
 
+void checkThreads(const std::string& where, int threads) {
+  if (threads >= 0 && threads <= kMaxThreads) return;
+  throw Error(where, "threads is " + std::to_string(threads) +
+                         "; it must be in 0 (all cores) ... " + std::to_string(kMaxThreads));
+}
+
 void checkForce(const Model& model, const Poke& poke) {
   const Skeleton& skeleton = model.skeletonOf(model.ragdolls[poke.body.ragdoll]);
   const double size =

@@ -10,6 +10,7 @@
 #include "core/linear/stick_solver.h"
 #include "core/linear/tree_build.h"
 #include "core/linear/tree_solver.h"
+#include "ragdoll_sim/core/trees.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/limbs.h"
 #include "support/worlds.h"
@@ -274,6 +275,16 @@ TEST(Tree, SaysWhatIsNone) {
   square.sticks = {stick("a", "b"), stick("b", "c"), stick("c", "d"), stick("d", "a")};
   const Model loop = buildModel(sceneOf(square));
   EXPECT_NE(buildTree(loop.skeletons[0], {}).why_not.find("loop"), std::string::npos);
+}
+
+TEST(Tree, IsToldOfEachModelAndItsPins) {
+  const Model model = buildModel(sceneWith("human", "head"));
+  const std::vector<TreeFinding> findings = findTrees(model);
+  ASSERT_EQ(findings.size(), 1u);
+  EXPECT_EQ(findings[0].coordinates, 22);
+  EXPECT_EQ(describe(findings[0]), "human with 1 pin: a tree of 22 coordinates");
+  EXPECT_EQ(describe(findTrees(buildModel(sceneWith("human", "")))[0]),
+            "human: a tree of 25 coordinates");
 }
 
 TEST(Tree, OfLooseParticlesHasARootEach) {

@@ -38,5 +38,49 @@ TEST(BuildModel, PinsCanBeSetAnew) {
   EXPECT_TRUE(model.systemOf(model.ragdolls[0]).pins.empty());
 }
 
+/// Of the one warning that a scene gives.
+std::string warningOf(const Scene& scene) {
+  const std::vector<std::string> warnings = buildModel(scene).warnings;
+  return warnings.size() == 1 ? warnings[0] : std::to_string(warnings.size()) + " warnings";
+}
+
+TEST(BuildModel, WarnsOfSettingsThatDoNothing) {
+  Scene scene = sceneOf(oneStick());
+  for (const Method method : {Method::kFast, Method::kJakobsen}) {
+    scene.solver.method = method;
+    EXPECT_TRUE(buildModel(scene).warnings.empty());
+    scene.solver.tolerance = 1e-4;
+    EXPECT_NE(warningOf(scene).find("tolerance: is 0.0001, which only"), std::string::npos);
+    scene.solver.tolerance = 0;
+  }
+  scene.solver.events = true;
+  EXPECT_NE(warningOf(scene).find("events: is true, which only"), std::string::npos);
+  scene.solver.method = Method::kRk;
+  EXPECT_TRUE(buildModel(scene).warnings.empty());
+  scene.solver.tolerance = 1e-4;
+  EXPECT_NE(warningOf(scene).find("events: is true, which does nothing"), std::string::npos);
+  scene.solver.tolerance = 0;
+  scene.solver.events = false;
+  scene.solver.method = Method::kFast;
+  scene.ragdoll_collision = true;
+  EXPECT_NE(warningOf(scene).find("method: is fast; with ragdoll_collision"), std::string::npos);
+  scene.solver.method = Method::kShake;
+  scene.solver.tolerance = 1e-4;
+  EXPECT_TRUE(buildModel(scene).warnings.empty());
+}
+
+TEST(BuildModel, WarnsOfBodiesThatPacksDoNotTake) {
+  SkeletonSpec square = oneParticle();
+  square.name = "square";
+  square.particles = {particle("a", {0, 0, 0}), particle("b", {1, 0, 0}), particle("c", {1, 1, 0}),
+                      particle("d", {0, 1, 0})};
+  square.sticks = {stick("a", "b"), stick("b", "c"), stick("c", "d"), stick("d", "a")};
+  Scene scene = sceneOf(square);
+  EXPECT_TRUE(buildModel(scene).warnings.empty());
+  scene.solver.method = Method::kFast;
+  EXPECT_NE(warningOf(scene).find("square: no tree (c, d close a loop)"), std::string::npos)
+      << warningOf(scene);
+}
+
 }  // namespace
 }  // namespace ragdoll
