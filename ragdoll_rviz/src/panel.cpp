@@ -98,6 +98,8 @@ void RagdollPanel::connectControls() {
   connect(scene_, QOverload<int>::of(&QComboBox::activated), this, [this](int) { loadScene(); });
   connect(preset_, QOverload<int>::of(&QComboBox::activated), this,
           [this](int) { set("preset", preset_->currentText()); });
+  connect(method_, QOverload<int>::of(&QComboBox::activated), this,
+          [this](int i) { set("method", i); });
   connect(numbers_, QOverload<int>::of(&QComboBox::activated), this,
           [this](int) { set("numbers", numbers_->currentText()); });
   connect(threads_, QOverload<int>::of(&QSpinBox::valueChanged), this,
@@ -185,6 +187,12 @@ void RagdollPanel::makeSolver(QFormLayout* form) {
   preset_->setToolTip("settings of the solver");
   form->addRow("Solver", preset_);
 
+  method_ = new QComboBox;
+  method_->setObjectName("method");
+  method_->addItems({"jakobsen", "shake", "rk", "fast"});
+  method_->setToolTip("how a step is taken; a preset has its own");
+  form->addRow("Method", method_);
+
   tolerance_ = new QDoubleSpinBox;
   tolerance_->setObjectName("tolerance");
   tolerance_->setDecimals(kToleranceDecimals);
@@ -227,7 +235,7 @@ void RagdollPanel::makeFigures(QFormLayout* form) {
   error_ = addFigure(form, "error", "Error class",
                      "of the solver's preset: distance from the exact motion (RMS) after 0.1 s of "
                      "falling on things");
-  solver_ = addFigure(form, "solver", "Method", "");
+  solver_ = addFigure(form, "solver", "In use", "settings that the node runs with");
   solver_->setWordWrap(true);
 }
 
@@ -313,7 +321,7 @@ void RagdollPanel::hearMetrics(const ragdoll_msgs::Metrics& m) {
 
 void RagdollPanel::hearSettings(const dynamic_reconfigure::Config& m) {
   const QSignalBlocker factor(factor_), preset(preset_), tolerance(tolerance_), threads(threads_),
-      numbers(numbers_);
+      numbers(numbers_), method(method_);
   for (const auto& d : m.doubles)
     if (d.name == "realtime_factor") {
       // 0 reads "free", which a very slow one is not.
@@ -322,8 +330,10 @@ void RagdollPanel::hearSettings(const dynamic_reconfigure::Config& m) {
     } else if (d.name == "tolerance") {
       tolerance_->setValue(kMillimetres * d.value);
     }
-  for (const auto& i : m.ints)
+  for (const auto& i : m.ints) {
     if (i.name == "threads") threads_->setValue(i.value);
+    if (i.name == "method") method_->setCurrentIndex(i.value);
+  }
   for (const auto& s : m.strs) {
     if (s.name == "numbers") numbers_->setCurrentText(QString::fromStdString(s.value));
     if (s.name != "preset") continue;
@@ -386,7 +396,7 @@ void RagdollPanel::showState() {
   state_label_->setText(QString("<b style='color:%1'>%2</b>").arg(kColors[i], kNames[i]));
   const bool there = state_ != State::kNoNode;
   for (QWidget* w : std::initializer_list<QWidget*>{pause_, reset_, scene_, factor_, preset_,
-                                                    tolerance_, threads_, numbers_})
+                                                    tolerance_, threads_, numbers_, method_})
     w->setEnabled(there);
   step_->setEnabled(state_ == State::kPaused);
   pause_->setText(paused_ && there ? "Run" : "Pause");

@@ -102,7 +102,7 @@ class RagdollPanel : public rviz::Panel {
   QLabel *state_label_, *message_;
   QPushButton *pause_, *step_, *reset_;
   QSpinBox *steps_, *threads_;
-  QComboBox *scene_, *preset_, *numbers_;
+  QComboBox *scene_, *preset_, *method_, *numbers_;
   QDoubleSpinBox *factor_, *tolerance_, *strength_;
   QLabel *speed_, *energy_, *stretch_, *overlap_, *error_, *solver_;
 

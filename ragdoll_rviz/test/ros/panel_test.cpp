@@ -222,7 +222,7 @@ TEST_F(Panel, choosesAPresetAndShowsItsError) {
   }
 }
 
-TEST_F(Panel, setsThreadsNumbersAndTolerance) {
+TEST_F(Panel, setsMethodThreadsNumbersAndTolerance) {
   auto* threads = find<QSpinBox>("threads");
   auto* numbers = find<QComboBox>("numbers");
   auto* tolerance = find<QDoubleSpinBox>("tolerance");
@@ -248,7 +248,11 @@ TEST_F(Panel, setsThreadsNumbersAndTolerance) {
            later.findChild<QComboBox*>("numbers")->currentText() == "float" &&
            later.findChild<QDoubleSpinBox*>("tolerance")->value() == 0.25;
   }));
-  // A preset has its own numbers and tolerance, but no threads.
+  auto* method = find<QComboBox>("method");
+  method->setCurrentText("rk");
+  Q_EMIT method->activated(method->currentIndex());
+  node_has("method", 2);
+  // A preset has its own method, numbers and tolerance, but no threads.
   auto* preset = find<QComboBox>("preset");
   for (const char* name : {"fast", "balanced"}) {
     preset->setCurrentText(name);
@@ -256,7 +260,10 @@ TEST_F(Panel, setsThreadsNumbersAndTolerance) {
     node_has("preset", std::string(name));
   }
   EXPECT_TRUE(
-      waitFor([&] { return tolerance->value() == 0 && numbers->currentText() == "double"; }));
+      waitFor([&] {
+        return method->currentText() == "shake" && tolerance->value() == 0 &&
+               numbers->currentText() == "double";
+      }));
   EXPECT_EQ(threads->value(), 2);
   threads->setValue(1);
   node_has("threads", 1);

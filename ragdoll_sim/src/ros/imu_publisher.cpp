@@ -31,12 +31,6 @@ sensor_msgs::Imu toImu(const Sensor& sensor, const ImuSample& sample,
   return m;
 }
 
-/// [s] of the clock that stamps messages since the moment that `time` [s] of simulation was.
-double ageOf(const Snapshot& world, double time) {
-  const double simulated = world.state.time - time;
-  return world.realtime_factor > 0 ? simulated / world.realtime_factor : 0;
-}
-
 }  // namespace
 
 ImuPublisher::ImuPublisher(ros::NodeHandle& nh, std::string frame_prefix)
@@ -59,16 +53,27 @@ void ImuPublisher::follow(const Snapshot& world) {
   }
 }
 
+/// Between the last moment told and now, which is that of the state: however fast time passes, stamps
+/// rise.
+ros::Time ImuPublisher::stampOf(const Snapshot& world, double time, const ros::Time& now) const {
+  const double age = std::max(0.0, world.state.time - time);
+  if (last_.stamp.isZero() || now < last_.stamp) return now - ros::Duration(std::min(age, now.toSec()));
+  const double passed = world.progress.simulated - last_.simulated;
+  const double share = passed > 0 ? std::min(1.0, age / passed) : 0;
+  return now - ros::Duration(share * (now - last_.stamp).toSec());
+}
+
 void ImuPublisher::publish(const Snapshot& world, const ros::Time& now) {
   follow(world);
   for (const ImuSample& sample : world.imu) {
     if (sample.sensor >= static_cast<int>(topics_.size())) continue;  // of another scene
     if (topics_[sample.sensor].getNumSubscribers() == 0) continue;
     const Sensor& sensor = world.model->sensors[sample.sensor];
-    const double age = std::min(ageOf(world, sample.time), now.toSec());
+    const ros::Time stamp = stampOf(world, sample.time, now);
     topics_[sample.sensor].publish(
-        toImu(sensor, sample, toHeader(frame_prefix_ + sensor.name, now - ros::Duration(age))));
+        toImu(sensor, sample, toHeader(frame_prefix_ + sensor.name, stamp)));
   }
+  last_ = {world.progress.simulated, now};
 }
 
 void ImuPublisher::appendTransforms(const Snapshot& world, const Posture& posture, bool whole,

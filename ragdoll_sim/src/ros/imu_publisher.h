@@ -30,13 +30,20 @@ class ImuPublisher {
     int frame = -1;  ///< of the tracker
     Pose local;      ///< of the sensor in it
   };
+  /// What was told last: [s] of all that was simulated, and its stamp.
+  struct Moment {
+    double simulated = 0;
+    ros::Time stamp;
+  };
   void follow(const Snapshot& world);
+  ros::Time stampOf(const Snapshot& world, double time, const ros::Time& now) const;
 
   ros::NodeHandle nh_;
   std::string frame_prefix_;
   std::shared_ptr<const Scene> scene_;
   std::vector<ros::Publisher> topics_;  ///< of the scene's sensors
   std::vector<Mount> mounts_;
+  Moment last_;
 };
 
 }  // namespace ragdoll

@@ -161,7 +161,8 @@ void Publisher::tick(Why why) {
 
 const Posture& Publisher::posture() {
   FrameTracker& tracker = *world_.tracker;
-  if (world_.alpha) {
+  // By its own clock a stamp is the state's time, and samples are of steps.
+  if (world_.alpha && !clock_.own() && !(parameters_.publish_every > 0)) {
     tracker.interpolate(*world_.alpha, between_);
     return between_;
   }

@@ -7,6 +7,7 @@
 #include "ragdoll_sim/body/coat.h"
 #include "ragdoll_sim/core/build_model.h"
 #include "ragdoll_sim/core/error.h"
+#include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/number_text.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 
@@ -18,7 +19,7 @@ Reconfigure::Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher&
   present_.show_contacts = parameters.show_contacts;
   present_.coat = parameters.coat;
   refresh();
-  server_ = std::make_unique<dynamic_reconfigure::Server<SolverConfig>>(mutex_, nh);
+  server_ = std::make_unique<dynamic_reconfigure::Server<AskedConfig>>(mutex_, nh);
   server_->setConfigDefault(present_);
   server_->updateConfig(present_);
   given_.record(present_);
@@ -37,25 +38,25 @@ void Reconfigure::refresh() {
 
 void Reconfigure::changed(SolverConfig& config) {
   try {
-    // What was not asked for comes as it was shown, within its range; the scene may have another by
-    // now, or one out of range.
-    SolverConfig shown = present_;
-    shown.__clamp__();
+    checkChanges(config, present_);
     const bool paced = config.realtime_factor > 0 && std::isfinite(config.realtime_factor);
     if (!paced && config.realtime_factor != -1)
       throw Error("realtime_factor", "is " + numberText(config.realtime_factor) +
                                          "; it must be > 0, or -1 to run free");
     if (!config.coat.empty()) coatKind(config.coat);  // throws Error
     const auto scene = simulation_.call([](World& world) { return world.scene(); });
+    const auto known = simulation_.call([](World& world) { return world.model()->warnings; });
     Scene next = *scene;
-    applyChanges(config, shown, next);
+    applyChanges(config, present_, next);
     next.text = toYaml(next);
     if (next.text != scene->text) {
       auto model = std::make_shared<Model>(buildModel(next));
+      for (const std::string& warning : model->warnings)
+        if (indexOf(known, warning) < 0) ROS_WARN("%s", warning.c_str());
       auto shared = std::make_shared<Scene>(std::move(next));
       simulation_.jump([&](World& world) { world.configure(scene, shared, model); });
     }
-    if (config.realtime_factor != shown.realtime_factor)
+    if (config.realtime_factor != present_.realtime_factor)
       simulation_.setRealtimeFactor(config.realtime_factor);
     publisher_.showLimits(config.show_limits);
     publisher_.showContacts(config.show_contacts);

@@ -13,6 +13,13 @@
 
 namespace ragdoll {
 
+/// As it was asked for: the server would move what is out of range into it without a word.
+struct AskedConfig : SolverConfig {
+  AskedConfig() = default;
+  AskedConfig(const SolverConfig& config) : SolverConfig(config) {}
+  void __clamp__() {}
+};
+
 class Reconfigure {
  public:
   Reconfigure(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,
@@ -29,7 +36,7 @@ class Reconfigure {
   const GivenSettings& given_;
   boost::recursive_mutex mutex_;
   SolverConfig present_;
-  std::unique_ptr<dynamic_reconfigure::Server<SolverConfig>> server_;
+  std::unique_ptr<dynamic_reconfigure::Server<AskedConfig>> server_;
 };
 
 }  // namespace ragdoll

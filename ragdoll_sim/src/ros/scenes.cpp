@@ -8,6 +8,7 @@
 #include "ragdoll_sim/core/findings.h"
 #include "ragdoll_sim/core/names.h"
 #include "ragdoll_sim/core/self_pairs.h"
+#include "ragdoll_sim/core/trees.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "ragdoll_sim/ros/convert.h"
 #include "ragdoll_sim/world/text.h"
@@ -37,6 +38,7 @@ std::vector<std::string> startWarnings(const World& world) {
 
 void tellChecks(const World& world, const std::vector<std::string>& told) {
   for (const std::string& warning : startWarnings(world)) ROS_WARN("%s", warning.c_str());
+  for (const TreeFinding& tree : findTrees(*world.model())) ROS_INFO("%s", describe(tree).c_str());
   for (const std::string& note : world.model()->notes)
     if (indexOf(told, note) < 0)
       ROS_INFO("%s%s", inShort(note).c_str(),

@@ -21,7 +21,8 @@ namespace ragdoll {
 /// What the checks at load found, and what stands in each other there.
 std::vector<std::string> startWarnings(const World& world);
 
-/// To the log: startWarnings, and what was decided (Model::notes) but for what was `told` already.
+/// To the log: startWarnings, which bodies are trees, and what was decided
+/// (Model::notes) but for what was `told` already.
 void tellChecks(const World& world, const std::vector<std::string>& told = {});
 
 class Scenes {

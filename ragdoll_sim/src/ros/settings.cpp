@@ -31,6 +31,12 @@ std::string textOf(XmlRpcValue value) {
   return out.str();
 }
 
+/// Of the one number in it; empty: it has none.
+std::string textOf(const dynamic_reconfigure::Config& message) {
+  if (!message.doubles.empty()) return numberText(message.doubles[0].value);
+  return message.ints.empty() ? "" : std::to_string(message.ints[0].value);
+}
+
 /// Adds it to `message` if it is of this type of dynamic_reconfigure.
 bool append(const std::string& name, const std::string& type, XmlRpcValue value,
             dynamic_reconfigure::Config& message) {
@@ -120,6 +126,16 @@ Numbers numbersOf(const std::string& where, const std::string& name) {
   throw Error(where, "is '" + name + "'; it must be double or float");
 }
 
+/// Throws Error that names it as `where` if it is out of range in `one`, where all others are as by
+/// default. is: "is 3; it must be ".
+void checkRange(const SolverConfig::AbstractParamDescription& setting, const std::string& where,
+                const std::string& is, const SolverConfig& one) {
+  if (!isWithin(one))
+    throw Error(where, is + rangeText(setting.name, setting.type) + ": " + setting.description);
+  if (setting.name == "tolerance") checkTolerance(where, one.tolerance);
+  if (setting.name == "numbers") numbersOf(where, one.numbers);
+}
+
 /// A setting as a parameter, into `config`. Throws Error that names it as `where`.
 void takeGiven(const SolverConfig::AbstractParamDescription& setting, const std::string& where,
                const XmlRpcValue& given, SolverConfig& config) {
@@ -133,9 +149,7 @@ void takeGiven(const SolverConfig::AbstractParamDescription& setting, const std:
   }
   SolverConfig one = SolverConfig::__getDefault__();
   setting.fromMessage(message, one);
-  if (!isWithin(one)) throw Error(where, is + rangeText(name, type) + ": " + setting.description);
-  if (name == "tolerance") checkTolerance(where, one.tolerance);
-  if (name == "numbers") numbersOf(where, one.numbers);
+  checkRange(setting, where, is, one);
   setting.fromMessage(message, config);
 }
 
@@ -177,23 +191,33 @@ SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double real
   return c;
 }
 
+void checkChanges(const SolverConfig& config, const SolverConfig& shown) {
+  for (const auto& setting : SolverConfig::__getParamDescriptions__()) {
+    dynamic_reconfigure::Config message, before;
+    setting->toMessage(message, config);
+    setting->toMessage(before, shown);
+    const std::string value = textOf(message);
+    if (value == textOf(before)) continue;
+    SolverConfig one = SolverConfig::__getDefault__();
+    setting->fromMessage(message, one);
+    checkRange(*setting, setting->name, "is " + value + "; it must be ", one);
+  }
+}
+
 void applyChanges(const SolverConfig& config, const SolverConfig& shown, Scene& scene) {
   const auto set = [](const auto& to, const auto& from, auto& value) {
     if (to != from) value = static_cast<std::decay_t<decltype(value)>>(to);
   };
   SolverSpec& solver = scene.solver;
-  if (config.preset != shown.preset) {
-    usePreset(config.preset, solver);
-  } else {
-    set(config.method, shown.method, solver.method);
-    set(config.integrator, shown.integrator, solver.integrator);
-    set(config.step, shown.step, solver.step);
-    set(config.sweeps, shown.sweeps, solver.sweeps);
-    set(config.tolerance, shown.tolerance, solver.tolerance);
-    if (config.numbers != shown.numbers) solver.numbers = numbersOf("numbers", config.numbers);
-    set(config.damping, shown.damping, solver.damping);
-    set(config.sleep, shown.sleep, solver.sleep);
-  }
+  if (config.preset != shown.preset) usePreset(config.preset, solver);
+  set(config.method, shown.method, solver.method);
+  set(config.integrator, shown.integrator, solver.integrator);
+  set(config.step, shown.step, solver.step);
+  set(config.sweeps, shown.sweeps, solver.sweeps);
+  set(config.tolerance, shown.tolerance, solver.tolerance);
+  if (config.numbers != shown.numbers) solver.numbers = numbersOf("numbers", config.numbers);
+  set(config.damping, shown.damping, solver.damping);
+  set(config.sleep, shown.sleep, solver.sleep);
   set(config.threads, shown.threads, solver.threads);
   set(config.joint_damping, shown.joint_damping, solver.joint_damping);
   set(config.gravity_x, shown.gravity_x, scene.gravity.x());

@@ -22,8 +22,12 @@ std::vector<std::string> settingNames();
 SolverConfig toConfig(const SolverSpec& solver, const Vec3& gravity, double realtime_factor,
                       const SolverConfig& drawn);
 
-/// The settings of `config` that are not as `shown`, on top of `scene`. Another preset sets all
-/// that are the solver's but joint_damping, which belongs to the body.
+/// Throws Error that names a setting that is not as `shown`, its value and its range, if it is out
+/// of that.
+void checkChanges(const SolverConfig& config, const SolverConfig& shown);
+
+/// The settings of `config` that are not as `shown`, on top of `scene`. Another preset comes first
+/// and sets all that are the solver's but joint_damping, which belongs to the body.
 void applyChanges(const SolverConfig& config, const SolverConfig& shown, Scene& scene);
 
 /// What someone has given on the parameter server under the names of the settings. A node writes

@@ -2,6 +2,7 @@
 """A wrong parameter ends the node at once, with a message that names it; settings that are given
 override the scene's, and what an earlier node of the same name wrote does not."""
 
+import re
 import signal
 import subprocess
 import sys
@@ -132,6 +133,31 @@ class ParametersTest(unittest.TestCase):
             node = Node(self, 'earlier', scene='fall')
             node.says(**its_own)
             node.end(how)
+
+    def test_what_is_out_of_range_while_it_runs_is_refused(self):
+        node = Node(self, 'ranges', scene='fall', tolerance='0.0001', threads='2')
+        node.says(tolerance=0.0001, threads=2)
+        before = node.now()
+        for name, value in (('threads', 300), ('threads', -4), ('tolerance', -1.0),
+                            ('tolerance', 5.0), ('tolerance', float('nan')), ('step', 0.0),
+                            ('step', 7.0), ('method', 9), ('sweeps', 0), ('damping', -3.0),
+                            ('gravity_z', 1000.0), ('gravity_x', float('inf'))):
+            answer = node.client.update_configuration({name: value})
+            self.assertEqual(answer[name], before[name], (name, value))
+            wait_for(lambda: re.search(r'settings refused: %s: is \S+; it must be (in \[|one of )' % name,
+                                       node.said()[-400:]), (name, value))
+        node.says(tolerance=0.0001, threads=2, gravity_z=before['gravity_z'])
+
+    def test_what_is_set_beside_a_preset_goes_on_top_of_it(self):
+        node = Node(self, 'beside', scene='fall')
+        node.says(preset='balanced', step=1 / 120)
+        kept = dict(node.client.update_configuration({'preset': 'draft', 'step': 0.005, 'damping': 0.3}))
+        self.assertEqual((kept['preset'], kept['step'], kept['damping']), ('draft', 0.005, 0.3))
+        node.client.update_configuration({'preset': 'balanced'})
+        node.says(preset='balanced', step=1 / 120, damping=0.0)
+        again = node.client.update_configuration(  # as dynparam load
+            {name: value for name, value in kept.items() if name != 'groups'})
+        self.assertEqual((again['preset'], again['step'], again['damping']), ('draft', 0.005, 0.3))
 
     def test_what_a_user_sets_while_it_runs_stays(self):
         node = Node(self, 'stays', scene='fall', damping='1', step='0.004')
