@@ -2,10 +2,13 @@
 
 #include <ros/package.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <sstream>
 #include <vector>
 
+#include "frame_lookup.h"
 #include "ragdoll_sim/body/coat.h"
 #include "ragdoll_sim/core/error.h"
 #include "ragdoll_sim/core/names.h"
@@ -17,6 +20,13 @@ namespace {
 std::string shown(double v) { return numberText(v); }
 std::string shown(bool v) { return v ? "true" : "false"; }
 std::string shown(const std::string& v) { return v.empty() ? "\"\"" : v; }
+
+/// As tf2 and rviz take one: no spaces, no slash at an end or beside another.
+bool isFrameName(const std::string& name) {
+  const auto isSpace = [](unsigned char c) { return std::isspace(c) != 0; };
+  return !name.empty() && name.front() != '/' && name.back() != '/' &&
+         name.find("//") == std::string::npos && std::none_of(name.begin(), name.end(), isSpace);
+}
 
 class Reader {
  public:
@@ -88,15 +98,19 @@ Parameters readParameters(const ros::NodeHandle& nh, const GivenSettings& given)
   in.read("tf_bodies", "text", p.tf_bodies);
 
   in.check(!p.scene.empty(), "scene", "it must name a scene: stairs, a path or package://...");
-  if (!p.world_frame.empty() && p.world_frame[0] == '/') p.world_frame.erase(0, 1);
-  in.check(!p.world_frame.empty(), "world_frame", "it must name a TF frame");
+  p.world_frame = FrameLookup::normal(p.world_frame);
+  in.check(isFrameName(p.world_frame), "world_frame",
+           "it must name a TF frame, without spaces, a slash at its end or two in a row");
   in.check(p.publish_rate >= 0.001 && p.publish_rate <= 1000, "publish_rate",
            "it must be in [0.001, 1000] Hz");
   in.check((p.realtime_factor > 0 && std::isfinite(p.realtime_factor)) || p.realtime_factor == -1,
            "realtime_factor", "it must be > 0, or -1 to run free");
   in.check(p.wrench_timeout > 0 && p.wrench_timeout <= 60, "wrench_timeout",
            "it must be in (0, 60] s");
-  if (!p.frame_prefix.empty() && p.frame_prefix[0] == '/') p.frame_prefix.erase(0, 1);
+  p.frame_prefix = FrameLookup::normal(p.frame_prefix);
+  in.check(
+      isFrameName(p.frame_prefix + "x"), "frame_prefix",
+      "it must begin TF frames' names, such as robot1/, without spaces or two slashes in a row");
   in.check(p.publish_every >= 0 && p.publish_every <= 3600, "publish_every",
            "it must be in [0, 3600] s of simulated time; 0: ~publish_rate holds");
   in.check(indexOf({"", "all", "roots", "none"}, p.tf_bodies) >= 0, "tf_bodies",

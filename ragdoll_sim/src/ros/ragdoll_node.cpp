@@ -148,8 +148,9 @@ int main(int argc, char** argv) {
     // Whoever starts after this follows the clock that this node is going to publish.
     const SimTime sim_time(parameters.publish_clock);
     const ragdoll::RosClock clock(parameters.publish_clock);
-    ragdoll::Simulation simulation(loadWorld(nh.resolveName("scene"), parameters, given),
-                                   pace(parameters));
+    ragdoll::World world = loadWorld(nh.resolveName("scene"), parameters, given);
+    ragdoll::checkWorldFrame("parameter " + nh.resolveName("world_frame"), world, parameters);
+    ragdoll::Simulation simulation(std::move(world), pace(parameters));
     simulation.call(
         [&](ragdoll::World& world) { world.setMaxFrameSpeed(parameters.max_frame_speed); });
     ragdoll::FrameLookup frames(parameters.world_frame);

@@ -45,13 +45,21 @@ void tellChecks(const World& world, const std::vector<std::string>& told) {
                inShort(note) == note ? "" : " (ragdoll_lab run SCENE --pairs lists them)");
 }
 
+void checkWorldFrame(const std::string& where, const World& world, const Parameters& parameters) {
+  std::vector<std::string> own = world.frameNames();
+  for (const Sensor& sensor : world.model()->sensors)
+    own.push_back(parameters.frame_prefix + sensor.name);
+  if (indexOf(own, parameters.world_frame) >= 0)
+    throw Error(where, "is " + parameters.world_frame +
+                           ", a frame of this scene's; it must be none of the node's own");
+}
+
 Scenes::Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher,
                const RosClock& clock, const Parameters& parameters, std::function<void()> changed)
     : simulation_(simulation),
       publisher_(publisher),
       clock_(clock),
-      world_frame_(parameters.world_frame),
-      frame_prefix_(parameters.frame_prefix),
+      parameters_(parameters),
       changed_(std::move(changed)) {
   servers_.push_back(nh.advertiseService("load_scene", &Scenes::load, this));
   servers_.push_back(nh.advertiseService("get_state", &Scenes::get, this));
@@ -61,8 +69,9 @@ Scenes::Scenes(ros::NodeHandle& nh, Simulation& simulation, Publisher& publisher
 bool Scenes::load(ragdoll_msgs::LoadScene::Request& request,
                   ragdoll_msgs::LoadScene::Response& response) {
   const auto act = [&] {
-    World next =
-        loadWorld(request, frame_prefix_);  // in this thread: the old scene goes on meanwhile
+    // In this thread: the old scene goes on meanwhile.
+    World next = loadWorld(request, parameters_.frame_prefix);
+    checkWorldFrame("~world_frame", next, parameters_);
     std::string message = contents(*next.model());
     for (const std::string& warning : startWarnings(next)) message += "; " + warning;
     tellChecks(next, simulation_.call([](World& world) { return world.model()->notes; }));
@@ -77,8 +86,8 @@ bool Scenes::load(ragdoll_msgs::LoadScene::Request& request,
 bool Scenes::get(ragdoll_msgs::GetState::Request&, ragdoll_msgs::GetState::Response& response) {
   const ros::Time now = clock_.now(simulation_);
   simulation_.call([&](World& world) {
-    response.state =
-        toStateMsg(*world.model(), world.state(), world.mark(), toHeader(world_frame_, now));
+    response.state = toStateMsg(*world.model(), world.state(), world.mark(),
+                                toHeader(parameters_.world_frame, now));
     response.snapshot = world.save();
   });
   return true;

@@ -25,6 +25,9 @@ std::vector<std::string> startWarnings(const World& world);
 /// (Model::notes) but for what was `told` already.
 void tellChecks(const World& world, const std::vector<std::string>& told = {});
 
+/// Throws Error if a frame that the node publishes for it is the world frame: TF would have a loop.
+void checkWorldFrame(const std::string& where, const World& world, const Parameters& parameters);
+
 class Scenes {
  public:
   /// changed: called when the settings of the solver may be others.
@@ -39,7 +42,7 @@ class Scenes {
   Simulation& simulation_;
   Publisher& publisher_;
   const RosClock& clock_;
-  std::string world_frame_, frame_prefix_;
+  const Parameters parameters_;
   std::function<void()> changed_;
   std::vector<ros::ServiceServer> servers_;
 };

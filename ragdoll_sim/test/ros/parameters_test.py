@@ -15,6 +15,7 @@ import rospy
 import rostest
 from client import LIMIT, wait_for
 from ragdoll_msgs.msg import Model
+from ragdoll_msgs.srv import LoadScene
 
 CASES = [
     ('publish_rate', '0', ['[0.001, 1000]']),
@@ -26,6 +27,12 @@ CASES = [
     ('show_limits', 'perhaps', ['perhaps', 'true or false']),
     ('show_contacts', 'perhaps', ['perhaps', 'true or false']),
     ('world_frame', '/', ['frame']),
+    ('world_frame', 'a b', ['is a b;', 'without spaces']),
+    ('world_frame', 'map/', ['is map/;', 'slash at its end']),
+    ('world_frame', '//map', ['is //map;', 'two in a row']),
+    ('world_frame', 'ragdoll/pelvis', ['is ragdoll/pelvis,', "none of the node's own"]),
+    ('frame_prefix', 'a b//', ['is a b//;', 'such as robot1/', 'without spaces']),
+    ('frame_prefix', 'robot1//', ['is robot1//;', 'two slashes in a row']),
     ('wrench_timeout', '0', ['(0, 60]']),
     ('coat', 'fur', ['fur', 'capsules']),
     ('max_frame_speed', '0', ['> 0']),
@@ -196,6 +203,19 @@ class ParametersTest(unittest.TestCase):
             self.assertEqual(run.returncode, 1, run.stdout)
             for word in ['/wrong_%d/%s' % (i, name)] + words:
                 self.assertIn(word, run.stdout)
+
+
+    def test_a_scene_with_the_world_frame_among_its_own_is_refused(self):
+        node = Node(self, 'rooted', scene='fall', world_frame='anna/lab')
+        load = rospy.ServiceProxy(node.name + '/load_scene', LoadScene)
+        named = node.model.scene_yaml.replace('name: ragdoll', 'name: anna')
+        sensed = named + 'sensors: [{name: lab, type: imu, segment: torso}]\n'
+        self.assertTrue(load(yaml=named).success)
+        answer = load(yaml=sensed)
+        self.assertFalse(answer.success)
+        self.assertEqual(answer.status_message, '~world_frame: is anna/lab, a frame of this scene\'s; '
+                         "it must be none of the node's own")
+        node.end(signal.SIGINT)
 
 
 if __name__ == '__main__':
