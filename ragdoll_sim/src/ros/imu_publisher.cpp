@@ -42,15 +42,10 @@ void ImuPublisher::follow(const Snapshot& world) {
   if (!world.model->sensors.empty() && !ros::master::check()) return;
   scene_ = world.scene;
   topics_.clear();
-  mounts_.clear();
   std::vector<std::string> names;
   for (const Sensor& sensor : world.model->sensors) names.push_back("imu/" + sensor.name);
   for (const std::string& topic : topicNames(names))
     topics_.push_back(nh_.advertise<sensor_msgs::Imu>(topic, kSampleQueue));
-  for (const Sensor& sensor : world.model->sensors) {
-    const SensorFrame frame = sensorFrame(*world.model, *world.tracker, sensor);
-    mounts_.push_back({frame.frame, frame.local});
-  }
 }
 
 /// Between the last moment told and now, which is that of the state: however fast time passes, stamps
@@ -74,28 +69,6 @@ void ImuPublisher::publish(const Snapshot& world, const ros::Time& now) {
         toImu(sensor, sample, toHeader(frame_prefix_ + sensor.name, stamp)));
   }
   last_ = {world.progress.simulated, now};
-}
-
-void ImuPublisher::appendTransforms(const Snapshot& world, const Posture& posture, bool whole,
-                                    const std_msgs::Header& header,
-                                    std::vector<geometry_msgs::TransformStamped>& out) {
-  follow(world);
-  for (std::size_t i = 0; i < mounts_.size(); ++i) {
-    const Mount& m = mounts_[i];
-    if (m.frame < 0) continue;
-    out.emplace_back();
-    out.back().header = header;
-    out.back().child_frame_id = frame_prefix_ + world.model->sensors[i].name;
-    Pose pose = m.local;
-    if (whole) {
-      out.back().header.frame_id = world.tracker->name(m.frame);
-    } else {
-      const Pose& parent = posture.frames[m.frame];
-      pose = {parent.position + parent.orientation * m.local.position,
-              parent.orientation * m.local.orientation};
-    }
-    out.back().transform = toTransform(pose);
-  }
 }
 
 }  // namespace ragdoll

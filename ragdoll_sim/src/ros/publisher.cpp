@@ -30,6 +30,7 @@ Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock
       clock_(clock),
       parameters_(parameters),
       imus_(nh, parameters.frame_prefix),
+      sensor_frames_(parameters.frame_prefix),
       contacts_(nh, parameters.world_frame),
       markers_(nh, parameters.world_frame, parameters.coat),
       handles_(handles),
@@ -203,7 +204,7 @@ tf2_msgs::TFMessage Publisher::tfMessage(const Posture& posture, const std_msgs:
   const std::string& bodies = tfBodies();
   tf2_msgs::TFMessage message;
   message.transforms = toTransforms(*world_.tracker, posture, header, bodies == "roots");
-  imus_.appendTransforms(world_, posture, bodies == "all", header, message.transforms);
+  sensor_frames_.append(world_, posture, bodies == "all", header, message.transforms);
   return message;
 }
 

@@ -26,6 +26,7 @@
 #include "ragdoll_sim/body/angles.h"
 #include "ragdoll_sim/world/simulation.h"
 #include "ros_clock.h"
+#include "sensor_frames.h"
 #include "topic.h"
 
 namespace ragdoll {
@@ -74,6 +75,7 @@ class Publisher {
   ros::Publisher model_, pokes_, followed_;
   Topic state_, joints_, tf_;
   ImuPublisher imus_;
+  SensorFrames sensor_frames_;
   ContactPublisher contacts_;
   bool keeps_contacts_ = false;  ///< the world does
   MarkerPublisher markers_;

@@ -25,7 +25,7 @@ constexpr std::size_t kMaxEarly = 1000;  ///< pokes kept until their model comes
 
 StateToMarkers::StateToMarkers(ros::NodeHandle& nh, const std::string& coat,
                                const std::string& frame_prefix)
-    : nh_(nh), coat_(coat), frame_prefix_(frame_prefix) {
+    : nh_(nh), coat_(coat), frame_prefix_(frame_prefix), sensor_frames_(frame_prefix) {
   subscribers_.push_back(nh_.subscribe("model", 10, &StateToMarkers::hearModel, this));
   subscribers_.push_back(nh_.subscribe("state", 100, &StateToMarkers::state, this));
   subscribers_.push_back(nh_.subscribe("pokes", 1000, &StateToMarkers::poke, this));
@@ -196,8 +196,11 @@ void StateToMarkers::publishTf() {
   if (now.isZero() || now == last_stamp_) return;
   if ((ros::WallTime::now() - recorded_tf_).toSec() < kRecordedTfHolds) return;
   last_stamp_ = now;
-  tf_.sendTransform(
-      toTransforms(*world_.tracker, world_.tracker->now(), toHeader(world_frame_, now)));
+  const Posture& posture = world_.tracker->now();
+  const std_msgs::Header header = toHeader(world_frame_, now);
+  auto transforms = toTransforms(*world_.tracker, posture, header);
+  sensor_frames_.append(world_, posture, true, header, transforms);
+  tf_.sendTransform(transforms);
 }
 
 }  // namespace ragdoll

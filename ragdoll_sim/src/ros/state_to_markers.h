@@ -24,6 +24,7 @@
 #include "ragdoll_sim/ros/any_model.h"
 #include "ragdoll_sim/world/follow.h"
 #include "ragdoll_sim/world/simulation.h"
+#include "sensor_frames.h"
 
 namespace ragdoll {
 
@@ -60,6 +61,7 @@ class StateToMarkers {
   tf2_ros::TransformBroadcaster tf_;
   std::unique_ptr<MarkerPublisher> markers_;
   std::unique_ptr<FrameLookup> frames_;
+  SensorFrames sensor_frames_;
   Snapshot world_;  ///< its state is the last that was heard
   Follow follow_;
   std::vector<Told> told_;

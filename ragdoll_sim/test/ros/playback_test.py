@@ -218,6 +218,27 @@ class PlaybackTest(unittest.TestCase):
         for value, a, b in zip((root.x, root.y, root.z), *hips):
             self.assertAlmostEqual(value, (a + b) / 2)
 
+    def test_sensors_have_their_frames(self):
+        """As the node has them: on the torso, which turns with the neck's frame."""
+        model = copy.deepcopy(Inbox('/ragdoll/model', Model).first(lambda m: True, 'a model'))
+        state = self.client.restart()
+        new_frames = Inbox('/tf', TFMessage).reader()
+        tell_model = rospy.Publisher('/told/model', Model, latch=True, queue_size=1)
+        tell_state = rospy.Publisher('/told/state', State, latch=True, queue_size=1)
+        model.scene_yaml = (model.scene_yaml.replace('name: ragdoll', 'name: sensed') +
+                            'sensors: [{name: s, type: imu, segment: torso, position: [0.1, 0, 0.2]}]\n')
+        state.ragdolls[0].name = 'sensed'
+        tell_model.publish(model)
+        tree = {}
+
+        def told():
+            tell_state.publish(state)
+            tree.update((t.child_frame_id, t) for m in new_frames() for t in m.transforms)
+            return 'sensed/s' in tree
+        wait_for(told, "the sensor's frame")
+        self.assertIn(tree['sensed/s'].header.frame_id, tree)
+        self.assertEqual(len([f for f in tree if f.startswith('sensed/')]), 18)
+
     def test_frames_have_the_prefix_of_the_node(self):
         """Its own frames and those that its markers are in."""
         model = Inbox('/ragdoll/model', Model).first(lambda m: True, 'a model')
