@@ -37,7 +37,7 @@ std::vector<std::string> outOfReach(const Model& model, const State& state) {
 
 }  // namespace
 
-Metrics::Metrics(ros::NodeHandle& nh, FrameTroubles troubles)
+Metrics::Metrics(ros::NodeHandle& nh, Troubles troubles)
     : troubles_(std::move(troubles)),
       updater_(ros::NodeHandle(), nh, nh.getNamespace()),
       last_(Simulation::Clock::now()) {
@@ -152,6 +152,11 @@ void Metrics::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) {
   if (!rivals.empty())
     status.mergeSummary(DiagnosticStatus::WARN,
                         joined(rivals) + "; give one of them another ~frame_prefix");
+  const std::vector<std::string> clocks = troubles_.clocks();
+  if (!clocks.empty())
+    status.mergeSummary(DiagnosticStatus::WARN,
+                        "/clock is published by " + joined(clocks) +
+                            ", too: end one of them, or start it without ~publish_clock");
   status.add("real-time factor", message_.realtime_factor);
   status.add("time of a step [us]", 1e6 * message_.step_time);
   status.add("lateness of steps, 50 % [us]", 1e6 * message_.step_lateness_p50);

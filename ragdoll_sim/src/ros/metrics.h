@@ -15,15 +15,16 @@
 
 namespace ragdoll {
 
-/// What is wrong with TF.
-struct FrameTroubles {
+/// What is wrong with TF and /clock.
+struct Troubles {
   std::function<std::vector<std::string>()> missing;  ///< frames that something follows in vain
   std::function<std::vector<std::string>()> rivals;   ///< FrameLookup::rivals
+  std::function<std::vector<std::string>()> clocks;   ///< ClockPublisher::rivals
 };
 
 class Metrics {
  public:
-  Metrics(ros::NodeHandle& nh, FrameTroubles troubles);
+  Metrics(ros::NodeHandle& nh, Troubles troubles);
 
   /// Once a second, from what has happened since; else nothing.
   void publish(const Snapshot& world, const std_msgs::Header& header);
@@ -34,7 +35,7 @@ class Metrics {
   void measure(const Snapshot& world, double seconds);
 
   double wanted_factor_ = 1;
-  FrameTroubles troubles_;
+  Troubles troubles_;
   ros::Publisher publisher_;
   diagnostic_updater::Updater updater_;
   Simulation::Clock::time_point last_;

@@ -25,7 +25,7 @@ constexpr int kStateQueue =
 }  // namespace
 
 Publisher::Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock,
-                     const Parameters& parameters, FrameTroubles troubles, Handles& handles)
+                     const Parameters& parameters, Troubles troubles, Handles& handles)
     : simulation_(simulation),
       clock_(clock),
       parameters_(parameters),

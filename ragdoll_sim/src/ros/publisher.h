@@ -34,7 +34,7 @@ namespace ragdoll {
 class Publisher {
  public:
   Publisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock,
-            const Parameters& parameters, FrameTroubles troubles, Handles& handles);
+            const Parameters& parameters, Troubles troubles, Handles& handles);
   ~Publisher();
 
   /// Draw the joints' limits, or no more.

@@ -2,11 +2,14 @@
 #include <ros/ros.h>
 #include <semaphore.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <ctime>
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "attachments.h"
 #include "callback_threads.h"
@@ -104,7 +107,8 @@ class Signals {
 };
 
 /// /use_sim_time for as long as this node is the clock; left alone where someone has set it before.
-/// A record on the server tells whether that was a node like this one, which was killed.
+/// A record on the server tells whether that was a node like this one, which was killed or still
+/// is the clock, too: the last one takes it away.
 class SimTime {
  public:
   explicit SimTime(bool wanted) {
@@ -117,6 +121,7 @@ class SimTime {
   }
   ~SimTime() {
     if (!set_ || !ros::master::check()) return;  // ROS would wait for one
+    if (!alone_ && isPublished()) return;
     ros::param::del(kRecord);
     bool now = false;
     if (!ros::param::get(kName, now) || !now) return;  // someone has set it since
@@ -125,12 +130,22 @@ class SimTime {
     else
       ros::param::del(kName);
   }
+  /// No other node is the clock: the master may name one that was killed.
+  void setAlone() { alone_ = true; }
   SimTime(const SimTime&) = delete;
   SimTime& operator=(const SimTime&) = delete;
 
  private:
   static constexpr const char* kName = "/use_sim_time";
   static constexpr const char* kRecord = "/ragdoll_sim/use_sim_time_was_given";
+  /// /clock, by the master: when this node does not, by another.
+  static bool isPublished() {
+    ros::master::V_TopicInfo topics;
+    ros::master::getTopics(topics);
+    return std::any_of(topics.begin(), topics.end(),
+                       [](const ros::master::TopicInfo& topic) { return topic.name == "/clock"; });
+  }
+  bool alone_ = false;
   bool given_ = false;  ///< as false, before
   bool set_ = false;
 };
@@ -146,7 +161,7 @@ int main(int argc, char** argv) {
     const ragdoll::Parameters parameters = ragdoll::readParameters(nh, given);
     if (!signals.defer()) return 0;
     // Whoever starts after this follows the clock that this node is going to publish.
-    const SimTime sim_time(parameters.publish_clock);
+    SimTime sim_time(parameters.publish_clock);
     const ragdoll::RosClock clock(parameters.publish_clock);
     ragdoll::World world = loadWorld(nh.resolveName("scene"), parameters, given);
     ragdoll::checkWorldFrame("parameter " + nh.resolveName("world_frame"), world, parameters);
@@ -156,20 +171,23 @@ int main(int argc, char** argv) {
     ragdoll::FrameLookup frames(parameters.world_frame);
     ragdoll::Attachments attachments(nh, simulation, frames);
     ragdoll::Handles handles(nh, simulation, frames);
+    std::unique_ptr<ragdoll::ClockPublisher> ticks;
+    if (clock.own()) ticks = std::make_unique<ragdoll::ClockPublisher>(nh, simulation, clock);
     ragdoll::Publisher publisher(
         nh, simulation, clock, parameters,
-        {[&] { return attachments.missing(); }, [&] { return frames.rivals(); }}, handles);
+        {[&] { return attachments.missing(); }, [&] { return frames.rivals(); },
+         [&] { return ticks ? ticks->rivals() : std::vector<std::string>(); }},
+        handles);
     ragdoll::Control control(nh, simulation, publisher);
     ragdoll::Pokes pokes(nh, simulation, clock, frames, parameters.wrench_timeout);
     ragdoll::Reconfigure reconfigure(nh, simulation, publisher, parameters, given);
     ragdoll::Scenes scenes(nh, simulation, publisher, clock, parameters,
                            [&] { reconfigure.refresh(); });
-    std::unique_ptr<ragdoll::ClockPublisher> ticks;
-    if (clock.own()) ticks = std::make_unique<ragdoll::ClockPublisher>(nh, simulation, clock);
     const ragdoll::CallbackThreads callbacks(kCallbackThreads);
     signals.release();
     signals.wait();
     publisher.clearMarkers();
+    if (ticks && ticks->isAlone()) sim_time.setAlone();
     ros::requestShutdown();
     simulation.end();  // else ROS would wait for a call that waits for its steps
     ros::waitForShutdown();

@@ -1,8 +1,15 @@
 #include "ros_clock.h"
 
-#include <rosgraph_msgs/Clock.h>
+#include <ros/console.h>
+#include <ros/this_node.h>
 
 namespace ragdoll {
+namespace {
+
+constexpr double kClockRivalry = 5;  ///< [s] without a tick of the other's, then it is over
+constexpr int kTicksKept = 1000;     ///< of all, between two looks
+
+}  // namespace
 
 ros::Time RosClock::now(Simulation& simulation) const {
   return own_ ? at(simulation.progress()) : ros::Time::now();
@@ -15,6 +22,10 @@ ros::Time RosClock::at(const Progress& progress) const {
 ClockPublisher::ClockPublisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock)
     : simulation_(simulation), clock_(clock) {
   publisher_ = nh.advertise<rosgraph_msgs::Clock>("/clock", 10);
+  node_.setCallbackQueue(&queue_);
+  heard_ = node_.subscribe<rosgraph_msgs::Clock, const Event&>(
+      "/clock", kTicksKept,
+      boost::function<void(const Event&)>([this](const Event& event) { hear(event); }));
   thread_ = std::thread([this] { run(); });
 }
 
@@ -25,6 +36,27 @@ ClockPublisher::~ClockPublisher() {
   }
   wake_.notify_all();
   thread_.join();
+}
+
+std::vector<std::string> ClockPublisher::rivals() {
+  queue_.callAvailable();
+  std::vector<std::string> names;
+  for (const auto& [name, at] : rivals_)
+    if ((ros::WallTime::now() - at).toSec() < kClockRivalry) names.push_back(name);
+  return names;
+}
+
+void ClockPublisher::hear(const Event& event) {
+  const std::string name = event.getPublisherName();
+  if (name == ros::this_node::getName()) return;
+  const ros::WallTime now = ros::WallTime::now();
+  ros::WallTime& at = rivals_[name];
+  if (at.isZero() || (now - at).toSec() > kClockRivalry)
+    ROS_WARN(
+        "%s publishes /clock, which this node publishes, too: time jumps between both; end one of "
+        "them, or start it without ~publish_clock",
+        name.c_str());
+  at = now;
 }
 
 void ClockPublisher::run() {

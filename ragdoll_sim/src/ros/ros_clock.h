@@ -2,12 +2,18 @@
 // it then publishes on /clock.
 #pragma once
 
+#include <ros/callback_queue.h>
+#include <ros/message_event.h>
 #include <ros/node_handle.h>
 #include <ros/time.h>
+#include <rosgraph_msgs/Clock.h>
 
+#include <map>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "ragdoll_sim/world/simulation.h"
 
@@ -29,7 +35,8 @@ class RosClock {
   double begin_;  ///< [s]
 };
 
-/// /clock, at most kRate times a second and never the same time twice.
+/// /clock, at most kRate times a second and never the same time twice. Hears who else publishes it:
+/// time would jump between both.
 class ClockPublisher {
  public:
   static constexpr double kRate = 100;  ///< [Hz]
@@ -37,12 +44,24 @@ class ClockPublisher {
   ClockPublisher(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock);
   ~ClockPublisher();
 
+  /// Others that have ticked of late; the log tells each when it begins. Of one thread.
+  std::vector<std::string> rivals();
+  /// Whether no other is there, ticking or not.
+  bool isAlone() const { return heard_.getNumPublishers() <= 1; }
+
  private:
+  using Event = ros::MessageEvent<rosgraph_msgs::Clock const>;
+
   void run();
+  void hear(const Event& event);
 
   Simulation& simulation_;
   const RosClock& clock_;
+  ros::CallbackQueue queue_;  ///< what was heard, until rivals() looks
+  ros::NodeHandle node_;
   ros::Publisher publisher_;
+  ros::Subscriber heard_;
+  std::map<std::string, ros::WallTime> rivals_;  ///< when each was heard last
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stopping_ = false;

@@ -22,10 +22,11 @@ import rospy
 import rostest
 from bags import Recorder
 from client import LIMIT, Client, Inbox, bits, wait_for
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from ragdoll_msgs.msg import State
 from ragdoll_msgs.srv import GetState, LoadScene, Step
 from raw import Service, Subscriber
+from rosgraph_msgs.msg import Log
 from sensor_msgs.msg import JointState
 from std_srvs.srv import SetBool, Trigger
 from visualization_msgs.msg import MarkerArray
@@ -182,6 +183,37 @@ class FaultsTest(unittest.TestCase):
         master.deleteParam('/test', '/use_sim_time')
         node.end()
         self.assertFalse(master.hasParam('/test', '/use_sim_time')[2])
+
+    def test_two_clocks_are_told_and_the_last_one_takes_use_sim_time_away(self):
+        self.assertFalse(rospy.has_param('/use_sim_time'))
+        self.addCleanup(lambda: rospy.has_param('/use_sim_time') and rospy.delete_param('/use_sim_time'))
+        log = Inbox('/rosout', Log)
+        first, second = (self.start(name, scene='fall', publish_clock='true', tf_bodies='none')
+                         for name in ('tick', 'tock'))
+        reports = Inbox('/diagnostics', DiagnosticArray)
+        for node, other in ((first, second), (second, first)):
+            told = reports.first(lambda m: node.name[1:] + ':' in m.status[0].name and
+                                 '/clock is published by ' + other.name in m.status[0].message,
+                                 'a warning of ' + other.name)
+            self.assertEqual(told.status[0].level, DiagnosticStatus.WARN)
+            log.first(lambda m: m.name == node.name and m.msg.startswith(other.name + ' publishes /clock'),
+                      'a line of ' + other.name)
+        self.assertEqual(first.end()[0], 0)
+        self.assertIs(rospy.get_param('/use_sim_time'), True)  # of the second, which goes on
+        seen = len(reports.all())
+        wait_for(lambda: any(second.name[1:] + ':' in m.status[0].name and
+                             first.name not in m.status[0].message for m in reports.all()[seen:]),
+                 'the end of the warning')
+        self.assertEqual(second.end()[0], 0)
+        self.assertFalse(rospy.has_param('/use_sim_time'))
+        # One that fails at its start does not end the clock of another.
+        first = self.start('tick', scene='fall', publish_clock='true', tf_bodies='none')
+        first.service('reset', Trigger)
+        failed = self.start('failed', scene='nowhere', publish_clock='true')
+        self.assertEqual(failed.process.wait(LIMIT), 1)
+        self.assertIs(rospy.get_param('/use_sim_time'), True)
+        self.assertEqual(first.end()[0], 0)
+        self.assertFalse(rospy.has_param('/use_sim_time'))
 
     def test_a_listener_that_stops_reading_many_bodies_takes_little_memory(self):
         """With ~publish_every, too, whose queue is of 10000 messages of few bodies; and markers, of which a
