@@ -1,6 +1,7 @@
 #include "handles.h"
 
 #include <ros/console.h>
+#include <visualization_msgs/InteractiveMarkerInit.h>
 #include <visualization_msgs/InteractiveMarkerUpdate.h>
 
 #include <algorithm>
@@ -90,8 +91,10 @@ geometry_msgs::Pose poseAt(const Vec3& position) { return toPose({position, Quat
 
 Handles::Handles(ros::NodeHandle& nh, Simulation& simulation, const FrameLookup& frames)
     : simulation_(simulation), frames_(frames), server_(nh.resolveName("handles")) {
-  listeners_ =
+  changes_ =
       Topic::advertise<visualization_msgs::InteractiveMarkerUpdate>(nh, "handles/update", 100);
+  all_ =
+      Topic::advertise<visualization_msgs::InteractiveMarkerInit>(nh, "handles/update_full", 100);
 }
 
 void Handles::feedback(const Feedback& message) {
@@ -157,7 +160,7 @@ void Handles::update() {
     std::lock_guard<std::mutex> lock(mutex_);
     endSilentGrips();
   }
-  if (listeners_.isHeard()) follow();
+  if (changes_.isHeard() || all_.isHeard()) follow();
 }
 
 /// REQUIRES: mutex_ is held, so that no feedback comes in between.

@@ -41,6 +41,9 @@ class Handles {
   /// Tells listeners where the handles are, and lets go what nobody holds any more. Of one thread.
   /// Throws Error when the simulation has ended.
   void update();
+  /// Tells where the handles are, and which there are, if nobody listens, too: who listens later to
+  /// ~handles/update_full alone hears the last. As update().
+  void follow();
 
  private:
   using Feedback = visualization_msgs::InteractiveMarkerFeedback;
@@ -49,12 +52,11 @@ class Handles {
   bool isPulled(const std::string& name);
   void hold(const Feedback& message);
   void endSilentGrips();
-  void follow();
   void rebuild(const Model& model, const Points& x);
 
   Simulation& simulation_;
   const FrameLookup& frames_;
-  Topic listeners_;  ///< the server's, to know whether anyone listens
+  Topic changes_, all_;  ///< the server's, to know whether anyone listens
   interactive_markers::InteractiveMarkerServer server_;
   std::shared_ptr<const Scene> scene_;
   std::vector<Handle> handles_;

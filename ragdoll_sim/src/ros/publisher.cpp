@@ -143,7 +143,10 @@ void Publisher::publishDue(bool demanded, bool idle) {
 void Publisher::tick(Why why) {
   const ros::Time now = clock_.at(world_.progress);
   const Posture& shown = posture();
-  if (world_.scene != fitted_scene_) fitQueues(shown);
+  if (world_.scene != fitted_scene_) {
+    fitQueues(shown);
+    handles_.follow();
+  }
   if (world_.scene != told_scene_ || (world_.mark.run != told_run_ && world_.beginning))
     publishModel(now);
   publishEvents(now);

@@ -9,7 +9,7 @@ import unittest
 import rospy
 import rostest
 import tf2_ros
-from client import Client, Inbox, bits, momentum, position, wait_for
+from client import Client, Inbox, bits, momentum, position, start_node, wait_for
 from geometry_msgs.msg import Point, TransformStamped, Vector3
 from ragdoll_msgs.msg import PokeEvent
 from visualization_msgs.msg import InteractiveMarkerFeedback as Feedback
@@ -83,7 +83,7 @@ class HandlesTest(unittest.TestCase):
         cls.client = Client()
         publisher = rospy.Publisher('/ragdoll/handles/feedback', Feedback, queue_size=100)
         wait_for(lambda: publisher.get_num_connections() > 0, 'the node')
-        # There are handles only while someone listens.
+        # They follow the bodies only while someone listens.
         cls.init = Inbox('/ragdoll/handles/update_full', InteractiveMarkerInit)
         cls.updates = Inbox('/ragdoll/handles/update', InteractiveMarkerUpdate)
         cls.mouse = Mouse(publisher)
@@ -281,6 +281,26 @@ class HandlesTest(unittest.TestCase):
         wait_for(lambda: 'crowd_19/head' in self.handles(), "the crowd's handles")
         self.assertEqual({h.split('/')[1] for h in self.handles()},
                          {'head', 'left_hand', 'right_hand', 'left_foot', 'right_foot'})
+
+    def test_who_listens_to_all_handles_alone_and_late_has_them(self):
+        client = start_node(self, 'full', scene='fall', start_paused='true', tf_bodies='none')
+
+        def listen():
+            full = Inbox('/full/handles/update_full', InteractiveMarkerInit)
+            self.addCleanup(full.subscriber.unregister)
+            full.first(lambda m: True, 'handles')
+            return full
+        full = listen()
+        self.assertIn('ragdoll/head', {m.name for m in full.all()[0].markers})
+        expected = position(client.model, client.step(30), 'head')
+
+        def is_there(message):
+            at = next(m.pose.position for m in message.markers if m.name == 'ragdoll/head')
+            return max(abs(a - b) for a, b in zip((at.x, at.y, at.z), expected)) < 1e-12
+        full.first(is_there, "the head's handle")
+        full.subscriber.unregister()
+        client.load(path='two')
+        self.assertIn('anna/head', {m.name for m in listen().all()[0].markers})
 
 
 if __name__ == '__main__':
