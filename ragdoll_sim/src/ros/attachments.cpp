@@ -2,6 +2,9 @@
 
 #include <ros/console.h>
 
+#include <algorithm>
+#include <chrono>
+
 #include "answer.h"
 #include "ragdoll_sim/core/error.h"
 
@@ -12,8 +15,8 @@ using Clock = Simulation::Clock;
 using std::chrono::milliseconds;
 
 constexpr milliseconds kLookPeriod{10};  ///< between two looks
-constexpr milliseconds kSilence{1000};   ///< a frame without news for so long is reported
-constexpr milliseconds kFirst{3000};     ///< one that was never heard: whoever sends it may start
+constexpr double kSilence = 1;           ///< [s] a frame without news for so long is reported
+constexpr double kFirst = 3;  ///< [s] one that was never heard: whoever sends it may start
 
 /// What holding or letting go took, if it is worth telling; it goes to the log, too.
 std::string energyText(const World& world) {
@@ -24,8 +27,9 @@ std::string energyText(const World& world) {
 
 }  // namespace
 
-Attachments::Attachments(ros::NodeHandle& nh, Simulation& simulation, const FrameLookup& frames)
-    : simulation_(simulation), frames_(frames) {
+Attachments::Attachments(ros::NodeHandle& nh, Simulation& simulation, const RosClock& clock,
+                         const FrameLookup& frames)
+    : simulation_(simulation), clock_(clock), frames_(frames) {
   servers_.push_back(nh.advertiseService("attach", &Attachments::attach, this));
   servers_.push_back(nh.advertiseService("detach", &Attachments::detach, this));
   thread_ = std::thread([this] { run(); });
@@ -101,7 +105,20 @@ void Attachments::run() {
   }
 }
 
+/// By the steady clock or by the one that stamps frames, whichever is slower: where that stands, as
+/// in a paused Gazebo, nobody sends any.
+void Attachments::letTimePass() {
+  const double tick = clock_.now(simulation_).toSec();
+  if (tick == tick_) return;
+  const Clock::time_point now = Clock::now();
+  const double steady = std::chrono::duration<double>(now - ticked_).count();
+  passed_ += std::max(0.0, std::min(steady, tick - tick_));
+  ticked_ = now;
+  tick_ = tick;
+}
+
 void Attachments::look() {
+  letTimePass();
   const std::vector<std::string> wanted =
       simulation_.look([](World& world) { return world.followedFrames(); });
   struct News {
@@ -115,11 +132,11 @@ void Attachments::look() {
     std::map<std::string, Heard> heard;
     for (const std::string& frame : wanted) {
       Heard& h = heard[frame] = heard_[frame];
-      if (h.at == Clock::time_point()) h.at = Clock::now();
+      if (!h.at) h.at = passed_;
       const std::optional<StampedPose> found = frames_.find(frame);
       if (found) {
         if (found->stamp != h.stamp || found->stamp.isZero() || !h.ever) {
-          h.at = Clock::now();
+          h.at = passed_;
           news.push_back({frame, found->pose, h.missing});
         }
         h.stamp = found->stamp;
@@ -136,7 +153,7 @@ void Attachments::look() {
 }
 
 void Attachments::judge(const std::string& frame, Heard& heard) {
-  const bool missing = Clock::now() - heard.at > (heard.ever ? kSilence : kFirst);
+  const bool missing = passed_ - *heard.at > (heard.ever ? kSilence : kFirst);
   if (missing && !heard.missing)
     ROS_WARN("frame '%s': %s", frame.c_str(),
              heard.ever

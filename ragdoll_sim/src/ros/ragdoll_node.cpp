@@ -169,7 +169,7 @@ int main(int argc, char** argv) {
     simulation.call(
         [&](ragdoll::World& world) { world.setMaxFrameSpeed(parameters.max_frame_speed); });
     ragdoll::FrameLookup frames(parameters.world_frame);
-    ragdoll::Attachments attachments(nh, simulation, frames);
+    ragdoll::Attachments attachments(nh, simulation, clock, frames);
     ragdoll::Handles handles(nh, simulation, frames);
     std::unique_ptr<ragdoll::ClockPublisher> ticks;
     if (clock.own()) ticks = std::make_unique<ragdoll::ClockPublisher>(nh, simulation, clock);

@@ -7,8 +7,12 @@ import unittest
 
 import rospy
 import rostest
-from client import Client, Inbox, wait_for
+import tf2_ros
+from client import Client, Inbox, start_node, wait_for
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TransformStamped
 from page import column, of_node
+from ragdoll_msgs.msg import FollowedFrame
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu
 from tf2_msgs.msg import TFMessage
@@ -18,6 +22,13 @@ ragdolls: [{name: ben, model: {sticks: [[a, b]], segments: {rod: {from: a, to: b
   particles: {a: {position: [0, 0, 1], mass: 1}, b: {position: [1, 0, 1], mass: 1}}}}]
 sensors: [{name: box, type: imu, segment: rod, rate: 500}]
 solver: {step: 0.001}
+'''
+PUSHED = '''
+gravity: [0, 0, 0]
+ragdolls:
+  - {name: ball, model: {particles: {p: {position: [0, 0, 0], mass: 5, radius: 0.1}}}, position: [0, 0, 1]}
+obstacles:
+  - {type: box, frame: pusher, position: [0, 0, 0], size: [0.2, 1, 1]}
 '''
 
 
@@ -117,6 +128,32 @@ class ClockTest(unittest.TestCase):
         for _ in range(20):
             self.client.call_step(0)
         self.assertLessEqual(max(self.times()), time_of_stop)
+
+    def test_a_frame_is_not_silent_while_the_clock_stands(self):
+        """As in a paused Gazebo: neither ticks nor transforms."""
+        follower = start_node(self, 'follower', tf_bodies='none')
+        follower.load(yaml=PUSHED)
+        reports = Inbox('/diagnostics', DiagnosticArray)
+        followed = Inbox('/follower/followed', FollowedFrame)
+        broadcaster = tf2_ros.TransformBroadcaster()
+
+        def told():
+            return [s for m in reports.all() for s in m.status if s.name.startswith('follower:')]
+
+        def heard():
+            t = TransformStamped()
+            t.header.stamp = rospy.Time.now()
+            t.header.frame_id, t.child_frame_id = 'world', 'pusher'
+            t.transform.translation.x, t.transform.rotation.w = -2, 1
+            broadcaster.sendTransform(t)
+            return followed.all()
+        wait_for(heard, 'the frame to be followed')
+        self.client.call_pause(True)
+        seen = len(told())
+        wait_for(lambda: len(told()) >= seen + 4, 'reports of four seconds')
+        self.assertEqual([s.message for s in told() if 'pusher' in s.message], [])
+        self.client.call_pause(False)
+        wait_for(lambda: any('no news from TF of pusher' in s.message for s in told()), 'silence')
 
     def test_runs_free(self):
         free = Client('/free')
