@@ -1,9 +1,12 @@
 // ragdoll_lab run: steps a scene as fast as it can and writes what happened.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arguments.h"
@@ -151,9 +154,23 @@ class ContactWriter {
   RegionLoads loads_;
 };
 
+/// Throws Error for a file that would be written twice: one text would be lost.
+void checkFiles(const RunOptions& options) {
+  std::map<std::filesystem::path, std::string> taken;
+  for (const auto& [option, file] :
+       {std::pair("--csv", options.csv), std::pair("--contacts", options.contacts),
+        std::pair("--imu", options.imu)}) {
+    if (file.empty()) continue;
+    const auto [other, is_new] = taken.emplace(std::filesystem::weakly_canonical(file), option);
+    if (!is_new)
+      throw Error(option, "is " + file + ", as " + other->second + " is; it must be another file");
+  }
+}
+
 int runScene(const RunOptions& options) {
   checked("--seconds", options.seconds, true);
   checked("--rate", options.rate, false);
+  checkFiles(options);
   Scene scene = loadScene(options.scene, options.settings);
   const Model model = buildModel(scene);
   for (const std::string& warning : model.warnings) std::cerr << "ragdoll_lab: " << warning << "\n";

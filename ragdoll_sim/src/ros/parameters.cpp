@@ -133,9 +133,11 @@ std::string resolvePackage(const std::string& path) {
   const std::size_t slash = path.find('/', scheme.size());
   const std::string package = path.substr(scheme.size(), slash - scheme.size());
   const std::string folder = package.empty() ? "" : ros::package::getPath(package);
-  if (slash == std::string::npos || folder.empty())
-    throw Error(path, "no package '" + package +
-                          "' on the ROS_PACKAGE_PATH; it must be package://PACKAGE/FILE");
+  const std::string right = "; it must be package://PACKAGE/FILE";
+  if (folder.empty())
+    throw Error(path, "no package '" + package + "' on the ROS_PACKAGE_PATH" + right);
+  if (slash == std::string::npos || slash + 1 == path.size())
+    throw Error(path, "names no file" + right);
   return folder + path.substr(slash);
 }
 

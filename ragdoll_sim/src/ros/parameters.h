@@ -30,7 +30,8 @@ struct Parameters {
 /// that mean nothing to this node. Those that are settings, too, are as `given`.
 Parameters readParameters(const ros::NodeHandle& nh, const GivenSettings& given);
 
-/// "package://PACKAGE/FILE" as a path; anything else as it is. Throws Error for an unknown package.
+/// "package://PACKAGE/FILE" as a path; anything else as it is. Throws Error for an unknown
+/// package, or without a file.
 std::string resolvePackage(const std::string& path);
 
 }  // namespace ragdoll

@@ -235,6 +235,9 @@ TEST_F(LabRun, BadInputEndsWithStatusTwoAndOneLine) {
       {"run fall --rate 1e300 --seconds 0", "--rate"},
       {"run fall --seconds 1e300", "1e12 steps"},
       {"run fall --csv /nowhere/run.csv", "/nowhere/run.csv"},
+      {"run fall --csv /tmp/a.csv --imu /tmp/a.csv",
+       "--imu: is /tmp/a.csv, as --csv is; it must be another file"},
+      {"run fall --contacts /tmp/a.csv --csv /tmp/../tmp/a.csv", "as --csv is"},
       {"run fall --fast", "--fast"},
   };
   for (const auto& [arguments, expected] : cases) {

@@ -54,7 +54,10 @@ CASES = [
     ('scene', 'nowhere', ['nowhere', 'stairs']),
     ('scene', '/nowhere/at_all.yaml', ['/nowhere/at_all.yaml']),
     ('scene', '{ragdolls: [{model: nobody}]}', ['nobody', 'human']),
-    ('scene', 'package://no_such_package/x.yaml', ['no_such_package']),
+    ('scene', 'package://no_such_package/x.yaml', ["no package 'no_such_package'"]),
+    ('scene', 'package://no_such_package', ["no package 'no_such_package'"]),
+    ('scene', 'package://ragdoll_sim', ['package://ragdoll_sim: names no file', 'PACKAGE/FILE']),
+    ('scene', 'package://ragdoll_sim/', ['package://ragdoll_sim/: names no file', 'PACKAGE/FILE']),
 ]
 
 
