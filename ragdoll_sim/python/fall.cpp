@@ -14,10 +14,22 @@ namespace {
 
 using Samples = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
+/// Any whole number of python's or numpy's. Throws Error where falls::drawFall would.
+std::uint64_t seedFrom(const py::object& seed) {
+  if (PyIndex_Check(seed.ptr()) == 0) throw py::type_error("seed must be a whole number");
+  const auto whole = py::reinterpret_steal<py::object>(PyNumber_Index(seed.ptr()));
+  if (!whole) throw py::error_already_set();
+  const unsigned long long value = PyLong_AsUnsignedLongLong(whole.ptr());
+  if (PyErr_Occurred() == nullptr) return value;
+  PyErr_Clear();
+  throw Error("seed", "is " + py::repr(whole).cast<std::string>() + "; 0 ... " +
+                          std::to_string(falls::kLastSeed) + " is expected");
+}
+
 class PyFall {
  public:
-  PyFall(std::uint64_t seed, const std::string& model, double step)
-      : fall_(falls::drawFall(seed)) {
+  PyFall(const py::object& seed, const std::string& model, double step)
+      : fall_(falls::drawFall(seedFrom(seed))) {
     const auto body = loadModel(findModel(model, ".", "model"));
     made_ = falls::fallScene(fall_, falls::scaledModel(*body, fall_.scale), step);
     made_.scene.text = toYaml(made_.scene);
@@ -103,7 +115,7 @@ void addFall(py::module& module) {
       module, "Fall",
       "A fall of the data sets (docs/data.md), drawn from its seed alone: the falls of `ragdoll_lab "
       "falls`. Time 0 is its onset. model: a model's name or file; step [s] of the scene.")
-      .def(py::init<std::uint64_t, std::string, double>(), py::arg("seed"),
+      .def(py::init<py::object, std::string, double>(), py::arg("seed"),
            py::arg("model") = "human", py::arg("step") = 1.0 / 200)
       .def_property_readonly("labels", &PyFall::labels, "What is known before it, by name.")
       .def_property_readonly("scene", &PyFall::scene, "YAML text of its scene.")

@@ -145,6 +145,9 @@ class WorldTest(unittest.TestCase):
                (lambda: world.poke('head', (1, 0, 0), duration=-3), 'duration'),
                (lambda: world.step(-1), 'steps: is -1'),
                (lambda: world.frame('tail'), 'tail'),
+               (lambda: ragdoll.Fall(-1), r'seed: is -1; 0 \.\.\. 99999999 is'),
+               (lambda: ragdoll.Fall(2 ** 64), 'seed: is 18446744073709551616'),
+               (lambda: ragdoll.pose_class({}), "pose_class: there is no '"),
                (lambda: ragdoll.Crowd([]), 'there is none'),
                (lambda: ragdoll.Crowd('fall'), 'list'),
                (lambda: ragdoll.Crowd(['fall'], threads=-1), 'threads: is -1')]
@@ -152,7 +155,11 @@ class WorldTest(unittest.TestCase):
         for call, words in bad:
             with self.assertRaisesRegex(ragdoll.Error, words):
                 call()
+        for call in (lambda: world.step(1.5), lambda: world.restore('text'), lambda: ragdoll.Fall(1e3),
+                     lambda: ragdoll.pose_class(world.positions)):
+            self.assertRaises(TypeError, call)
         self.assertEqual(world.hash, start)
+        self.assertEqual(ragdoll.Fall(np.int64(7)).labels, ragdoll.Fall(7).labels)
 
     def test_the_gil_is_free_during_steps(self):
         world = ragdoll.World('stairs')
