@@ -218,7 +218,7 @@ TEST_F(Panel, choosesAPresetAndShowsItsError) {
     preset->setCurrentText(name);
     Q_EMIT preset->activated(preset->currentIndex());
     EXPECT_TRUE(says("solver", name));
-    EXPECT_TRUE(says("error", name == std::string("thesis") ? "20 mm" : "2 mm"));
+    EXPECT_TRUE(says("error", name == std::string("thesis") ? "20 mm" : "0.7 mm"));
   }
 }
 

@@ -48,11 +48,12 @@ void ImuPublisher::follow(const Snapshot& world) {
     topics_.push_back(nh_.advertise<sensor_msgs::Imu>(topic, kSampleQueue));
 }
 
-/// Between the last moment told and now, which is that of the state: however fast time passes, stamps
-/// rise.
+/// Between the last moment told and now, which is that of the state: however fast time passes,
+/// stamps rise.
 ros::Time ImuPublisher::stampOf(const Snapshot& world, double time, const ros::Time& now) const {
   const double age = std::max(0.0, world.state.time - time);
-  if (last_.stamp.isZero() || now < last_.stamp) return now - ros::Duration(std::min(age, now.toSec()));
+  if (last_.stamp.isZero() || now < last_.stamp)
+    return now - ros::Duration(std::min(age, now.toSec()));
   const double passed = world.progress.simulated - last_.simulated;
   const double share = passed > 0 ? std::min(1.0, age / passed) : 0;
   return now - ros::Duration(share * (now - last_.stamp).toSec());

@@ -19,10 +19,10 @@ struct Preset {
 constexpr Preset kPresets[] = {
     {"thesis", Method::kJakobsen, Integrator::kVerlet, 1.0 / 60, 10, "20 mm"},
     {"fast", Method::kFast, Integrator::kVerlet, 1.0 / 60, 10, "5 mm"},
-    {"draft", Method::kShake, Integrator::kVerlet, 1.0 / 60, 10, "4 mm"},
-    {"balanced", Method::kShake, Integrator::kVerlet, 1.0 / 120, 10, "2 mm"},
-    {"precise", Method::kShake, Integrator::kVerlet, 1.0 / 500, 10, "0.6 mm"},
-    {"reference", Method::kRk, Integrator::kVerlet, 1.0 / 1000, 10, "0.3 mm"},
+    {"draft", Method::kShake, Integrator::kVerlet, 1.0 / 60, 10, "2 mm"},
+    {"balanced", Method::kShake, Integrator::kVerlet, 1.0 / 120, 10, "0.7 mm"},
+    {"precise", Method::kShake, Integrator::kVerlet, 1.0 / 500, 10, "0.07 mm"},
+    {"reference", Method::kRk, Integrator::kVerlet, 1.0 / 1000, 10, "0.007 mm"},
 };
 
 }  // namespace
