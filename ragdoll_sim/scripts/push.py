@@ -3,7 +3,8 @@
 
 Broadcasts the TF frames `gripper` (the scene's paddle follows it) and `gripper/fingers`, which hang
 under it. Stands for a robot: to the ragdoll it makes no difference who publishes the frames.
-Parameters: ~node (/ragdoll), ~hand (right_hand), ~speed (0.5 m/s), ~rounds (0: without end).
+Parameters: ~node (ragdoll), ~hand (right_hand, or ben/right_hand of one of several ragdolls),
+~speed (0.5 m/s), ~rounds (0: without end).
 """
 
 import os

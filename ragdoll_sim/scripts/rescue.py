@@ -2,9 +2,10 @@
 """A gripper that takes the limp body's hand, drags the body over the floor and up a ramp, and lets go.
 
 Broadcasts the TF frame `gripper`, and draws it on ~gripper for rviz, with an arrow that ends at it: the
-force on it, 2 mm/N. The force itself is on ~wrenches/attach_<hand> of the node: plot it with
-    rqt_plot /ragdoll/wrenches/attach_right_hand/wrench/force/x
-Parameters: ~node (/ragdoll), ~hand (right_hand), ~speed (0.4 m/s), ~rounds (0: without end).
+force on it, 2 mm/N. The force itself is on ~wrenches/attach_<hand> of the node;
+plot:=true of rescue.launch plots it.
+Parameters: ~node (ragdoll), ~hand (right_hand, or ben/right_hand of one of several ragdolls),
+~speed (0.4 m/s), ~rounds (0: without end).
 """
 
 import os
@@ -32,7 +33,7 @@ class Rescuer(Gripper):
         super().__init__(START, speed=0.4)
         self.largest, self.force, self.told = 0.0, (0.0, 0.0, 0.0), 0
         self.pictures = rospy.Publisher('~gripper', MarkerArray, queue_size=1)
-        rospy.Subscriber(self.node + '/wrenches/attach_' + self.hand, WrenchStamped, self.feel)
+        rospy.Subscriber(self.node + '/wrenches/' + self.holder, WrenchStamped, self.feel)
 
     def feel(self, message):
         f = message.wrench.force
