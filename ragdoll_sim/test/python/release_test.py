@@ -88,7 +88,7 @@ class Commands(unittest.TestCase):
                 ['roslaunch', '--args', '/record', 'launch/ragdoll.launch', 'rviz:=false', 'bag:=' + bag],
                 cwd=ROOT, env=dict(os.environ, PWD=str(ROOT)), stdout=subprocess.PIPE,
                 universal_newlines=True).stdout
-            self.assertIn(' -O %s /tf /ragdoll/state' % path, command)
+            self.assertIn(' -O %s /tf ragdoll/state' % path, command)
 
 
 if __name__ == '__main__':
