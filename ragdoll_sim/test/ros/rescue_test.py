@@ -1,9 +1,13 @@
 #!/usr/bin/python3
 """rescue.launch: the gripper drags the body by its hand over the floor and up the ramp, and feels it."""
 
+import os
 import sys
 import unittest
 
+import roslaunch.config
+import roslaunch.xmlloader
+import roslib.packages
 import rospy
 import rostest
 from client import Client, Inbox, wait_for
@@ -38,6 +42,19 @@ class RescueTest(unittest.TestCase):
         wait_for(is_drawn, 'an arrow of the force')
         wait_for(lambda: middle('x') > 2, 'a body on its way')
         wait_for(lambda: middle('z') > 0.35, 'a body on the ramp')
+
+    def plots(self, *arguments):
+        """What rescue.launch has rqt_plot plot."""
+        path = os.path.join(roslib.packages.get_pkg_dir('ragdoll'), 'launch', 'rescue.launch')
+        config = roslaunch.config.ROSLaunchConfig()
+        roslaunch.xmlloader.XmlLoader().load(path, config, argv=list(arguments), verbose=False)
+        return [field for node in config.nodes if node.type == 'rqt_plot' for field in node.args.split()]
+
+    def test_the_force_is_plotted(self):
+        topic = '/ragdoll/wrenches/attach_right_hand'
+        self.assertEqual(self.plots(), [])
+        self.assertEqual(self.plots('plot:=true'), [topic + '/wrench/force/' + axis for axis in 'xyz'])
+        Inbox(topic, WrenchStamped).first(lambda m: m.wrench.force.x != 0, 'the force that is plotted')
 
 
 if __name__ == '__main__':
