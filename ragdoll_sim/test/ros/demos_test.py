@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""crowd.launch, fall_dataset.launch and playback.launch, started as a user does, without rviz."""
+"""The launch files and the grippers push.py and rescue.py, started as a user does, without rviz."""
 
 import csv
 import os
@@ -16,10 +16,11 @@ import roslib.packages
 import rosnode
 import rospy
 import rostest
+import yaml
 from bags import contents
-from client import LIMIT, Client, Inbox, wait_for
+from client import LIMIT, Client, Inbox, position, start_node, wait_for
 from tf2_msgs.msg import TFMessage
-from visualization_msgs.msg import MarkerArray
+from visualization_msgs.msg import Marker, MarkerArray
 
 LONG = 100  # [s] for what computes as fast as it can
 
@@ -32,16 +33,27 @@ def middle(ragdoll):
     return [sum(c) / len(ragdoll.positions) for c in zip(*points(ragdoll))]
 
 
+def with_another(scene):
+    """The scene's text, where the body is the second one, ben."""
+    path = os.path.join(roslib.packages.get_pkg_dir('ragdoll_sim'), 'scenes', scene + '.yaml')
+    with open(path) as file:
+        known = yaml.safe_load(file)
+    ben = dict(known['ragdolls'][0], name='ben')
+    known['ragdolls'] = [dict(ben, name='anna', position=[0, 4, 0.13]), ben]
+    return yaml.safe_dump(known)
+
+
 class DemosTest(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, self.folder)
 
     def start(self, *arguments):
-        """roslaunch in a terminal that stands in self.folder."""
+        """roslaunch in a terminal that stands in self.folder, of a launch file by name or by path."""
+        package = [] if os.path.isabs(arguments[0]) else ['ragdoll']
         log = open(os.path.join(self.folder, 'log'), 'w')
         self.addCleanup(log.close)
-        launch = subprocess.Popen(['roslaunch', 'ragdoll'] + list(arguments), cwd=self.folder,
+        launch = subprocess.Popen(['roslaunch'] + package + list(arguments), cwd=self.folder,
                                   env=dict(os.environ, PWD=self.folder), stdin=subprocess.DEVNULL,
                                   stdout=log, stderr=subprocess.STDOUT)
         self.addCleanup(self.end, launch)
@@ -165,6 +177,84 @@ class DemosTest(unittest.TestCase):
                    'rate:=2').wait(LONG)  # it ends with the bag
         self.assertFalse(rospy.has_param('/use_sim_time'))  # whoever comes next has a clock
         self.assertNotIn('/ragdoll', rosnode.get_node_names())
+
+    def record(self, node, *arguments):
+        """Topics of the bag that this launch records of the node."""
+        path = os.path.join(self.folder, 'my dir', 'my run.bag')
+        os.mkdir(os.path.dirname(path))
+        launch = self.start(*arguments)
+        client = Client(node)
+
+        def listeners():
+            return dict(rospy.get_master().getSystemState()[2][1])[node + '/state']
+        wait_for(lambda: rospy.names.namespace(node) + 'record' in listeners(), 'the recorder')
+        seen = len(client.states.all())
+        wait_for(lambda: len(client.states.all()) > seen + 60, 'states to record')
+        self.end(launch)
+        with rosbag.Bag(path) as bag:
+            return {topic for topic, _, _ in bag.read_messages()}
+
+    def test_a_bag_may_have_spaces_in_its_path(self):
+        topics = self.record('/ragdoll', 'ragdoll.launch', 'rviz:=false', 'bag:=my dir/my run.bag')
+        self.assertEqual(topics, {'/tf', '/ragdoll/state', '/ragdoll/model'})
+
+    def test_a_bag_of_a_node_in_a_namespace(self):
+        """Is recorded under its name, and plays by it."""
+        path = os.path.join(self.folder, 'sim.launch')
+        with open(path, 'w') as file:
+            file.write('''<launch><group ns="sim"><include file="$(find ragdoll)/launch/ragdoll.launch">
+                <arg name="rviz" value="false"/><arg name="bag" value="my dir/my run.bag"/>
+                </include></group></launch>''')
+        topics = self.record('/sim/ragdoll', path)
+        self.assertEqual(topics, {'/tf', '/sim/ragdoll/state', '/sim/ragdoll/model'})
+        for node in ('sim/ragdoll', '/sim/ragdoll'):
+            launch = self.start('playback.launch', 'bag:=my dir/my run.bag', 'rviz:=false', 'node:=' + node)
+            drawn = Inbox('/ragdoll/markers', MarkerArray)
+            drawn.first(lambda a: any(m.ns == 'sticks' for m in a.markers), 'the body')
+            self.assertEqual(drawn.all()[-1]._connection_header['callerid'], '/sim/ragdoll')
+            self.end(launch)
+            drawn.subscriber.unregister()
+
+    def gripper(self, script, name, **parameters):
+        """push.py or rescue.py."""
+        program = roslib.packages.find_node('ragdoll_sim', script)[0]
+        gripper = subprocess.Popen([program, '__name:=' + name] + ['_%s:=%s' % p for p in parameters.items()],
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
+        self.addCleanup(lambda: gripper.poll() is None and gripper.kill())
+        return gripper, lambda: gripper.communicate(timeout=LONG)[0]
+
+    def test_a_gripper_takes_the_hand_of_any_node(self):
+        """Of the second body, in other frames than the usual ones."""
+        for script, scene in (('push.py', 'push'), ('rescue.py', 'rescue')):
+            with self.subTest(script):
+                client = start_node(self, 'second_' + scene, scene=with_another(scene),
+                                    world_frame='map', frame_prefix=scene + '/')
+                gripper, said = self.gripper(script, scene, node=client.node, hand='ben/right_hand',
+                                             speed=2, rounds=1)
+                pictures = Inbox('/rescue/gripper', MarkerArray) if scene == 'rescue' else None
+                told = said()
+                self.assertEqual(gripper.returncode, 0, told)
+                self.assertIn('ben/right_hand is held at gripper', told)
+                heights = [[position(client.model, s, 'right_hand', ragdoll)[2] for s in client.states.all()]
+                           for ragdoll in (0, 1)]
+                self.assertLess(max(heights[0]), 0.5)
+                self.assertGreater(max(heights[1]), 0.8)  # it is held up
+                if pictures:  # its force is felt
+                    self.assertTrue([m for a in pictures.all() for m in a.markers
+                                     if m.type == Marker.ARROW and m.action == Marker.ADD])
+
+    def test_a_gripper_tells_which_parameter_is_wrong(self):
+        start_node(self, 'ragdoll', scene='weightless')
+        for script in ('push.py', 'rescue.py'):
+            for name, value in (('speed', '0'), ('speed', '-1'), ('speed', '.nan'), ('speed', 'fast'),
+                                ('rounds', '-1'), ('rounds', '1.5'), ('hand', 'tail'), ('hand', '5')):
+                with self.subTest(script=script, name=name, value=value):
+                    gripper, said = self.gripper(script, 'wrong', **{name: value})
+                    told = said()
+                    rospy.delete_param('/wrong')
+                    self.assertEqual(gripper.returncode, 1, told)
+                    self.assertRegex(told, '^.*parameter /wrong/%s: is %s; it must be .*\n$' %
+                                     (name, value.strip('.')))
 
 
 if __name__ == '__main__':
