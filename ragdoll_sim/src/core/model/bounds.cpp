@@ -56,8 +56,8 @@ void checkTolerance(const std::string& where, double tolerance) {
 
 void checkThreads(const std::string& where, int threads) {
   if (threads >= 0 && threads <= kMaxThreads) return;
-  throw Error(where, "threads is " + std::to_string(threads) +
-                         "; it must be in 0 (all cores) ... " + std::to_string(kMaxThreads));
+  throw Error(where, "is " + std::to_string(threads) + "; it must be in 0 (all cores) ... " +
+                         std::to_string(kMaxThreads));
 }
 
 void checkForce(const Model& model, const Poke& poke) {
