@@ -56,6 +56,17 @@ QHBoxLayout* row(std::initializer_list<QWidget*> widgets) {
   return layout;
 }
 
+/// One of several by name, in a row of its own.
+QComboBox* addChoice(QFormLayout* form, const char* name, const char* label, const char* tip,
+                     const QStringList& choices) {
+  auto* choice = new QComboBox;
+  choice->setObjectName(name);
+  choice->setToolTip(tip);
+  choice->addItems(choices);
+  form->addRow(label, choice);
+  return choice;
+}
+
 /// A length or a ratio with three digits.
 QString figure(double value) { return QString::number(value, 'g', 3); }
 
@@ -137,16 +148,14 @@ void RagdollPanel::makeControls(QFormLayout* form) {
   steps_->setRange(1, 100000);
   form->addRow(row({step_, steps_}));
 
-  scene_ = new QComboBox;
-  scene_->setObjectName("scene");
   const QString share = QString::fromStdString(ros::package::getPath("ragdoll_sim"));
   scenes_ = share + "/scenes";
+  scene_ =
+      addChoice(form, "scene", "Scene", "the scene that runs; choose another of ragdoll_sim's", {});
   if (!share.isEmpty())
     for (const QFileInfo& file : QDir(scenes_).entryInfoList({"*.yaml"}, QDir::Files, QDir::Name))
       scene_->addItem(file.completeBaseName());
   scene_->setCurrentIndex(-1);
-  scene_->setToolTip("the scene that runs; choose another of ragdoll_sim's");
-  form->addRow("Scene", scene_);
 
   factor_ = new QDoubleSpinBox;
   factor_->setObjectName("factor");
@@ -182,16 +191,9 @@ void RagdollPanel::makeControls(QFormLayout* form) {
 }
 
 void RagdollPanel::makeSolver(QFormLayout* form) {
-  preset_ = new QComboBox;
-  preset_->setObjectName("preset");
-  preset_->setToolTip("settings of the solver");
-  form->addRow("Solver", preset_);
-
-  method_ = new QComboBox;
-  method_->setObjectName("method");
-  method_->addItems({"jakobsen", "shake", "rk", "fast"});
-  method_->setToolTip("how a step is taken; a preset has its own");
-  form->addRow("Method", method_);
+  preset_ = addChoice(form, "preset", "Solver", "settings of the solver", {});
+  method_ = addChoice(form, "method", "Method", "how a step is taken; a preset has its own",
+                      {"jakobsen", "shake", "rk", "fast"});
 
   tolerance_ = new QDoubleSpinBox;
   tolerance_->setObjectName("tolerance");
@@ -213,11 +215,8 @@ void RagdollPanel::makeSolver(QFormLayout* form) {
   threads_->setToolTip("of one step of the whole scene; the same motion for any number");
   form->addRow("Threads", threads_);
 
-  numbers_ = new QComboBox;
-  numbers_->setObjectName("numbers");
-  numbers_->addItems({"double", "float"});
-  numbers_->setToolTip("what the method fast computes with");
-  form->addRow("Numbers", numbers_);
+  numbers_ = addChoice(form, "numbers", "Numbers", "what the method fast computes with",
+                       {"double", "float"});
 }
 
 void RagdollPanel::makeFigures(QFormLayout* form) {

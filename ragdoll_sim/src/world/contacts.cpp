@@ -271,10 +271,10 @@ void Contacts::follow(const Model& model, const State& state) {
       return isBefore(open.report.contact, of);
     };
     auto open = std::lower_bound(open_.begin(), open_.end(), c, before);
-    const bool near = open != open_.end() && !isBefore(c, open->report.contact);
-    if (!near) open = open_.emplace(open);
+    const bool known = open != open_.end() && !isBefore(c, open->report.contact);
+    if (!known) open = open_.emplace(open);
     // What relaxation keeps no account of is there before it presses.
-    if (!near || !open->pressed) {
+    if (!known || !open->pressed) {
       open->first = state.step;
       open->report.contact = c;
       open->report.contact.impulse.setZero();

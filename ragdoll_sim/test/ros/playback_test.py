@@ -194,24 +194,30 @@ class PlaybackTest(unittest.TestCase):
             return len(lengths()) == 2
         wait_for(late_arrow, 'the arrow of what came after the state')
 
-    def test_frames_where_nobody_else_has_them(self):
-        """A body of another name, told by hand: what the node does not publish, the relay does."""
+    def tell_by_hand(self, node, name, more=''):
+        """The node's body at its start by another name, its scene with `more`, told to the relay of `node`. Returns the
+        state, and what tells it again and gives the frames of that name so far."""
         model = copy.deepcopy(Inbox('/ragdoll/model', Model).first(lambda m: True, 'a model'))
         state = self.client.restart()
         new_frames = Inbox('/tf', TFMessage).reader()
-        tell_model = rospy.Publisher('/played/model', Model, latch=True, queue_size=1)
-        tell_state = rospy.Publisher('/played/state', State, latch=True, queue_size=1)
-        model.scene_yaml = model.scene_yaml.replace('name: ragdoll', 'name: other')
-        state.ragdolls[0].name = 'other'
+        tell_model = rospy.Publisher(node + '/model', Model, latch=True, queue_size=1)
+        tell_state = rospy.Publisher(node + '/state', State, latch=True, queue_size=1)
+        model.scene_yaml = model.scene_yaml.replace('name: ragdoll', 'name: ' + name) + more
+        state.ragdolls[0].name = name
         tell_model.publish(model)
+        tree = {}
 
-        def told():
+        def frames():
             tell_state.publish(state)
             tree.update((t.child_frame_id, t) for m in new_frames() for t in m.transforms
-                        if t.child_frame_id.startswith('other/'))
+                        if t.child_frame_id.startswith(name + '/'))
             return tree
-        tree = {}
-        wait_for(told, 'the frames')
+        return state, frames
+
+    def test_frames_where_nobody_else_has_them(self):
+        """A body of another name, told by hand: what the node does not publish, the relay does."""
+        state, frames = self.tell_by_hand('/played', 'other')
+        tree = wait_for(frames, 'the frames')
         self.assertEqual(len(tree), 17)
         root = tree['other/pelvis'].transform.translation
         hips = [position(self.client.model, state, side + '_hip') for side in ('left', 'right')]
@@ -220,24 +226,12 @@ class PlaybackTest(unittest.TestCase):
 
     def test_sensors_have_their_frames(self):
         """As the node has them: on the torso, which turns with the neck's frame."""
-        model = copy.deepcopy(Inbox('/ragdoll/model', Model).first(lambda m: True, 'a model'))
-        state = self.client.restart()
-        new_frames = Inbox('/tf', TFMessage).reader()
-        tell_model = rospy.Publisher('/told/model', Model, latch=True, queue_size=1)
-        tell_state = rospy.Publisher('/told/state', State, latch=True, queue_size=1)
-        model.scene_yaml = (model.scene_yaml.replace('name: ragdoll', 'name: sensed') +
-                            'sensors: [{name: s, type: imu, segment: torso, position: [0.1, 0, 0.2]}]\n')
-        state.ragdolls[0].name = 'sensed'
-        tell_model.publish(model)
-        tree = {}
-
-        def told():
-            tell_state.publish(state)
-            tree.update((t.child_frame_id, t) for m in new_frames() for t in m.transforms)
-            return 'sensed/s' in tree
-        wait_for(told, "the sensor's frame")
+        _, frames = self.tell_by_hand(
+            '/told', 'sensed', 'sensors: [{name: s, type: imu, segment: torso, position: [0.1, 0, 0.2]}]\n')
+        wait_for(lambda: 'sensed/s' in frames(), "the sensor's frame")
+        tree = frames()
         self.assertIn(tree['sensed/s'].header.frame_id, tree)
-        self.assertEqual(len([f for f in tree if f.startswith('sensed/')]), 18)
+        self.assertEqual(len(tree), 18)
 
     def test_frames_have_the_prefix_of_the_node(self):
         """Its own frames and those that its markers are in."""
