@@ -50,6 +50,8 @@ constexpr char kPile[] =
     "obstacles: [{type: plane, friction: 0.8}]\n"
     "pokes: [{at: 0.2, body: low_1/pelvis, force: [0, 100, 300], duration: 0.1}]\n";
 const std::string kFolded = std::string(kApart) + "self_collision: true\n";
+/// Those, and one that is no tree.
+const std::string kLoop = std::string(kApart) + "pins: [b/left_hand, b/right_hand]\n";
 const std::string kDampedSolver = "solver: {damping: 3, joint_damping: 6}\n";
 
 class Threads : public testing::TestWithParam<Case> {};
@@ -59,7 +61,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{"ShakeOfPairs", "draft", kPile, 0.7, false, true},
                     Case{"Asleep", "draft", kPile + kDampedSolver, 5, true, true},
                     Case{"Fast", "fast", kApart, 1.5}, Case{"Thesis", "thesis", kPile, 0.7},
-                    Case{"FastThatHandsOn", "fast", kFolded, 1.5, false, false, true}),
+                    Case{"FastOfPairs", "fast", kPile, 1.5, false, true},
+                    Case{"FastThatTouchesItself", "fast", kFolded, 1.5},
+                    Case{"FastThatHandsOn", "fast", kLoop, 1.5, false, false, true}),
     [](const auto& info) { return info.param.name; });
 
 History runOn(int threads, const Case& c) {

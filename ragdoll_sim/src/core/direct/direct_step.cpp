@@ -18,16 +18,6 @@ bool hasTolerance(const StepContext& context) {
          (solver.method == Method::kShake || solver.method == Method::kRk);
 }
 
-/// What pressed on sleepers goes on doing so.
-void keepSleepersImpulses(const StepContext& context, std::vector<CachedImpulse>& impulses) {
-  for (const CachedImpulse& impulse : context.state.impulses) {
-    const Ragdoll& r = context.model.ragdolls[impulse.ragdoll];
-    if (context.state.asleep[impulse.ragdoll] &&
-        impulse.other[0] < r.first + context.model.skeletonOf(r).size())
-      impulses.push_back(impulse);
-  }
-}
-
 }  // namespace
 
 void makeRoom(const StepContext& context) {
@@ -123,6 +113,15 @@ void stepApart(const StepContext& context, const std::vector<int>& bodies, StepR
     append(ws.outcomes[k].pressing, pressing);
     if (context.log) append(ws.outcomes[k].log.impulses, context.log->impulses);
     report += ws.outcomes[k].report;
+  }
+}
+
+void keepSleepersImpulses(const StepContext& context, std::vector<CachedImpulse>& impulses) {
+  for (const CachedImpulse& impulse : context.state.impulses) {
+    const Ragdoll& r = context.model.ragdolls[impulse.ragdoll];
+    if (context.state.asleep[impulse.ragdoll] &&
+        impulse.other[0] < r.first + context.model.skeletonOf(r).size())
+      impulses.push_back(impulse);
   }
 }
 

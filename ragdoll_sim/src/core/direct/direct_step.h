@@ -28,6 +28,9 @@ void stepBodies(const StepContext& context, const std::vector<int>& bodies,
 /// the context.
 void stepApart(const StepContext& context, const std::vector<int>& bodies, StepReport& report);
 
+/// What pressed on sleepers goes on doing so: appends it.
+void keepSleepersImpulses(const StepContext& context, std::vector<CachedImpulse>& impulses);
+
 /// Positions <- where the body would go if it met nothing; velocities are left as they then are.
 void predictFreely(const StepContext& context, int ragdoll);
 

@@ -40,23 +40,32 @@ double gapLeft(const StepContext& step, const Contact& c, const Points& x) {
 }
 
 /// [m] What may overlap by less was pushed together by an island: it touches.
-double overlapOf(const StepContext& step) {
+double overlapOf(const StepContext& step, const Stepper* stepper) {
+  if (stepper) return stepper->overlap();
   return goesThroughEvents(step) ? kClosedGap : step.tolerances.touching;
 }
 /// [m] Bodies that go from event to event are one island when they come near, as what lies between
 /// their ends is looked at by none else.
 double nearOf(const StepContext& step) { return goesThroughEvents(step) ? kNearBody : kClose; }
 
+/// Positions <- where the body would go but for what holds it together.
+void fall(const StepContext& context, const SavedMotion& start, int i) {
+  const double h = context.h;
+  context.state.x.middleCols(context.model.ragdolls[i].first, sizeOf(context.model, i)) =
+      (start.x + h * start.v).colwise() + 0.5 * h * h * context.model.gravity;
+}
+
 }  // namespace
 
-void IslandBuilder::step(const StepContext& context, StepReport& report) {
+void IslandBuilder::step(const StepContext& context, StepReport& report, Stepper* stepper) {
+  stepper_ = stepper;
   begin(context);
   predict(context);
   double near = nearOf(context);
   do {  // each time islands are fewer and larger, or sleepers awake
     findContacts(context);
     unite(near);
-    near = -overlapOf(context);
+    near = -overlapOf(context, stepper_);
   } while (stepIslands(context) && !holdsAll(context.state));
   end(context, report);
 }
@@ -74,11 +83,13 @@ void IslandBuilder::begin(const StepContext& context) {
   parent_.resize(count);
   std::iota(parent_.begin(), parent_.end(), 0);
   outcomes_.resize(count);
+  for (std::vector<int>* list : {&parts_, &left_}) list->reserve(count);
   for (IslandOutcome& outcome : outcomes_) {
     outcome.clear();
     outcome.island.clear();
     outcome.near_sleepers.clear();
     outcome.sleepers.clear();
+    outcome.direct = false;
   }
   turns_ = 0;
 }
@@ -94,10 +105,22 @@ void IslandBuilder::reset(const StepContext& context, int i) {
 void IslandBuilder::predict(const StepContext& context) {
   markPressedPairs(context, pressed_pair_);
   parts_.clear();
+  left_.clear();
   for (std::size_t i = 0; i < outcomes_.size(); ++i) {
     if (context.state.asleep[i]) continue;
-    parts_.push_back(static_cast<int>(i));
-    takeTurn(static_cast<int>(i));
+    const int ragdoll = static_cast<int>(i);
+    takeTurn(ragdoll);
+    if (stepper_ && pressed_pair_[i])
+      fall(context, start_[i], ragdoll);
+    else
+      (stepper_ ? left_ : parts_).push_back(ragdoll);
+  }
+  if (stepper_) {
+    outcome_of_.clear();
+    for (IslandOutcome& outcome : outcomes_) outcome_of_.push_back(&outcome);
+    stepper_->stepApart(context, left_, outcome_of_, parts_);
+    for (const int i : left_) outcomes_[i].island.assign(1, i);
+    for (const int i : parts_) outcomes_[i].island.clear();
   }
   forEachPart(context, static_cast<int>(parts_.size()), [this](StepContext& own, int k) {
     if (pressed_pair_[parts_[k]])
@@ -113,8 +136,16 @@ void IslandBuilder::stepAlone(StepContext& context, int i) {
   outcome.island.assign(1, i);
   std::vector<int>& alone = scratchOf(context).lone_body;
   alone.assign(1, i);
-  if (context.log) context.log = &outcome.log;
-  stepBodies(context, alone, no_sleepers_, outcome.impulses, outcome.pressing, outcome.report);
+  stepBy(context, alone, no_sleepers_, outcome);
+}
+
+void IslandBuilder::stepBy(StepContext& context, const std::vector<int>& bodies,
+                           const std::vector<int>& sleepers, IslandOutcome& front) {
+  const bool direct = !stepper_ || !stepper_->stepTogether(context, bodies, sleepers, front);
+  for (const int i : bodies) outcomes_[i].direct = direct;
+  if (!direct) return;
+  if (context.log) context.log = &front.log;
+  stepBodies(context, bodies, sleepers, front.impulses, front.pressing, front.report);
 }
 
 void IslandBuilder::findContacts(const StepContext& context) {
@@ -126,7 +157,7 @@ void IslandBuilder::findContacts(const StepContext& context) {
     gaps_.clear();
     woken_.clear();
     search(context, start_x_, state.x);
-    if (!findLegs(context)) continue;
+    if (stepper_ || !findLegs(context)) continue;
     search(context, start_x_, first_leg_);
     search(context, last_leg_, state.x);
   } while (stepWoken(context));
@@ -159,9 +190,9 @@ void IslandBuilder::search(const StepContext& context, const Points& from, const
   found_.clear();
   detector_.appendBetween(context.model, state, from, to, PairSearch::touches(kNearBody), found_,
                           &root_of_);
-  if (&to == &state.x)
+  if (&to == &state.x && !stepper_)
     detector_.appendBetween(context.model, state, from, to,
-                            PairSearch::overlaps(overlapOf(context)), found_, &root_of_);
+                            PairSearch::overlaps(overlapOf(context, stepper_)), found_, &root_of_);
   for (const Contact& c : found_) gaps_.push_back(gapLeft(context, c, to));
   append(found_, contacts_);
   was_asleep_ = state.asleep;
@@ -235,8 +266,7 @@ void IslandBuilder::stepTogether(StepContext& context, const std::vector<int>& b
     outcomes_[i].island = bodies;
   }
   front.sleepers = sleepers;
-  if (context.log) context.log = &front.log;
-  stepBodies(context, bodies, sleepers, front.impulses, front.pressing, front.report);
+  stepBy(context, bodies, sleepers, front);
 }
 
 bool IslandBuilder::holdsAll(const State& state) const {

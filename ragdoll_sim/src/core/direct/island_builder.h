@@ -14,13 +14,18 @@
 #include "core/direct/body.h"
 #include "core/direct/outcome.h"
 #include "core/direct/saved_motion.h"
+#include "core/direct/stepper.h"
 
 namespace ragdoll {
 
 class IslandBuilder {
  public:
-  /// As a step of every awake body in turn, and keeps them apart.
-  void step(const StepContext& context, StepReport& report);
+  /// As a step of every awake body in turn, and keeps them apart. stepper: takes the steps that it
+  /// can; null: the direct method takes them all.
+  void step(const StepContext& context, StepReport& report, Stepper* stepper = nullptr);
+
+  /// Whether the direct method took a ragdoll's last step.
+  bool tookDirectly(int ragdoll) const { return outcomes_[ragdoll].direct; }
 
  private:
   /// What a body's step came to; an island's is with its first body.
@@ -29,6 +34,7 @@ class IslandBuilder {
     Roomy<int> near_sleepers;  ///< that it came near
     Roomy<int> sleepers;       ///< island's first: that it took the step with
     int turn = 0;              ///< which of the step's it was
+    bool direct = false;       ///< the direct method took it
   };
 
   void begin(const StepContext& context);
@@ -38,6 +44,9 @@ class IslandBuilder {
   /// Before a body, or the island that it is the first of, is stepped (anew).
   void takeTurn(int ragdoll) { outcomes_[ragdoll].turn = ++turns_; }
   void stepAlone(StepContext& context, int ragdoll);
+  /// By the stepper, where it can, else by the direct method. front: the first of the bodies.
+  void stepBy(StepContext& context, const std::vector<int>& bodies,
+              const std::vector<int>& sleepers, IslandOutcome& front);
   /// Contacts between where the bodies were and where they are now; wakes sleepers.
   void findContacts(const StepContext& context);
   /// Those on the way from a pose to another, with the gaps [m] there.
@@ -65,8 +74,8 @@ class IslandBuilder {
   std::vector<SavedMotion> start_;  ///< per ragdoll
   Points start_x_;                  ///< of all
   Points first_leg_, last_leg_;
-  Roomy<Contact> contacts_, found_;  ///< found_: by one search
-  Roomy<double> gaps_;               ///< [m] of the contacts
+  Roomy<Contact> contacts_, found_;    ///< found_: by one search
+  Roomy<double> gaps_;                 ///< [m] of the contacts
   std::vector<int> parent_, root_of_;  ///< per ragdoll: disjoint sets; roots as contacts are found
   std::vector<IslandOutcome> outcomes_;
   std::vector<std::uint8_t> pressed_pair_, was_asleep_;
@@ -74,6 +83,9 @@ class IslandBuilder {
   std::vector<int> parts_;                      ///< ragdolls, or roots, that are stepped now
   std::vector<int> no_sleepers_, order_, woken_;
   int turns_ = 0;  ///< taken in this step
+  Stepper* stepper_ = nullptr;
+  std::vector<Outcome*> outcome_of_;
+  std::vector<int> left_;
 };
 
 }  // namespace ragdoll

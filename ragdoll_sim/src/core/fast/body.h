@@ -58,7 +58,9 @@ struct Feature {
   int a = 0, b = -1;          ///< particles; b: -1 of a particle
   int stick = -1;             ///< of the skeleton
   int link = -1;              ///< -1: the root particle itself
-  int at[2] = {-1, -1};       ///< points of the link that a and b are; -1: its attach
+  static constexpr int kOnAxis = -2;
+  /// Points of the link that a and b are; -1: its attach; kOnAxis: a fold's axis ends there.
+  int at[2] = {-1, -1};
   double radius[2] = {0, 0};  ///< [m]
   RowShape row;
 };

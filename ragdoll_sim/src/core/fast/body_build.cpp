@@ -67,6 +67,12 @@ class BodyBuilder {
       if (body_.tree.points[i].particle == particle) return i;
     return -1;
   }
+  /// As Feature::at.
+  int placeOf(int link, int particle) const {
+    const TreeLink& l = body_.tree.links[link];
+    const int point = pointOf(link, particle);
+    return point < 0 && l.attach != particle ? Feature::kOnAxis : point;
+  }
   /// Placed by the link, or on its axis.
   bool isOf(int link, int particle) const {
     const TreeLink& l = body_.tree.links[link];
@@ -197,11 +203,8 @@ class BodyBuilder {
     f.stick = static_cast<int>(&k - s_.sticks.data());
     f.link = linkWith({k.a, k.b});
     if (f.link < 0) return;  // no stick of a tree
-    // The second particle of a fold's axis is no point of the fold: one of the link that has it.
-    for (const int i : {k.a, k.b})
-      if (pointOf(f.link, i) < 0 && body_.tree.links[f.link].attach != i) return;
-    f.at[0] = pointOf(f.link, k.a);
-    f.at[1] = pointOf(f.link, k.b);
+    f.at[0] = placeOf(f.link, k.a);
+    f.at[1] = placeOf(f.link, k.b);
     f.radius[0] = s_.radius[k.a];
     f.radius[1] = s_.radius[k.b];
     std::set<int> all;

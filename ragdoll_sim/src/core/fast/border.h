@@ -95,6 +95,34 @@ struct PackStep {
   bool whole = true;  ///< `predicted` of all lanes is wanted; else of those with what is left over
 };
 
+/// Where bodies that take a step together touch each other, or one touches itself.
+struct PairContact {
+  int body[2] = {-1, -1};  ///< of those that take the step; -1: one that does not move
+  int feature[2] = {0, 0};
+  double weight[2] = {0, 0};     ///< of Feature::b
+  double normal[3] = {0, 0, 1};  ///< out of the second
+  double gap = 0;                ///< [m] at the step's start
+  double reach = 0;              ///< [m] between the axes, along the normal
+  double friction = 0;
+  double impulse[3] = {0, 0, 0};  ///< [N] on the first; in: in the last step; out
+  bool holds = false;             ///< out: friction, which is less than it could be
+};
+
+/// A body that takes the step with others, in a pack of its own.
+struct Partner {
+  const FastBody* body = nullptr;
+  Lane* lane = nullptr;
+  void* memory = nullptr;
+};
+
+struct Partners {
+  Partner* bodies = nullptr;
+  int count = 0;
+  PairContact* contacts = nullptr;
+  int contact_count = 0;
+  void* memory = nullptr;  ///< PackMethod::partners_memory of it, aligned to 64 bytes
+};
+
 /// For one instruction set, number and width. `memory` is aligned to 64 bytes.
 struct PackMethod {
   int lanes = 1;
@@ -103,6 +131,9 @@ struct PackMethod {
   void (*predict)(const FastBody& body, const PackStep& step, Lane* lanes, void* memory);
   /// The rest of that step: x, v, impulses.
   void (*finish)(const FastBody& body, const PackStep& step, Lane* lanes, void* memory);
+  // As `finish`, of bodies that touch each other: of packs of one body; else null.
+  std::size_t (*partners_memory)(int bodies, int contacts) = nullptr;  ///< [bytes]
+  void (*finish_together)(const PackStep& step, const Partners& partners) = nullptr;
 };
 
 /// Most impulses that a lane may have.

@@ -9,10 +9,11 @@ constexpr int kMaxLanes = 16;  ///< bodies of a pack: floats in the widest vecto
 constexpr int kNewton = 3;     ///< linearised solves a step
 /// Solves where something is left too deep; with three, three times as many steps go to shake.
 constexpr int kMostRounds = 6;
-constexpr int kSweeps = 4;            ///< Gauss-Seidel sweeps of each
-constexpr int kRateSweeps = 2;        ///< of the velocities at the end
-constexpr double kSettledRow = 2e-6;  ///< [m], [rad] sweeps that change less are the last
-constexpr double kSettled = 1e-6;     ///< [rad] linearised solves that leave less, by second order
+constexpr int kSweeps = 4;                ///< Gauss-Seidel sweeps of each
+constexpr int kRateSweeps = 8;            ///< of the velocities at the end
+constexpr int kSweepsTogether = 8;        ///< of bodies that touch each other
+constexpr double kSettledSpeed = 1.2e-4;  ///< [m/s], [rad/s] sweeps that change less are the last
+constexpr double kSettled = 1e-6;  ///< [rad] linearised solves that leave less, by second order
 
 constexpr double kRecovery = 0.2;  ///< of a violation, undone a step; 1 throws bodies up
 // As near boxes, spheres and capsules are looked for at most, beyond where the free motion leads:
@@ -55,7 +56,8 @@ constexpr double kPackFull = 0.3;
 /// us of a body alone in place of 400. Two leave penetrations a fifth larger, eight are no better.
 constexpr int kParts = 4;
 
-constexpr double kSelfNear = 1e-3;  ///< [m] limbs this near touch
+constexpr double kSelfNear = 1e-3;      ///< [m] limbs this near touch
+constexpr double kTouchOverlap = 2e-3;  ///< [m] bodies that overlap by more take the step anew
 
 /// What a step, or a part of one, may leave.
 struct StepBounds {

@@ -1,188 +1,115 @@
 #include "core/fast/fast.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdint>
+#include <numeric>
 
 #include "core/direct/direct_step.h"
-#include "core/fast/body_build.h"
-#include "core/fast/constants.h"
-#include "core/fast/dispatch.h"
-#include "core/fast/pack_run.h"
+#include "core/fast/batches.h"
+#include "core/fast/island_run.h"
 #include "ragdoll_sim/core/limits.h"
 
 namespace ragdoll {
 namespace fast {
 namespace {
 
-bool moves(const SweptObstacle& o) { return o.p0 != o.p1 || o.R0 != o.R1; }
+void hold(const CachedImpulse& impulse, Supports& supports) {
+  if (impulse.obstacle < 0) return;
+  supports.pressed[impulse.ragdoll] = supports.gripped[impulse.ragdoll] = 1;
+}
 
-Solid solidOf(const SweptObstacle& o) {
-  Solid solid;
-  solid.obstacle = o.index;
-  solid.is_box = o.obstacle->type == ObstacleSpec::Type::kBox;
-  solid.moves = moves(o);
-  solid.radius = o.obstacle->radius;
-  solid.friction = o.obstacle->friction;
-  solid.restitution = o.obstacle->restitution;
-  const Vec3 middle = 0.5 * (o.p0 + o.p1);
-  const Vec3 extent = (o.bounds.hi - middle).cwiseMax(middle - o.bounds.lo);
-  for (int c = 0; c < 3; ++c) {
-    solid.half[c] = o.obstacle->half[c];
-    solid.place0[c] = o.p0[c];
-    solid.place1[c] = o.p1[c];
-    solid.extent[c] = extent[c];
-    for (int k = 0; k < 3; ++k) {
-      solid.axes0[3 * k + c] = o.R0(c, k);
-      solid.axes1[3 * k + c] = o.R1(c, k);
+/// Of bodies that touch each other, for the islands of the direct method.
+class PackStepper : public Stepper {
+ public:
+  explicit PackStepper(FastScratch& scratch) : s_(scratch) {}
+
+  void stepApart(const StepContext& context, const std::vector<int>& bodies,
+                 std::vector<Outcome*>& outcomes, std::vector<int>& left) override {
+    stepBatches(context, bodies, s_, left);
+    forBatches(s_, [&](const Batch& batch) {
+      for (const CachedImpulse& impulse : batch.impulses) {
+        Outcome& outcome = *outcomes[impulse.ragdoll];
+        outcome.impulses.push_back(impulse);
+        if (impulse.obstacle >= 0) ++outcome.report.contacts;
+        hold(impulse, context.supports);
+      }
+      for (const int i : batch.limited) ++outcomes[i]->report.limited;
+    });
+  }
+
+  bool stepTogether(const StepContext& context, const std::vector<int>& bodies,
+                    const std::vector<int>& sleepers, Outcome& outcome) override {
+    if (!stepIsland(context, s_, *s_.islands[context.worker], bodies, sleepers, outcome))
+      return false;
+    for (const CachedImpulse& impulse : outcome.impulses) hold(impulse, context.supports);
+    return true;
+  }
+
+  double overlap() const override { return kTouchOverlap; }
+
+ private:
+  FastScratch& s_;
+};
+
+void makeIslandRooms(const StepContext& context, FastScratch& s) {
+  if (!context.model.ragdoll_collision && !context.model.self_collision) return;
+  while (static_cast<int>(s.islands.size()) < Workers::count(context.model.solver.threads)) {
+    s.islands.push_back(std::make_shared<IslandRoom>());
+    makeRoom(context, s, *s.islands.back());
+  }
+}
+
+/// What packs have left, one by one: as islands of one where a body may touch itself, else by the
+/// direct method.
+void stepLeft(const StepContext& context, FastScratch& s, StepReport& report) {
+  if (context.model.self_collision) {
+    std::vector<Outcome>& outcomes = context.ws.outcomes;
+    if (outcomes.size() < s.left.size()) outcomes.resize(s.left.size());
+    PackStepper stepper(s);
+    forEachPart(context, static_cast<int>(s.left.size()), [&](StepContext& own, int k) {
+      Outcome& outcome = outcomes[k];
+      outcome.clear();
+      Roomy<int>& alone = s.islands[own.worker]->alone;
+      alone.assign(1, s.left[k]);
+      if (stepper.stepTogether(own, alone, own.ws.no_bodies, outcome)) s.left[k] = -1;
+    });
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < s.left.size(); ++k) {
+      append(outcomes[k].impulses, context.ws.impulses);
+      report += outcomes[k].report;
+      if (s.left[k] >= 0) s.left[kept++] = s.left[k];
     }
+    s.left.resize(kept);
   }
-  return solid;
+  stepApart(context, s.left, report);
 }
 
-/// Obstacles as the packs want them.
-void sortObstacles(const std::vector<SweptObstacle>& all, FastScratch& s) {
-  s.obstacles.clear();
-  s.solids.clear();
-  s.planes.clear();
-  s.moving_planes.clear();
-  s.driven = false;
-  for (const SweptObstacle& o : all) {
-    s.driven = s.driven || moves(o);
-    if (o.obstacle->type != ObstacleSpec::Type::kPlane) {
-      s.obstacles.push_back(o);
-      s.solids.push_back(solidOf(o));
-      continue;
-    }
-    if (moves(o)) {
-      s.moving_planes.push_back(o);
-      continue;
-    }
-    StillPlane plane;
-    plane.obstacle = o.index;
-    const Vec3 n = o.R1.col(2);
-    for (int c = 0; c < 3; ++c) plane.normal[c] = n[c];
-    plane.offset = n.dot(o.p1);
-    plane.friction = o.obstacle->friction;
-    plane.restitution = o.obstacle->restitution;
-    s.planes.push_back(plane);
-  }
-}
-
-/// Where each ragdoll's last impulses are.
-void sortPresses(const Model& model, const State& state, FastScratch& s) {
-  s.first_impulse.assign(model.ragdolls.size() + 2, 0);
-  for (const CachedImpulse& p : state.impulses) ++s.first_impulse[p.ragdoll + 2];
-  for (std::size_t i = 2; i < s.first_impulse.size(); ++i)
-    s.first_impulse[i] += s.first_impulse[i - 1];
-  s.cached.reserve(state.impulses.capacity());
-  s.cached.resize(state.impulses.size());
-  for (std::size_t k = 0; k < state.impulses.size(); ++k)
-    s.cached[s.first_impulse[state.impulses[k].ragdoll + 1]++] = static_cast<int>(k);
-}
-
-/// The links of a body that pressed in the last step, a bit each.
-std::uint32_t pressedLinks(const Model& model, const State& state, const FastScratch& s, int index,
-                           const Tree& tree) {
-  const int first = model.ragdolls[index].first;
-  std::uint32_t links = 0;
-  for (int k = s.first_impulse[index]; k < s.first_impulse[index + 1]; ++k) {
-    const CachedImpulse& last = state.impulses[s.cached[k]];
-    if (last.obstacle >= 0) links |= 1u << (tree.owner[last.a - first] + 1) % 32;
-  }
-  return links;
-}
-
-/// Bodies that lie on the same limbs share packs, which work out the rows that one of them needs.
-void sortByLinks(const Model& model, const State& state, int begin, const Tree& tree,
-                 FastScratch& s) {
-  s.pressed.clear();
-  for (std::size_t k = begin; k < s.order.size(); ++k)
-    s.pressed.emplace_back(pressedLinks(model, state, s, s.order[k], tree), s.order[k]);
-  if (std::is_sorted(s.pressed.begin(), s.pressed.end())) return;
-  std::sort(s.pressed.begin(), s.pressed.end());
-  for (std::size_t k = begin; k < s.order.size(); ++k) s.order[k] = s.pressed[k - begin].second;
-}
-
-/// Adds ragdolls [begin, end) of a list in batches that a pack takes; used: batches in use.
-void addBatches(const Model& model, int most_lanes, int system, int begin, int end,
-                std::vector<Batch>& batches, int& used) {
-  const bool single = model.solver.numbers == Numbers::kFloat;
-  for (int at = begin; at < end;) {
-    const int lanes = packFor(single, end - at, most_lanes).lanes;
-    if (used == static_cast<int>(batches.size())) batches.emplace_back();
-    Batch& batch = batches[used++];
-    batch.system = system;
-    batch.begin = at;
-    batch.count = std::min(lanes, end - at);
-    batch.impulses.clear();
-    batch.left.clear();
-    batch.contacts = batch.limited = 0;
-    at += batch.count;
-  }
-}
-
-/// Awake bodies, system by system, in batches.
-void sortBodies(const Model& model, const State& state, FastScratch& s, std::vector<int>& left) {
-  s.order.clear();
-  int used = 0;
-  for (std::size_t system = 0; system < model.systems.size(); ++system) {
-    const int begin = static_cast<int>(s.order.size());
-    for (std::size_t i = 0; i < model.ragdolls.size(); ++i) {
-      if (state.asleep[i] || model.ragdolls[i].system != static_cast<int>(system)) continue;
-      (s.bodies[system].why_not.empty() ? s.order : left).push_back(static_cast<int>(i));
-    }
-    const int end = static_cast<int>(s.order.size());
-    if (end > begin) sortByLinks(model, state, begin, s.bodies[system].tree, s);
-    addBatches(model, s.most_lanes, static_cast<int>(system), begin, end, s.batches, used);
-  }
-  s.batches.resize(used);
-  while (s.again_batches.size() < s.batches.size()) s.again_batches.emplace_back();
-  s.again.reserve(model.ragdolls.size());
-}
-
-/// What packs have left, of all of them: in batches that are stepped in parts, or for the direct
-/// method.
-void sortLeft(const StepContext& context, FastScratch& s, std::vector<int>& left) {
-  const bool parts = stepsInParts(context, s);
-  s.again.clear();
-  s.again_count = 0;
-  for (std::size_t i = 0; i < s.batches.size();) {
-    const int system = s.batches[i].system, begin = static_cast<int>(s.again.size());
-    for (; i < s.batches.size() && s.batches[i].system == system; ++i)
-      append(s.batches[i].left, parts ? s.again : left);
-    addBatches(context.model, s.most_lanes, system, begin, static_cast<int>(s.again.size()),
-               s.again_batches, s.again_count);
-  }
-}
-
-void stepPacks(const StepContext& context, FastScratch& s, StepReport& report,
-               std::vector<int>& left) {
-  std::vector<CachedImpulse>& impulses = context.ws.impulses;
-  sortObstacles(context.ws.obstacles, s);
-  sortPresses(context.model, context.state, s);
-  sortBodies(context.model, context.state, s, left);
-  s.packs.resize(Workers::count(context.model.solver.threads));
-  forEachPart(context, static_cast<int>(s.batches.size()), [&](StepContext& own, int part) {
-    stepPack(own, s, s.packs[own.worker], s.batches[part]);
-  });
-  sortLeft(context, s, left);
-  forEachPart(context, s.again_count, [&](StepContext& own, int part) {
-    stepParts(own, s, s.packs[own.worker], s.again_batches[part]);
-  });
-  const auto take = [&](const Batch& batch) {
-    append(batch.impulses, impulses);
+/// Bodies that do not see each other.
+void stepAllApart(const StepContext& context, FastScratch& s, StepReport& report) {
+  const State& state = context.state;
+  std::vector<int>& awake = context.ws.awake;
+  awake.clear();
+  for (std::size_t i = 0; i < state.asleep.size(); ++i)
+    if (!state.asleep[i]) awake.push_back(static_cast<int>(i));
+  s.left.clear();
+  s.left.reserve(context.model.ragdolls.size());
+  stepBatches(context, awake, s, s.left);
+  forBatches(s, [&](const Batch& batch) {
+    append(batch.impulses, context.ws.impulses);
     report.contacts += batch.contacts;
-    report.limited += batch.limited;
-  };
-  for (const Batch& batch : s.batches) take(batch);
-  for (int i = 0; i < s.again_count; ++i) {
-    take(s.again_batches[i]);
-    append(s.again_batches[i].left, left);
-  }
-  for (const CachedImpulse& impulse : impulses)
-    if (impulse.obstacle >= 0)
-      context.supports.pressed[impulse.ragdoll] = context.supports.gripped[impulse.ragdoll] = 1;
+    report.limited += static_cast<int>(batch.limited.size());
+  });
+  for (const CachedImpulse& impulse : context.ws.impulses) hold(impulse, context.supports);
+  stepLeft(context, s, report);
+}
+
+/// Bodies that may touch each other.
+void stepAllTogether(const StepContext& context, FastScratch& s, StepReport& report) {
+  PackStepper stepper(s);
+  context.ws.builder.step(context, report, &stepper);
+  s.left.clear();
+  for (std::size_t i = 0; i < context.model.ragdolls.size(); ++i)
+    if (!context.state.asleep[i] && context.ws.builder.tookDirectly(static_cast<int>(i)))
+      s.left.push_back(static_cast<int>(i));
 }
 
 }  // namespace
@@ -191,27 +118,24 @@ void stepPacks(const StepContext& context, FastScratch& s, StepReport& report,
 void stepFast(const StepContext& context, FastScratch& s, StepReport& report) {
   const Model& model = context.model;
   State& state = context.state;
-  s.packed = context.ws.lends = !model.ragdoll_collision && !model.compliant;
+  s.packed = !model.compliant;
+  context.ws.lends = s.packed && !model.ragdoll_collision;
   if (!s.packed) {
     report.fast_fallbacks =
         static_cast<int>(std::count(state.asleep.begin(), state.asleep.end(), std::uint8_t(0)));
     return stepDirect(context, report);
   }
   prepareDirect(context);
-  if (s.bodies.size() != model.systems.size()) {
-    s.bodies.clear();
-    for (const System& system : model.systems) s.bodies.push_back(fast::buildBody(model, system));
-  }
-  s.left.clear();
-  s.left.reserve(model.ragdolls.size());
-  fast::stepPacks(context, s, report, s.left);
+  fast::prepare(context, s);
+  fast::makeIslandRooms(context, s);
+  if (model.ragdoll_collision)
+    fast::stepAllTogether(context, s, report);
+  else
+    fast::stepAllApart(context, s, report);
   std::fill(state.multipliers.begin(), state.multipliers.end(), 0.0);  // of another method's step
-  std::vector<CachedImpulse>& impulses = context.ws.impulses;
-  stepApart(context, s.left, report);
   report.fast_fallbacks = static_cast<int>(s.left.size());
-  for (const CachedImpulse& impulse : state.impulses)
-    if (state.asleep[impulse.ragdoll]) impulses.push_back(impulse);
-  std::swap(state.impulses, impulses);
+  keepSleepersImpulses(context, context.ws.impulses);
+  std::swap(state.impulses, context.ws.impulses);
   keepAllowed(model, state);
 }
 

@@ -15,6 +15,7 @@
 
 #include "core/base/growing.h"
 #include "core/contact/detect.h"
+#include "core/contact/pair_detect.h"
 #include "core/direct/body.h"
 #include "core/fast/body.h"
 #include "core/fast/border.h"
@@ -30,9 +31,12 @@ struct Batch {
   int system = 0;
   int begin = 0, count = 0;  ///< of FastScratch::order, or `again`
   Roomy<CachedImpulse> impulses;
-  Roomy<int> left;  ///< ragdolls for the direct method
-  int contacts = 0, limited = 0;
+  Roomy<int> left;     ///< ragdolls for the direct method
+  Roomy<int> limited;  ///< ragdolls whose energy was limited
+  int contacts = 0;
 };
+
+struct IslandRoom;
 
 /// What one pack is prepared in.
 struct PackScratch {
@@ -44,6 +48,7 @@ struct PackScratch {
   Roomy<LeftOver> left_over;
   Roomy<int> slots;  ///< per feature: used ones
   Roomy<Contact> found;
+  PairDetector detector;
   Points predicted;           ///< [m] 3 x N: where free motions lead; of the pack's bodies only
   Batch parts[2];             ///< of a step in parts, in turn
   Roomy<int> again, moving;   ///< ragdolls that are stepped in parts; that came through so far
@@ -60,7 +65,7 @@ struct FastScratch {
   std::vector<fast::Batch> batches;
   std::vector<int> again;  ///< ragdolls that packs have left and are stepped in parts, likewise
   std::vector<fast::Batch> again_batches;
-  int again_count = 0;                   ///< of these that are in use
+  int batch_count = 0, again_count = 0;  ///< of these that are in use
   std::vector<SweptObstacle> obstacles;  ///< but planes
   std::vector<fast::Solid> solids;       ///< the same
   std::vector<SweptObstacle> moving_planes;
@@ -69,9 +74,10 @@ struct FastScratch {
   std::vector<int> cached;               ///< of State::impulses, ragdoll by ragdoll
   bool driven = false;                   ///< an obstacle moves
   std::vector<fast::PackScratch> packs;  ///< per thread
-  std::vector<int> left;                 ///< ragdolls for the direct method
-  bool packed = false;                   ///< the others were in packs; else none was
-  int most_lanes = 0;                    ///< of a pack; 0: as many as the processor has. For tests.
+  std::vector<std::shared_ptr<fast::IslandRoom>> islands;  ///< likewise
+  std::vector<int> left;                                   ///< ragdolls for the direct method
+  bool packed = false;  ///< the others were in packs; else none was
+  int most_lanes = 0;   ///< of a pack; 0: as many as the processor has. For tests.
 };
 
 /// Moves x and v of all awake ragdolls by the step, as stepDirect.

@@ -24,9 +24,11 @@ RAGDOLL_INLINE V3<typename L::R> leverOf(const FastBody& b, const L& w, const Fe
   if (f.link < 0) return V3<R>{};
   V3<R> sum{};
   for (int k = 0; k < (f.b < 0 ? 1 : 2); ++k) {
-    if (f.at[k] < 0) continue;
+    if (f.at[k] == -1) continue;
     V3<R> r;
-    if (b.tree.links[f.link].kind == TreeLink::Kind::kPointer)
+    if (f.at[k] == Feature::kOnAxis)
+      r = N(b.tree.links[f.link].base_reach) * load3(w.tree.axes + 9 * f.link);
+    else if (b.tree.links[f.link].kind == TreeLink::Kind::kPointer)
       r = {R{} + N(b.tree.points[f.at[k]].at[0]), R{}, R{}};
     else
       r = load3(w.tree.lever + 3 * f.at[k]);
@@ -35,16 +37,14 @@ RAGDOLL_INLINE V3<typename L::R> leverOf(const FastBody& b, const L& w, const Fe
   return sum;
 }
 
-/// The three z of a row, and what they answer with.
+/// The three z of a row.
 template <class L>
-RAGDOLL_SECTION void setAnswer(const FastBody& b, L& w, ContactRow<typename L::R>& row) {
+RAGDOLL_INLINE void setRows(const FastBody& b, L& w, ContactRow<typename L::R>& row) {
   using R = typename L::R;
-  using N = typename L::N;
   const Feature& f = *row.feature;
-  const int size = f.row.size();
   R* z = w.z_next;
   row.z = z;
-  w.z_next += 3 * size;
+  w.z_next += 3 * f.row.size();
   const V3<R> r = leverOf(b, w, f, row.weight);
   const bool pointer = f.link >= 0 && b.tree.links[f.link].kind == TreeLink::Kind::kPointer;
   V3<R> l[3];
@@ -52,17 +52,49 @@ RAGDOLL_SECTION void setAnswer(const FastBody& b, L& w, ContactRow<typename L::R
   R* const out[3] = {z, z + 1, z + 2};
   tree::spread<3, 3>(b.tree, w.tree, f.link, l, row.axes, 0, b.depth.data(), out);
   eliminate<3>(w, f.row, z);
+}
+
+/// What a push along a row's axes answers with: z . z.
+template <class R>
+struct Answer {
   R own{}, first{}, second{}, mixed{};
-  for (int k = 0; k < size; ++k) {
-    own += z[3 * k] * z[3 * k];
-    first += z[3 * k + 1] * z[3 * k + 1];
-    second += z[3 * k + 2] * z[3 * k + 2];
-    mixed += z[3 * k + 1] * z[3 * k + 2];
+
+  /// share: 1, or -1 to take away.
+  template <class N>
+  RAGDOLL_INLINE void add(N share, const R* a, const R* b) {
+    own += share * (a[0] * b[0]);
+    first += share * (a[1] * b[1]);
+    second += share * (a[2] * b[2]);
+    mixed += share * (a[1] * b[2]);
   }
-  const R apart = first - second;
-  const R largest = N(0.5) * (first + second + squareRoot(apart * apart + N(4) * mixed * mixed));
-  row.answer_normal = own;
+};
+
+/// The larger eigenvalue of the tangents' block.
+template <class R>
+RAGDOLL_INLINE void setAnswer(const Answer<R>& sum, ContactRow<R>& row) {
+  using N = typename tree::NumberOf<R>::Type;
+  const R apart = sum.first - sum.second;
+  const R largest =
+      N(0.5) * (sum.first + sum.second + squareRoot(apart * apart + N(4) * sum.mixed * sum.mixed));
+  row.answer_normal = sum.own;
   row.answer_tangent = largest;
+}
+
+/// The three z of a row, and what they answer with.
+template <class L>
+RAGDOLL_SECTION void setAnswer(const FastBody& b, L& w, ContactRow<typename L::R>& row) {
+  using R = typename L::R;
+  setRows(b, w, row);
+  const int size = row.feature->row.size();
+  const R* z = row.z;
+  Answer<R> sum;
+  for (int k = 0; k < size; ++k) {
+    sum.own += z[3 * k] * z[3 * k];
+    sum.first += z[3 * k + 1] * z[3 * k + 1];
+    sum.second += z[3 * k + 2] * z[3 * k + 2];
+    sum.mixed += z[3 * k + 1] * z[3 * k + 2];
+  }
+  setAnswer(sum, row);
 }
 
 template <class L>
@@ -146,19 +178,26 @@ RAGDOLL_INLINE void warmPlanes(const PackStep& step, const Lane* lanes, L& w) {
     }
 }
 
+/// Tangents, and the impulse that the row starts at: the last step's (axes[1]), where it pressed
+/// along the normal.
+template <class R>
+RAGDOLL_INLINE void setTangents(ContactRow<R>& row) {
+  const V3<R> n = row.axes[0], impulse = row.axes[1];
+  tree::basis(n, row.axes[1], row.axes[2]);
+  const R along = dot(n, impulse);
+  const auto pressed = both(less(R{}, along), less(R{}, row.waits));
+  row.press = select(pressed, along, R{});
+  for (int c = 0; c < 2; ++c) row.pull[c] = select(pressed, dot(row.axes[c + 1], impulse), R{});
+  row.last = row.press;
+}
+
 /// Tangents; where the row starts, and at which impulse.
 template <class L>
 RAGDOLL_SECTION void setStart(const PackStep& step, const L& w, ContactRow<typename L::R>& row) {
   using R = typename L::R;
   using N = typename L::N;
-  const V3<R> n = row.axes[0], impulse = row.axes[1];
-  tree::basis(n, row.axes[1], row.axes[2]);
-  const R along = dot(n, impulse);
-  // Nothing where it did not press along this normal.
-  const auto pressed = both(less(R{}, along), less(R{}, row.waits));
-  row.press = select(pressed, along, R{});
-  for (int c = 0; c < 2; ++c) row.pull[c] = select(pressed, dot(row.axes[c + 1], impulse), R{});
-  row.last = row.press;
+  setTangents(row);
+  const V3<R> n = row.axes[0];
   row.start += dot(n, atFeature(*row.feature, row.weight, w.x));
   const R moved = dot(n, row.motion), before = row.start + moved;
   row.allowed = N(1 - kRecovery) * select(less(before, R{}), before, R{});

@@ -24,6 +24,37 @@ RAGDOLL_SECTION typename L::R energyOf(const FastBody& b, const typename L::R* d
   return N(rate2) * sum;
 }
 
+/// [kg m^2] Of particles about a point: sums of m r^T.
+template <class R>
+struct SecondMoments {
+  R xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
+
+  RAGDOLL_INLINE void add(const V3<R>& m, const V3<R>& r) {
+    xx += m.x * r.x;
+    yy += m.y * r.y;
+    zz += m.z * r.z;
+    xy += m.x * r.y;
+    xz += m.x * r.z;
+    yz += m.y * r.z;
+  }
+};
+
+/// The spin of a rigid body with these moments and that angular momentum. Inertia: trace less
+/// second moments; a body on a line takes no spin about it.
+template <class R>
+RAGDOLL_INLINE V3<R> spinOf(const SecondMoments<R>& s, const V3<R>& angular) {
+  using N = typename tree::NumberOf<R>::Type;
+  const R xx = s.xx, yy = s.yy, zz = s.zz, xy = s.xy, xz = s.xz, yz = s.yz;
+  const R small = N(1e-9) * (xx + yy + zz) + N(1e-30);
+  const R a = yy + zz + small, d = xx + zz + small, f = xx + yy + small;
+  const R A = d * f - yz * yz, B = xz * yz + xy * f, C = xy * yz + d * xz;
+  const R D = a * f - xz * xz, E = a * yz + xy * xz, F = a * d - xy * xy;
+  const R inverse = N(1) / (a * A - xy * B - xz * C);
+  return inverse * V3<R>{A * angular.x + B * angular.y + C * angular.z,
+                         B * angular.x + D * angular.y + E * angular.z,
+                         C * angular.x + E * angular.y + F * angular.z};
+}
+
 /// As joint_damping.h: velocities against those of the rigid motion with the same momenta. w.dx:
 /// used.
 template <class L>
@@ -48,26 +79,13 @@ RAGDOLL_SECTION void dampInside(const FastBody& b, typename L::N keep, L& w) {
   }
   for (int i = 0; i < t.particles; ++i) store3(load3(w.x + 3 * i) - centre, w.dx + 3 * i);  // arms
   V3<R> angular{};
-  R xx{}, yy{}, zz{}, xy{}, xz{}, yz{};
+  SecondMoments<R> second;
   for (int i = 0; i < t.particles; ++i) {
     const V3<R> r = load3(w.dx + 3 * i), m = tree::momentumOf(t, i, w.dx);
     angular = angular + cross(m, load3(w.v + 3 * i) - drift);
-    xx += m.x * r.x;
-    yy += m.y * r.y;
-    zz += m.z * r.z;
-    xy += m.x * r.y;
-    xz += m.x * r.z;
-    yz += m.y * r.z;
+    second.add(m, r);
   }
-  // Inertia: trace less second moments; a body on a line takes no spin about it.
-  const R small = N(1e-9) * (xx + yy + zz) + N(1e-30);
-  const R a = yy + zz + small, d = xx + zz + small, f = xx + yy + small;
-  const R A = d * f - yz * yz, B = xz * yz + xy * f, C = xy * yz + d * xz;
-  const R D = a * f - xz * xz, E = a * yz + xy * xz, F = a * d - xy * xy;
-  const R inverse = N(1) / (a * A - xy * B - xz * C);
-  const V3<R> spin = inverse * V3<R>{A * angular.x + B * angular.y + C * angular.z,
-                                     B * angular.x + D * angular.y + E * angular.z,
-                                     C * angular.x + E * angular.y + F * angular.z};
+  const V3<R> spin = spinOf(second, angular);
   for (int i = 0; i < t.particles; ++i) {
     const V3<R> rigid = drift + cross(spin, load3(w.dx + 3 * i));
     store3(rigid + keep * (load3(w.v + 3 * i) - rigid), w.v + 3 * i);
@@ -125,6 +143,15 @@ typename L::R energyBound(const FastBody& b, const PackStep& step, const Lane* l
   return bound;
 }
 
+/// By how much a motion is scaled whose energy is more than it had and the work along it: share^2
+/// after = before + share work.
+template <class R>
+RAGDOLL_INLINE R motionShare(const R& before, const R& after, const R& work) {
+  using N = typename tree::NumberOf<R>::Type;
+  const R root = squareRoot(atLeast(work * work + N(4) * after * before, N(0)));
+  return atLeast((work + root) / atLeast(N(2) * after, N(1e-30)), N(0));
+}
+
 /// Draws back a motion that lifts a body by more than its energy: scales the coordinates.
 template <class L>
 RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* lanes, L& w,
@@ -136,11 +163,8 @@ RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* 
                          R{} + N(kNoBound));
   const auto much = less(bound + N(kReportedShare) * after, after);
   if (!any(much)) return;
-  // share^2 after = before + share work
-  const R work = bound - w.before;
-  const R root = squareRoot(atLeast(work * work + N(4) * after * w.before, N(0)));
-  const R share = (work + root) / atLeast(N(2) * after, N(1e-30));
-  const R scale = select(much, atLeast(share, N(0)), R{} + N(1));
+  const R share = motionShare(w.before, after, R(bound - w.before));
+  const R scale = select(much, share, R{} + N(1));
   for (int k = 0; k < b.tree.size; ++k) w.q[k] = scale * w.q[k];
   setPose(b, w);
   for (int l = 0; l < L::W; ++l) lanes[l].limited = lane(scale, l) < N(1 - kReportedShare);

@@ -5,22 +5,34 @@
 
 namespace ragdoll::fast {
 
+/// Whether a contact that waits takes part from now on: it is near, or pressed in the last step.
+template <class R>
+RAGDOLL_INLINE auto joins(const ContactRow<R>& row) {
+  using N = typename tree::NumberOf<R>::Type;
+  return both(less(R{}, row.waits), either(less(row.gap, R{} + N(kWake)), less(R{}, row.press)));
+}
+
+/// Lets it, where its answers are known.
+template <class R, class M>
+RAGDOLL_INLINE void takePart(const M& wakes, ContactRow<R>& row) {
+  using N = typename tree::NumberOf<R>::Type;
+  const auto invert = [&wakes](const R& answer, R& inverse) {
+    inverse = select(wakes, N(1) / atLeast(answer, N(1e-12)), inverse);
+  };
+  invert(row.answer_normal, row.inverse_normal);
+  invert(row.answer_tangent, row.inverse_tangent);
+  row.waits = select(wakes, R{}, row.waits);
+}
+
 /// Lets the contacts take part that wait, where they are near now or pressed in the last step: most
 /// of those that a step may meet, it does not. Returns the lanes where such a one is too deep.
 template <class L>
 RAGDOLL_INLINE auto wake(const FastBody& b, L& w, ContactRow<typename L::R>& row) {
   using R = typename L::R;
-  using N = typename L::N;
-  const auto near = either(less(row.gap, R{} + N(kWake)), less(R{}, row.press));
-  const auto wakes = both(less(R{}, row.waits), near);
+  const auto wakes = joins(row);
   if (any(wakes)) {
     if (!row.z) setAnswer(b, w, row);
-    const auto invert = [&wakes](const R& answer, R& inverse) {
-      inverse = select(wakes, N(1) / atLeast(answer, N(1e-12)), inverse);
-    };
-    invert(row.answer_normal, row.inverse_normal);
-    invert(row.answer_tangent, row.inverse_tangent);
-    row.waits = select(wakes, R{}, row.waits);
+    takePart(wakes, row);
   }
   return both(wakes, less(row.gap, R{}));
 }
@@ -54,34 +66,41 @@ RAGDOLL_INLINE void push(L& w, const ContactRow<typename L::R>& row, const typen
 }
 
 /// Presses a row so that moved[0] comes to nothing, and rubs against the other two within the cone;
-/// moved: at the impulses (press, pull), which change where `takes` is true.
+/// moved: at the impulses (press, pull), which change by `change` where `takes` is true. most: the
+/// largest change of a sweep, [m]. Returns whether anything changes.
+template <class R, class M>
+RAGDOLL_INLINE bool solveRow(const ContactRow<R>& row, const R* moved, const M& takes, R& press,
+                             R* pull, R* change, R& most) {
+  using N = typename tree::NumberOf<R>::Type;
+  const R pressed = select(takes, larger(press - moved[0] * row.inverse_normal, R{}), press);
+  if (!any(either(less(R{}, pressed), less(R{}, press)))) return false;
+  R wanted[2];
+  for (int c = 0; c < 2; ++c) wanted[c] = pull[c] - row.inverse_tangent * moved[c + 1];
+  const R size2 = wanted[0] * wanted[0] + wanted[1] * wanted[1], cone = row.friction * pressed;
+  const auto slips = less(cone * cone, size2);
+  if (any(slips)) {
+    const R share = select(slips, cone / squareRoot(atLeast(size2, N(1e-30))), R{} + N(1));
+    for (int c = 0; c < 2; ++c) wanted[c] = share * wanted[c];
+  }
+  for (int c = 0; c < 2; ++c) {
+    wanted[c] = select(takes, wanted[c], pull[c]);
+    change[c + 1] = wanted[c] - pull[c];
+    most = larger(most, row.answer_tangent * (signOf(change[c + 1]) * change[c + 1]));
+  }
+  change[0] = pressed - press;
+  most = larger(most, row.answer_normal * (signOf(change[0]) * change[0]));
+  press = pressed;
+  for (int c = 0; c < 2; ++c) pull[c] = wanted[c];
+  return true;
+}
+
 template <class L>
 RAGDOLL_INLINE void pressRow(L& w, const ContactRow<typename L::R>& row, const typename L::R* moved,
                              const typename L::Mask& takes, typename L::R& press,
                              typename L::R* pull) {
-  using R = typename L::R;
-  using N = typename L::N;
-  const R pressed = select(takes, larger(press - moved[0] * row.inverse_normal, R{}), press);
-  if (!any(either(less(R{}, pressed), less(R{}, press)))) return;  // nothing changes
-  R wanted[2];
-  for (int c = 0; c < 2; ++c) wanted[c] = pull[c] - row.inverse_tangent * moved[c + 1];
-  const R size2 = wanted[0] * wanted[0] + wanted[1] * wanted[1], most = row.friction * pressed;
-  const auto slips = less(most * most, size2);
-  if (any(slips)) {
-    const R share = select(slips, most / squareRoot(atLeast(size2, N(1e-30))), R{} + N(1));
-    for (int c = 0; c < 2; ++c) wanted[c] = share * wanted[c];
-  }
-  R change[2];
-  for (int c = 0; c < 2; ++c) {
-    wanted[c] = select(takes, wanted[c], pull[c]);
-    change[c] = wanted[c] - pull[c];
-    w.change = larger(w.change, row.answer_tangent * (signOf(change[c]) * change[c]));
-  }
-  const R more = pressed - press;
-  w.change = larger(w.change, row.answer_normal * (signOf(more) * more));
-  push(w, row, more, change);
-  press = pressed;
-  for (int c = 0; c < 2; ++c) pull[c] = wanted[c];
+  typename L::R change[3];
+  if (solveRow(row, moved, takes, press, pull, change, w.change))
+    push(w, row, change[0], change + 1);
 }
 
 template <class L>

@@ -180,22 +180,41 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
 template <class L>
 RAGDOLL_SECTION void sweepRates(L& w) {
   using R = typename L::R;
-  const auto everywhere = less(R{}, R{} + typename L::N(1));
+  w.change = R{};
   for (int i = 0; i < w.pressing_contacts; ++i) {
     ContactRow<R>& row = w.contacts[w.pressing[i]];
     R rate[3] = {row.gap, row.slip[0], row.slip[1]};
     addAlong<3>(w, row.feature->row, row.z, rate);
-    pressRow(w, row, rate, everywhere, row.rate_press, row.rate_pull);
+    pressRow(w, row, rate, w.unsettled, row.rate_press, row.rate_pull);
   }
   for (int i = 0; i < w.pressing_limits; ++i) {
     LimitRow<R>& row = w.limits[w.pressing[w.pressing_contacts + i]];
     R rate = row.value;
     addAlong<1>(w, row.limit->row, row.z, &rate);
-    const R press = larger(row.allowed - rate * row.inverse, R{});
+    const R press = select(w.unsettled, larger(row.allowed - rate * row.inverse, R{}), row.allowed);
     if (!any(either(less(R{}, press), less(R{}, row.allowed)))) continue;
     const R change = press - row.allowed;
+    w.change = larger(w.change, row.answer * (signOf(change) * change));
     row.allowed = press;
     pushAlong<1>(row.limit->row, row.z, &change, w);
+  }
+  w.unsettled = both(w.unsettled, less(R{} + w.settled, w.change));
+}
+
+/// Where a row that presses starts in the velocity stage: what pressed as hard before goes on, the
+/// rest was an impact. rate: [m] h times what its point does.
+template <class R, class M>
+RAGDOLL_INLINE void startRate(const M& presses, const V3<R>& rate, ContactRow<R>& row) {
+  using N = typename tree::NumberOf<R>::Type;
+  row.inverse_normal = select(presses, row.inverse_normal, R{});
+  row.inverse_tangent = select(presses, row.inverse_tangent, R{});
+  row.gap = dot(row.axes[0], rate);
+  const R lasting = select(less(row.last, row.press), row.last, row.press);
+  const R share = lasting / atLeast(row.press, N(1e-30));
+  row.rate_press = share * row.press;
+  for (int c = 0; c < 2; ++c) {
+    row.slip[c] = dot(row.axes[c + 1], rate);
+    row.rate_pull[c] = share * row.pull[c];
   }
 }
 
@@ -214,20 +233,11 @@ RAGDOLL_SECTION void startRates(const FastBody& b, const PackStep& step,
     const auto presses = less(R{}, row.press);
     if (!any(presses)) continue;
     *list++ = w.awake[i];
-    row.inverse_normal = select(presses, row.inverse_normal, R{});
-    row.inverse_tangent = select(presses, row.inverse_tangent, R{});
     const V3<R> rate = atFeature(*row.feature, row.weight, w.dx) + kick - row.motion;
+    startRate(presses, rate, row);
     const R back = N(step.h) * row.restitution * row.approach;
     const auto impact = less(least, row.approach);
-    row.gap = dot(row.axes[0], rate) - select(impact, back, R{});
-    // What pressed as hard before goes on; the rest was an impact.
-    const R lasting = select(less(row.last, row.press), row.last, row.press);
-    const R share = lasting / atLeast(row.press, N(1e-30));
-    row.rate_press = share * row.press;
-    for (int c = 0; c < 2; ++c) {
-      row.slip[c] = dot(row.axes[c + 1], rate);
-      row.rate_pull[c] = share * row.pull[c];
-    }
+    row.gap = row.gap - select(impact, back, R{});
     if (any(less(R{}, row.rate_press))) push(w, row, row.rate_press, row.rate_pull);
   }
   w.pressing_contacts = static_cast<int>(list - w.pressing);
@@ -265,25 +275,43 @@ RAGDOLL_SECTION void holdVelocities(const FastBody& b, L& w) {
   for (int i = 0; i < n; i += 3) store3(load3(w.dx + i) + w.shift, w.dx + i);
 }
 
+/// [m] Half a step of gravity, of velocities times h.
+template <class L>
+RAGDOLL_INLINE V3<typename L::R> kickOf(const PackStep& step) {
+  return typename L::N(0.5 * step.h * step.h) * spread3<L>(step.gravity);
+}
+
+/// What the velocity stage's rows have pushed (w.y) goes into w.dx.
+template <class L>
+RAGDOLL_SECTION void takePushes(const FastBody& b, L& w) {
+  tree::solveDown(b.tree, w.tree, w.y);
+  tree::move(b.tree, w.tree, w.y, w.spare);
+  for (int i = 0; i < 3 * b.tree.particles; ++i) w.dx[i] += w.spare[i];
+}
+
+/// The rest of the velocities at the step's end.
+template <class L>
+RAGDOLL_INLINE void endRates(const FastBody& b, const V3<typename L::R>& kick, L& w) {
+  for (int i = 0; i < 3 * b.tree.particles; i += 3) store3(load3(w.dx + i) + kick, w.dx + i);
+  if (b.tree.roots[0].pinned) holdVelocities(b, w);
+}
+
 /// w.dx <- h times the velocities at the step's end: the mean's, half a step of gravity, and what
 /// contacts, limits and a pin answer to that.
 template <class L>
 RAGDOLL_SECTION void endVelocities(const FastBody& b, const PackStep& step, L& w) {
   using R = typename L::R;
-  using N = typename L::N;
-  const V3<R> kick = N(0.5 * step.h * step.h) * spread3<L>(step.gravity);
+  const V3<typename L::R> kick = kickOf<L>(step);
   if (w.contact_count + w.limit_count > 0) {
-    for (int k = 0; k < b.tree.size; ++k) w.y[k] = R{};
+    for (int k = 0; k < b.tree.size; ++k) w.y[k] = typename L::R{};
     startRates(b, step, kick, w);
     if (w.pressing_contacts + w.pressing_limits > 0) {
-      for (int sweep = 0; sweep < kRateSweeps; ++sweep) sweepRates(w);
-      tree::solveDown(b.tree, w.tree, w.y);
-      tree::move(b.tree, w.tree, w.y, w.spare);
-      for (int i = 0; i < 3 * b.tree.particles; ++i) w.dx[i] += w.spare[i];
+      w.unsettled = less(R{}, R{} + typename L::N(1));
+      for (int sweep = 0; sweep < kRateSweeps && any(w.unsettled); ++sweep) sweepRates(w);
+      takePushes(b, w);
     }
   }
-  for (int i = 0; i < 3 * b.tree.particles; i += 3) store3(load3(w.dx + i) + kick, w.dx + i);
-  if (b.tree.roots[0].pinned) holdVelocities(b, w);
+  endRates(b, kick, w);
 }
 
 /// Positions (w.x) and velocities (w.dx, times h), which it uses up, of the bodies that came
@@ -404,13 +432,12 @@ RAGDOLL_SECTION void startRows(L& w) {
 template <class L>
 RAGDOLL_SECTION void sweepRows(L& w) {
   using R = typename L::R;
-  using N = typename L::N;
   w.unsettled = w.unsolved;
   for (int sweep = 0; sweep < kSweeps && any(w.unsettled); ++sweep) {
     w.change = R{};
     sweepContacts(w);
     sweepLimits(w);
-    w.unsettled = both(w.unsettled, less(R{} + N(kSettledRow), w.change));
+    w.unsettled = both(w.unsettled, less(R{} + w.settled, w.change));
   }
 }
 
@@ -439,17 +466,56 @@ RAGDOLL_SECTION void endRound(const FastBody& b, L& w) {
   w.unsolved = both(w.unsolved, either(sunk, either(turns, w.unsettled)));
 }
 
+/// The pack that `predict` has left in memory.
+template <class L>
+RAGDOLL_INLINE L& workIn(void* memory) {
+  return *reinterpret_cast<L*>((reinterpret_cast<std::uintptr_t>(memory) + 63) &
+                               ~std::uintptr_t(63));
+}
+
+/// Rows; where the free motion leads.
+template <class L>
+RAGDOLL_INLINE void beginRounds(const FastBody& b, const PackStep& step, Lane* lanes, L& w) {
+  using R = typename L::R;
+  w.z_next = w.z;
+  w.settled = typename L::N(kSettledSpeed * step.h);
+  setContacts(b, step, lanes, w);
+  setLimits(b, step, w);
+  w.unsolved = less(R{}, R{} + typename L::N(1));
+  measureContacts(b, w);
+}
+
+/// 1 in the lanes that an obstacle presses.
+template <class L>
+RAGDOLL_INLINE typename L::R touchedOf(const L& w) {
+  using R = typename L::R;
+  R touched{};
+  for (int i = 0; i < w.contact_count; ++i)
+    touched = larger(touched, select(less(R{}, w.contacts[i].press), R{} + typename L::N(1), R{}));
+  return touched;
+}
+
+/// Those, and in which a rigid limit presses.
+template <class L>
+RAGDOLL_INLINE typename L::R pressedOf(const L& w, typename L::R pressed) {
+  using R = typename L::R;
+  for (int i = 0; i < w.limit_count; ++i)
+    if (w.limits[i].limit->compliance == 0)
+      pressed = larger(pressed, select(less(R{}, w.limits[i].press), R{} + typename L::N(1), R{}));
+  return pressed;
+}
+
+/// [J] What nothing presses may gain.
+RAGDOLL_INLINE double freeGain(const FastBody& b) {
+  return 0.5 * kFreeGain * kFreeGain * massOf(b);
+}
+
 template <class L>
 void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) {
   using R = typename L::R;
   using N = typename L::N;
-  L& w =
-      *reinterpret_cast<L*>((reinterpret_cast<std::uintptr_t>(memory) + 63) & ~std::uintptr_t(63));
-  w.z_next = w.z;
-  setContacts(b, step, lanes, w);
-  setLimits(b, step, w);
-  w.unsolved = less(R{}, R{} + N(1));
-  measureContacts(b, w);
+  L& w = workIn<L>(memory);
+  beginRounds(b, step, lanes, w);
   for (int round = 0; round < kMostRounds && any(w.unsolved); ++round) {
     if (round >= kNewton) {
       w.unsolved = both(w.unsolved, tooDeep(step, w));
@@ -461,29 +527,17 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
     endRound(b, w);
   }
   checkBounds(step, w);
-  R touched{};
-  for (int i = 0; i < w.contact_count; ++i)
-    touched = larger(touched, select(less(R{}, w.contacts[i].press), R{} + N(1), R{}));
-  R pressed = touched;
-  for (int i = 0; i < w.limit_count; ++i)
-    if (w.limits[i].limit->compliance == 0)
-      pressed = larger(pressed, select(less(R{}, w.limits[i].press), R{} + N(1), R{}));
+  const R touched = touchedOf(w), pressed = pressedOf(w, touched);
   if (any(less(R{}, touched))) limitMotion(b, step, lanes, w, touched);
   keepWhole(b, lanes, w);
   tree::place(b.tree, w.tree, w.x, w.dx, w.x);  // the new positions
-  const N gain = N(0.5 * kFreeGain * kFreeGain * massOf(b));
-  const R slack = select(less(R{}, pressed), R{}, R{} + gain);
+  const R slack = select(less(R{}, pressed), R{}, R{} + N(freeGain(b)));
   const R kept = energyBound(b, step, lanes, w, 1);
   endVelocities(b, step, w);
   limitVelocities(b, step, lanes, w, kept, slack, touched);
   findDeep(b, step, lanes, w);
   store(b, step, lanes, w);
   storePresses(b, step, lanes, w);
-}
-
-template <class L>
-constexpr PackMethod methodOf() {
-  return {L::W, &L::room, &predict<L>, &finish<L>};
 }
 
 }  // namespace ragdoll::fast

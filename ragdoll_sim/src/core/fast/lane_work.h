@@ -102,6 +102,7 @@ struct LaneWork {
   R off;                    ///< largest squared sine; stretch at the start
   R travel, margin;         ///< [m] of the fastest particle in the step; contacts nearer take part
   R change;                 ///< [m], [rad] the largest of a sweep's
+  N settled;                ///< [m], [rad] sweeps that change less are the last
   Mask met;                 ///< who comes near an obstacle
   Mask unsettled;           ///< whose sweeps still change something
   Mask unsolved;            ///< whose Newton rounds still do

@@ -1,5 +1,5 @@
 // Packs for AVX2: compiled with -mavx2 where the compiler has it (CMakeLists.txt).
-#include "core/fast/lane_step.h"
+#include "core/fast/lane_together.h"
 #include "core/fast/methods.h"
 
 namespace ragdoll::fast {

@@ -1,6 +1,6 @@
 // Packs for AVX-512: compiled with -mavx512f -mavx512dq where the compiler has them
 // (CMakeLists.txt).
-#include "core/fast/lane_step.h"
+#include "core/fast/lane_together.h"
 #include "core/fast/methods.h"
 
 namespace ragdoll::fast {

@@ -1,5 +1,5 @@
 // Packs of the least instruction set that there is, and single bodies.
-#include "core/fast/lane_step.h"
+#include "core/fast/lane_together.h"
 #include "core/fast/methods.h"
 
 namespace ragdoll::fast {

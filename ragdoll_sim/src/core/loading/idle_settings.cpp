@@ -8,7 +8,6 @@ namespace {
 
 /// Why packs take no body of the scene; empty: they take some.
 std::string whyNoPacks(const Model& model) {
-  if (model.ragdoll_collision) return "with ragdoll_collision it leaves all bodies to shake";
   if (model.compliant) return "with contact that gives way it leaves all bodies to shake";
   return "";
 }

