@@ -1,7 +1,6 @@
 #include "core/fast/fast.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/direct/direct_step.h"
 #include "core/fast/batches.h"
