@@ -4,7 +4,7 @@
 #include "core/fast/lane_energy.h"
 #include "core/fast/lane_guess.h"
 #include "core/fast/lane_limits.h"
-#include "core/fast/lane_presses.h"
+#include "core/fast/lane_rates.h"
 #include "core/fast/lane_search.h"
 #include "core/fast/pack_transpose.h"
 
@@ -129,14 +129,6 @@ RAGDOLL_SECTION void checkLengths(const FastBody& b, L& w) {
   }
 }
 
-/// Directions, H and its factors at the start.
-template <class L>
-RAGDOLL_SECTION void setTree(const FastBody& b, L& w) {
-  tree::setFrames(b.tree, w.x, w.tree);
-  tree::setMatrix(b.tree, b.depth.data(), w.tree);
-  tree::factorise(b.tree, 0, w.tree);
-}
-
 template <class L>
 void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) {
   using R = typename L::R;
@@ -173,145 +165,6 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
   for (int l = 0; l < L::W; ++l)
     if (lanes[l].predicted && (step.whole || lanes[l].hard_count > 0))
       for (int i = 0; i < n; ++i) lanes[l].predicted[i] = lanes[l].x[i] + lane(w.dx[i], l);
-}
-
-/// One sweep of the velocity stage: what pressed does not approach any more, or comes back by
-/// Newton's law of impact where it came faster than rest. gap, slip: [m] h times the rates before.
-template <class L>
-RAGDOLL_SECTION void sweepRates(L& w) {
-  using R = typename L::R;
-  w.change = R{};
-  for (int i = 0; i < w.pressing_contacts; ++i) {
-    ContactRow<R>& row = w.contacts[w.pressing[i]];
-    R rate[3] = {row.gap, row.slip[0], row.slip[1]};
-    addAlong<3>(w, row.feature->row, row.z, rate);
-    pressRow(w, row, rate, w.unsettled, row.rate_press, row.rate_pull);
-  }
-  for (int i = 0; i < w.pressing_limits; ++i) {
-    LimitRow<R>& row = w.limits[w.pressing[w.pressing_contacts + i]];
-    R rate = row.value;
-    addAlong<1>(w, row.limit->row, row.z, &rate);
-    const R press = select(w.unsettled, larger(row.allowed - rate * row.inverse, R{}), row.allowed);
-    if (!any(either(less(R{}, press), less(R{}, row.allowed)))) continue;
-    const R change = press - row.allowed;
-    w.change = larger(w.change, row.answer * (signOf(change) * change));
-    row.allowed = press;
-    pushAlong<1>(row.limit->row, row.z, &change, w);
-  }
-  w.unsettled = both(w.unsettled, less(R{} + w.settled, w.change));
-}
-
-/// Where a row that presses starts in the velocity stage: what pressed as hard before goes on, the
-/// rest was an impact. rate: [m] h times what its point does.
-template <class R, class M>
-RAGDOLL_INLINE void startRate(const M& presses, const V3<R>& rate, ContactRow<R>& row) {
-  using N = typename tree::NumberOf<R>::Type;
-  row.inverse_normal = select(presses, row.inverse_normal, R{});
-  row.inverse_tangent = select(presses, row.inverse_tangent, R{});
-  row.gap = dot(row.axes[0], rate);
-  const R lasting = select(less(row.last, row.press), row.last, row.press);
-  const R share = lasting / atLeast(row.press, N(1e-30));
-  row.rate_press = share * row.press;
-  for (int c = 0; c < 2; ++c) {
-    row.slip[c] = dot(row.axes[c + 1], rate);
-    row.rate_pull[c] = share * row.pull[c];
-  }
-}
-
-/// Where the velocity stage starts: half of what pressed in the step, against half of gravity.
-template <class L>
-RAGDOLL_SECTION void startRates(const FastBody& b, const PackStep& step,
-                                const V3<typename L::R>& kick, L& w) {
-  using R = typename L::R;
-  using N = typename L::N;
-  const double g = std::sqrt(step.gravity[0] * step.gravity[0] + step.gravity[1] * step.gravity[1] +
-                             step.gravity[2] * step.gravity[2]);
-  const R least = R{} + N(kBounce * g * step.h);
-  int* list = w.pressing;
-  for (int i = 0; i < w.awake_count; ++i) {
-    ContactRow<R>& row = w.contacts[w.awake[i]];
-    const auto presses = less(R{}, row.press);
-    if (!any(presses)) continue;
-    *list++ = w.awake[i];
-    const V3<R> rate = atFeature(*row.feature, row.weight, w.dx) + kick - row.motion;
-    startRate(presses, rate, row);
-    const R back = N(step.h) * row.restitution * row.approach;
-    const auto impact = less(least, row.approach);
-    row.gap = row.gap - select(impact, back, R{});
-    if (any(less(R{}, row.rate_press))) push(w, row, row.rate_press, row.rate_pull);
-  }
-  w.pressing_contacts = static_cast<int>(list - w.pressing);
-  const int* const limits = list;
-  for (int i = 0; i < w.limit_count; ++i) {
-    LimitRow<R>& row = w.limits[i];
-    if (!any(less(R{}, row.press))) continue;
-    if (list == limits) tree::factorTimes(b.tree, w.tree, w.q, w.total);
-    *list++ = i;
-    row.allowed = select(less(row.last, row.press), row.last, row.press);
-    if (row.limit->compliance > 0) {  // a spring's second half step, whatever the rate
-      row.inverse = R{};
-      row.allowed = row.press;
-    }
-    row.inverse = select(less(R{}, row.press), row.inverse, R{});
-    row.value = R{};
-    for (int k = 0; k < row.limit->row.size(); ++k)
-      row.value += row.z[k] * w.total[row.limit->row.index[k]];
-    if (any(less(R{}, row.allowed))) pushAlong<1>(row.limit->row, row.z, &row.allowed, w);
-  }
-  w.pressing_limits = static_cast<int>(list - w.pressing) - w.pressing_contacts;
-}
-
-/// w.dx <- what a pin leaves of it at the new pose [Andersen1983].
-template <class L>
-RAGDOLL_SECTION void holdVelocities(const FastBody& b, L& w) {
-  const int n = 3 * b.tree.particles;
-  for (int i = 0; i < n; i += 3) store3(load3(w.dx + i) - w.shift, w.dx + i);
-  setTree(b, w);
-  tree::momentum(b.tree, w.dx, w.tree);
-  tree::gather(b.tree, w.tree, w.y);
-  tree::solveUp(b.tree, w.tree, w.y);
-  tree::solveDown(b.tree, w.tree, w.y);
-  tree::move(b.tree, w.tree, w.y, w.dx);
-  for (int i = 0; i < n; i += 3) store3(load3(w.dx + i) + w.shift, w.dx + i);
-}
-
-/// [m] Half a step of gravity, of velocities times h.
-template <class L>
-RAGDOLL_INLINE V3<typename L::R> kickOf(const PackStep& step) {
-  return typename L::N(0.5 * step.h * step.h) * spread3<L>(step.gravity);
-}
-
-/// What the velocity stage's rows have pushed (w.y) goes into w.dx.
-template <class L>
-RAGDOLL_SECTION void takePushes(const FastBody& b, L& w) {
-  tree::solveDown(b.tree, w.tree, w.y);
-  tree::move(b.tree, w.tree, w.y, w.spare);
-  for (int i = 0; i < 3 * b.tree.particles; ++i) w.dx[i] += w.spare[i];
-}
-
-/// The rest of the velocities at the step's end.
-template <class L>
-RAGDOLL_INLINE void endRates(const FastBody& b, const V3<typename L::R>& kick, L& w) {
-  for (int i = 0; i < 3 * b.tree.particles; i += 3) store3(load3(w.dx + i) + kick, w.dx + i);
-  if (b.tree.roots[0].pinned) holdVelocities(b, w);
-}
-
-/// w.dx <- h times the velocities at the step's end: the mean's, half a step of gravity, and what
-/// contacts, limits and a pin answer to that.
-template <class L>
-RAGDOLL_SECTION void endVelocities(const FastBody& b, const PackStep& step, L& w) {
-  using R = typename L::R;
-  const V3<typename L::R> kick = kickOf<L>(step);
-  if (w.contact_count + w.limit_count > 0) {
-    for (int k = 0; k < b.tree.size; ++k) w.y[k] = typename L::R{};
-    startRates(b, step, kick, w);
-    if (w.pressing_contacts + w.pressing_limits > 0) {
-      w.unsettled = less(R{}, R{} + typename L::N(1));
-      for (int sweep = 0; sweep < kRateSweeps && any(w.unsettled); ++sweep) sweepRates(w);
-      takePushes(b, w);
-    }
-  }
-  endRates(b, kick, w);
 }
 
 /// Positions (w.x) and velocities (w.dx, times h), which it uses up, of the bodies that came

@@ -163,6 +163,14 @@ RAGDOLL_SECTION void setPose(const FastBody& b, L& w) {
   tree::retract(b.tree, w.q, w.shift, w.tree, w.dx, w.off);
 }
 
+/// Directions, H and its factors at the start.
+template <class L>
+RAGDOLL_SECTION void setTree(const FastBody& b, L& w) {
+  tree::setFrames(b.tree, w.x, w.tree);
+  tree::setMatrix(b.tree, b.depth.data(), w.tree);
+  tree::factorise(b.tree, 0, w.tree);
+}
+
 /// [m] of a plane's offset from an origin.
 RAGDOLL_INLINE double offsetFrom(const double* origin, const double* normal, double offset) {
   return offset - (normal[0] * origin[0] + normal[1] * origin[1] + normal[2] * origin[2]);
