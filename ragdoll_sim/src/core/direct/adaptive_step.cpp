@@ -233,8 +233,9 @@ double StepParts::take(double from, double part, double allowed, StepReport& rep
   const double error = kOfDefect * takeOnce(from, part, s_.before, s_.after, once);
   const bool guarded = once.guarded > 0, known = !guarded && error < kUnknownRate;
   const bool smooth = isSmooth(once, {&s_.after});
-  const bool stands =
-      !hasSprings() && (!smooth || (part > kLongPart * whole_.h && error <= allowed));
+  const double longest = kLongPart * whole_.h;
+  const bool shorter = kAim * allowed * part * part > error * longest * longest;
+  const bool stands = !hasSprings() && (!smooth || shorter);
   // rk's motions have no defect, and a spring's force may come and go between the ends that the
   // defect sees: their halves tell. Where the guard acts, shorter parts are cheaper than its
   // substeps.

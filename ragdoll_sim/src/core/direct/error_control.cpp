@@ -57,13 +57,15 @@ bool ErrorControl::accepts(double error, int order) {
     return false;
   }
   // One that stands is no reason for shorter ones: where they gain nothing they would have no end.
-  // Where shorter parts were in vain the next one is longer, and is held against this one.
+  // Where shorter parts were in vain the next one is longer: behind one jump the motion is as any
+  // other; if shorter ones are in vain there, too, what follows is held against this one.
   const double steady = other_rate_ > 0 ? 1 : std::max(growth, 1.0);
   next_ = std::min(part_ * (kept ? steady : kLargestGrowth), h_);
-  if (kept) {
+  if (kept || (last_kept_ && rate < kUnknownRate)) {
     other_rate_ = 0;
     in_vain_ = 0;
   }
+  last_kept_ = kept;
   missed_ = missed_ || !kept;
   if (rate < kUnknownRate) made_ += error;
   spent_ += std::min(error, may_have);

@@ -36,6 +36,7 @@ class ErrorControl {
   double other_rate_ = 0, other_part_ = 0;  ///< of the last one that was not kept; 0: none
   int in_vain_ = 0;                       ///< of these one after the other that did not help
   int taken_ = 0;
+  bool last_kept_ = true;                 ///< the last part that stands
   bool missed_ = false;
 };
 

@@ -66,6 +66,19 @@ TEST(ErrorControl, PassesAJumpAndTellsSo) {
   EXPECT_GT(taken.report.error_estimate, kTolerance);
 }
 
+/// Behind what shorter parts do not help with the motion is as any other.
+TEST(ErrorControl, KeepsWhatFollowsAJump) {
+  for (const double rough : {3.0, 100.0, 300.0}) {  // [m/s^3]
+    const auto error = [&](double from, double part) {
+      return rough * std::pow(part, 3) + (from <= 0.001 && from + part > 0.001 ? 1e-3 : 0.0);
+    };
+    const Taken taken = take(error, 2);
+    EXPECT_NEAR(taken.end, kWholeStep, 1e-12);
+    EXPECT_LE(taken.error - 1e-3, kTolerance * kWholeStep) << rough;
+    EXPECT_EQ(taken.report.tolerance_missed, 3);
+  }
+}
+
 TEST(ErrorControl, LetsOneEventHaveWhatThePartsThatFollowDoNotNeed) {
   const auto small = [](double from, double part) {
     return from <= 0.03 && from + part > 0.03 ? 0.4 * kTolerance * kWholeStep : 0.0;
