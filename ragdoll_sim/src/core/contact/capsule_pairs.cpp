@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/contact/constants.h"
 #include "core/contact/first_touch.h"
@@ -12,7 +13,9 @@ namespace {
 
 constexpr int kTaperSteps = 6;          ///< of one parameter after the other; 2 to 4 are usual
 constexpr double kSettledPlace = 1e-9;  ///< of a parameter
-constexpr int kMaxHalvings = 4;         ///< of the step, to find when axes had not yet crossed
+/// Squared sine between axes: rounding grows by its inverse.
+constexpr double kAllButParallel = 1e-10;
+constexpr int kMaxHalvings = 4;  ///< of the step, to find when axes had not yet crossed
 
 double clampUnit(double s) { return std::clamp(s, 0.0, 1.0); }
 
@@ -112,16 +115,61 @@ AxisPoints closestPoints(const CapsuleAxis& first, const CapsuleAxis& second) {
   return at;
 }
 
+namespace {
+
+/// The gap |w| - r1(s) - r2(t), w = r + s d1 - t d2, is convex. Where its gradient is zero the
+/// normal n = w / |w| has n . d1 = r1', n . d2 = -r2': its part in the axes' plane, and so |w| from
+/// their distance, then s and t. If that is beyond sides of the square, it is least on one of
+/// these. False: the axes are too nearly parallel.
+bool findNearest(const CapsuleAxis& first, const CapsuleAxis& second, AxisPoints& at) {
+  const Vec3 d1 = first.b - first.a, d2 = second.b - second.a, r = first.a - second.a;
+  const double a = d1.squaredNorm(), e = d2.squaredNorm(), b = d1.dot(d2);
+  const double determinant = a * e - b * b;
+  if (!(determinant > kAllButParallel * a * e)) return false;
+  const double taper1 = first.rb - first.ra, taper2 = second.rb - second.ra;
+  const double in_plane =
+      (taper1 * taper1 * e + 2 * taper1 * taper2 * b + taper2 * taper2 * a) / determinant;
+  AxisPoints best{-1, -1};  // of the whole plane; where there is none, all four sides are tried
+  bool all = true;
+  if (in_plane < 1) {
+    all = false;
+    const double apart = std::abs(r.dot(d1.cross(d2))) / std::sqrt(determinant * (1 - in_plane));
+    const double p = apart * taper1 - r.dot(d1), q = -apart * taper2 - r.dot(d2);
+    best = {(e * p - b * q) / determinant, (b * p - a * q) / determinant};
+    if (best.s >= 0 && best.s <= 1 && best.t >= 0 && best.t <= 1) {
+      at = best;
+      return true;
+    }
+  }
+  double least = std::numeric_limits<double>::infinity();
+  const auto consider = [&](const AxisPoints& side) {
+    const double gap = gapAt(first, second, side);
+    if (!(gap < least)) return;
+    least = gap;
+    at = side;
+  };
+  for (const double end : {0.0, 1.0}) {
+    const auto beyond = [&](double s) { return all || (end == 0 ? s < 0 : s > 1); };
+    if (beyond(best.s)) consider({end, nearestTo(second, first.at(end))});
+    if (beyond(best.t)) consider({nearestTo(first, second.at(end)), end});
+  }
+  return true;
+}
+
+}  // namespace
+
 AxisPoints nearestPoints(const CapsuleAxis& first, const CapsuleAxis& second) {
-  AxisPoints at = closestPoints(first, second);
-  if (first.ra == first.rb && second.ra == second.rb) return at;
+  AxisPoints at;
+  if (first.ra == first.rb && second.ra == second.rb) return closestPoints(first, second);
+  if (findNearest(first, second, at)) return at;
+  at = closestPoints(first, second);
   for (int i = 0; i < kTaperSteps; ++i) {
     const AxisPoints before = at;
     at.s = nearestTo(first, second.at(at.t));
     at.t = nearestTo(second, first.at(at.s));
     if (std::abs(at.s - before.s) + std::abs(at.t - before.t) < kSettledPlace) return at;
   }
-  // Axes almost parallel: a valley that steps along s and t descend slowly. Its floor is convex.
+  // A valley that steps along s and t descend slowly. Its floor is convex.
   const auto along = [&](double s) { return AxisPoints{s, nearestTo(second, first.at(s))}; };
   const auto gap = [&](double s) { return gapAt(first, second, along(s)); };
   return along(goldenSection(gap, 0, 1));

@@ -1,9 +1,10 @@
 // Capsule against capsule: two sticks whose radii vary along them from end to end.
 //
-// The gap |P(s) - Q(t)| - r1(s) - r2(t) is convex in (s, t) in [0, 1]^2. Its minimum starts at the
-// closest points of the two axes [Ericson2005, sec. 5.1.9] and is moved by the taper, one parameter
-// at a time in closed form, or by golden sections where that settles slowly. Axes almost parallel
-// touch at two places, the ends of their overlap.
+// The gap |P(s) - Q(t)| - r1(s) - r2(t) is convex in (s, t) in [0, 1]^2, and its minimum in closed
+// form: without taper at the closest points of the axes [Ericson2005, sec. 5.1.9], else where its
+// gradient is zero, or on a side of the square. Where axes are all but parallel one parameter is
+// sought after the other, or by golden sections where that settles slowly. Such capsules touch at
+// two places, the ends of their overlap.
 #pragma once
 
 #include <array>

@@ -66,8 +66,7 @@ Vec3 pointBefore(const Island& island, const Contact& c) {
   return surfaceAt(island.context.model, own, centre);
 }
 
-/// What the position stage gave to a contact: along the normal, and at the place, of the motion's
-/// start.
+/// What the position stage gave to a contact along its rows, at the place of the motion's start.
 void addPosition(const Island& island, const Contact& c, const Vec3& impulse) {
   const StepContext& step = island.context;
   ContactImpulse e = entryOf(step.model, step.state, c);
@@ -248,7 +247,8 @@ void cutLog(Island& island, std::size_t size) {
   if (isLogged(island)) logOf(island).impulses.resize(size);
 }
 
-void logPositions(Island& island, double h) {
+void logPositions(Island& island, double h, bool leapfrog) {
+  const auto as_rows = [&](const Contact& c) { return leapfrog ? c.atStart() : c; };
   const IslandScratch& s = island.s;
   const std::size_t before = logSize(island);
   Vec3 impulse;
@@ -260,7 +260,7 @@ void logPositions(Island& island, double h) {
       if (row < 0 || row >= body.total.size()) continue;
       const int first = s.joint.firstOf(static_cast<int>(k)) + row;
       if (!takeImpulse(island, s.total, first, 1 / h, impulse)) continue;
-      const Contact c = set.contacts[i].atStart();
+      const Contact c = as_rows(set.contacts[i]);
       impulse += lockedFriction(island.context, body, c, row, impulse);
       addPosition(island, c, impulse);
       joinEnds(c, island.context.log->impulses, before);
@@ -270,7 +270,7 @@ void logPositions(Island& island, double h) {
   for (std::size_t i = 0; i < pairs.contacts.size() && i < pairs.row.size(); ++i) {
     if (pairs.row[i] < 0 || pairs.row[i] >= s.total.size()) continue;
     if (!takeImpulse(island, s.total, pairs.row[i], 1 / h, impulse)) continue;
-    addPosition(island, pairs.contacts[i].atStart(), impulse);
+    addPosition(island, as_rows(pairs.contacts[i]), impulse);
   }
 }
 

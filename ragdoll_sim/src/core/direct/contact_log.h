@@ -7,8 +7,9 @@
 
 namespace ragdoll {
 
-/// The position stage's, as its rows and s.total stand: [kg m] over h.
-void logPositions(Island& island, double h);
+/// The position stage's, as its rows (leapfrog: of the motion's start, else of its end) and s.total
+/// stand: [kg m] over h.
+void logPositions(Island& island, double h, bool leapfrog);
 
 struct LoggedStage {
   bool impact = false;  ///< rates are those of an approach

@@ -336,7 +336,7 @@ const RowValues& pushVelocities(Island& island, int first_pair, const Solution& 
   }
   const Sweeps kind = of.impact ? Sweeps::kOfAnImpact : Sweeps::kAlongTheSlip;
   const bool settled = s.joint.solve(b, p, sweepsOf(island, kind));
-  if (of.impact && !settled) solveExactly(island, b, p);
+  if (of.impact && !settled && solveExactly(island, b, p)) s.joint.holdInCones(p);
   keepPressed(island, first_pair, p, island.pairs.pushed);
   if (pressed) change = p - change;
   push(island, pressed ? change : p);
@@ -384,7 +384,7 @@ double leapfrogDefect(const Island& island, double h) {
 VelocitySolution finishMotion(Island& island, double h, bool leapfrog, Stage stage,
                               double damping) {
   findTouchingPairs(island, h, leapfrog);
-  if (isLogged(island)) logPositions(island, h);
+  if (isLogged(island)) logPositions(island, h, leapfrog);
   for (Body* body : island.bodies) makeMotion(*body, h, leapfrog);
   const VelocitySolution solution = solveVelocities(island, stage, h, damping);
   for (Body* body : island.bodies) body->memory->response.endIsStart();

@@ -8,20 +8,6 @@
 #include "core/linear/schur_sweeps.h"
 
 namespace ragdoll {
-namespace {
-
-/// Friction that a load shared anew leaves outside its cone, as sweeps would put it back.
-void holdInCones(const std::vector<SchurBlock>& blocks, RowValues& p) {
-  for (const SchurBlock& b : blocks) {
-    if (!b.has_tangents) continue;
-    const double limit = b.friction * std::max(0.0, p[b.row]);
-    const double force = std::hypot(p[b.row + 1], p[b.row + 2]);
-    if (force > limit) p.segment<2>(b.row + 1) *= limit / force;
-  }
-}
-
-}  // namespace
-
 /// As findBlocks and projectedGaussSeidel want them.
 struct JointSchur::View {
   JointSchur& joint;
@@ -134,7 +120,7 @@ bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeping sweeps) {
   for (int k = 0; settled && k < kShareRounds; ++k) {
     const double change = share(p, k > 0);
     if (change <= kShared) {
-      holdInCones(isOneBody() ? bodies_[0]->blocks() : blocks_, p);
+      holdInCones(p);
       break;
     }
     settled = sweep(b, p, sweeps);
@@ -142,6 +128,15 @@ bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeping sweeps) {
     last = change;
   }
   return settled;
+}
+
+void JointSchur::holdInCones(RowValues& p) const {
+  for (const SchurBlock& b : isOneBody() ? bodies_[0]->blocks() : blocks_) {
+    if (!b.has_tangents) continue;
+    const double limit = b.friction * std::max(0.0, p[b.row]);
+    const double force = std::hypot(p[b.row + 1], p[b.row + 2]);
+    if (force > limit) p.segment<2>(b.row + 1) *= limit / force;
+  }
 }
 
 double JointSchur::share(RowValues& p, bool again) {

@@ -46,6 +46,9 @@ class JointSchur {
 
   /// p from b, starting at p. Returns whether it settled.
   bool solve(const RowValues& b, RowValues& p, Sweeping sweeps = Sweeps::kToTheEnd);
+  /// Takes back friction that another solution, or a load shared anew, leaves outside its cone, as
+  /// sweeps would.
+  void holdInCones(RowValues& p) const;
   /// Goes on where solve gave up, with the same b (sweep_batches.h). Whether it settled.
   bool solveOn(const RowValues& b, RowValues& p);
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <random>
 
 namespace ragdoll {
@@ -58,6 +60,29 @@ TEST(NearestPoints, OfTaperedCapsulesMatchASearch) {
       for (int t = 0; t <= kGrid; ++t)
         best = std::min(best, gapAt(a, b, {1.0 * s / kGrid, 1.0 * t / kGrid}));
     EXPECT_LE(gapAt(a, b, nearestPoints(a, b)), best + 2e-4) << i;
+  }
+}
+
+/// The gap is convex: where no place near by is nearer, none is.
+TEST(NearestPoints, HaveNoPlaceNearByThatIsNearer) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const auto point = [&] { return Vec3(unit(random), unit(random), unit(random)); };
+  const auto radius = [&] { return 0.3 * std::abs(unit(random)); };
+  for (int i = 0; i < 4000; ++i) {
+    CapsuleAxis a = axis(point(), point(), radius(), radius());
+    CapsuleAxis b = axis(point(), point(), radius(), radius());
+    if (i % 4 == 1) b.b = b.a + (a.b - a.a) + 0.01 * point();  // almost parallel
+    if (i % 4 == 2) a.b = a.a + 0.05 * point();                // one end may hold the other
+    if (i % 4 == 3) b.b = b.a;
+    const AxisPoints at = nearestPoints(a, b);
+    const double gap = gapAt(a, b, at);
+    for (int k = 0; k < 20; ++k) {
+      const double size = std::pow(10.0, -1 - 6 * std::abs(unit(random)));
+      const AxisPoints near{std::clamp(at.s + size * unit(random), 0.0, 1.0),
+                            std::clamp(at.t + size * unit(random), 0.0, 1.0)};
+      ASSERT_LE(gap, gapAt(a, b, near) + 1e-14) << i;
+    }
   }
 }
 
