@@ -129,10 +129,9 @@ bool findNearest(const CapsuleAxis& first, const CapsuleAxis& second, AxisPoints
   const double taper1 = first.rb - first.ra, taper2 = second.rb - second.ra;
   const double in_plane =
       (taper1 * taper1 * e + 2 * taper1 * taper2 * b + taper2 * taper2 * a) / determinant;
-  AxisPoints best{-1, -1};  // of the whole plane; where there is none, all four sides are tried
-  bool all = true;
-  if (in_plane < 1) {
-    all = false;
+  AxisPoints best;                     // of the whole plane,
+  const bool has_best = in_plane < 1;  // or else all four sides are tried
+  if (has_best) {
     const double apart = std::abs(r.dot(d1.cross(d2))) / std::sqrt(determinant * (1 - in_plane));
     const double p = apart * taper1 - r.dot(d1), q = -apart * taper2 - r.dot(d2);
     best = {(e * p - b * q) / determinant, (b * p - a * q) / determinant};
@@ -149,7 +148,7 @@ bool findNearest(const CapsuleAxis& first, const CapsuleAxis& second, AxisPoints
     at = side;
   };
   for (const double end : {0.0, 1.0}) {
-    const auto beyond = [&](double s) { return all || (end == 0 ? s < 0 : s > 1); };
+    const auto beyond = [&](double s) { return !has_best || (end == 0 ? s < 0 : s > 1); };
     if (beyond(best.s)) consider({end, nearestTo(second, first.at(end))});
     if (beyond(best.t)) consider({nearestTo(first, second.at(end)), end});
   }
@@ -159,8 +158,8 @@ bool findNearest(const CapsuleAxis& first, const CapsuleAxis& second, AxisPoints
 }  // namespace
 
 AxisPoints nearestPoints(const CapsuleAxis& first, const CapsuleAxis& second) {
-  AxisPoints at;
   if (first.ra == first.rb && second.ra == second.rb) return closestPoints(first, second);
+  AxisPoints at;
   if (findNearest(first, second, at)) return at;
   at = closestPoints(first, second);
   for (int i = 0; i < kTaperSteps; ++i) {

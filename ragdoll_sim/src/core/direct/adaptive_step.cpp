@@ -233,9 +233,10 @@ double StepParts::take(double from, double part, double allowed, StepReport& rep
   const double error = kOfDefect * takeOnce(from, part, s_.before, s_.after, once);
   const bool guarded = once.guarded > 0, known = !guarded && error < kUnknownRate;
   const bool smooth = isSmooth(once, {&s_.after});
-  const double longest = kLongPart * whole_.h;
-  const bool shorter = kAim * allowed * part * part > error * longest * longest;
-  const bool stands = !hasSprings() && (!smooth || shorter);
+  // Whether parts that aim at what is allowed are longer than the least of second order.
+  const double least = kLongPart * whole_.h;
+  const bool long_enough = kAim * allowed * part * part > error * least * least;
+  const bool stands = !hasSprings() && (!smooth || long_enough);
   // rk's motions have no defect, and a spring's force may come and go between the ends that the
   // defect sees: their halves tell. Where the guard acts, shorter parts are cheaper than its
   // substeps.

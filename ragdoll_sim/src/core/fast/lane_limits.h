@@ -82,6 +82,17 @@ RAGDOLL_SECTION typename L::Mask measureLimits(const FastBody& b, L& w) {
   return sunk;
 }
 
+/// One update of a limit's push, which closes gap [rad] if it pushes, or its rate.
+template <class R, class L>
+RAGDOLL_INLINE void pressLimit(L& w, const LimitRow<R>& row, const R& gap, R& press) {
+  const R next = select(w.unsettled, larger(press - gap * row.inverse, R{}), press);
+  if (!any(either(less(R{}, next), less(R{}, press)))) return;
+  const R change = next - press;
+  w.change = larger(w.change, row.answer * (signOf(change) * change));
+  press = next;
+  pushAlong<1>(row.limit->row, row.z, &change, w);
+}
+
 template <class L>
 RAGDOLL_SECTION void sweepLimits(L& w) {
   using R = typename L::R;
@@ -90,12 +101,7 @@ RAGDOLL_SECTION void sweepLimits(L& w) {
     if (!row.z) continue;
     R gap = row.value + row.compliance * row.press;
     addAlong<1>(w, row.limit->row, row.z, &gap);
-    const R press = select(w.unsettled, larger(row.press - gap * row.inverse, R{}), row.press);
-    if (!any(either(less(R{}, press), less(R{}, row.press)))) continue;
-    const R change = press - row.press;
-    w.change = larger(w.change, row.answer * (signOf(change) * change));
-    row.press = press;
-    pushAlong<1>(row.limit->row, row.z, &change, w);
+    pressLimit(w, row, gap, row.press);
   }
 }
 

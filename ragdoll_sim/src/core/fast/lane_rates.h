@@ -24,12 +24,7 @@ RAGDOLL_SECTION void sweepRates(L& w) {
     LimitRow<R>& row = w.limits[w.pressing[w.pressing_contacts + i]];
     R rate = row.value;
     addAlong<1>(w, row.limit->row, row.z, &rate);
-    const R press = select(w.unsettled, larger(row.allowed - rate * row.inverse, R{}), row.allowed);
-    if (!any(either(less(R{}, press), less(R{}, row.allowed)))) continue;
-    const R change = press - row.allowed;
-    w.change = larger(w.change, row.answer * (signOf(change) * change));
-    row.allowed = press;
-    pushAlong<1>(row.limit->row, row.z, &change, w);
+    pressLimit(w, row, rate, row.allowed);
   }
   w.unsettled = both(w.unsettled, less(R{} + w.settled, w.change));
 }
