@@ -41,7 +41,7 @@ void addSleep(Scripts& scripts) {
 
 void addTouching(Scripts& scripts) {
   scripts.add(
-      "bodies of every model on each other", 2,
+      "bodies of every model on each other", 1.2,
       "ragdolls: [{name: a, model: human, position: [0, 0, 0.3], rpy_deg: [0, -90, 0]},\n"
       "           {name: b, model: human_lumped, position: [0.2, 0.1, 0.9], rpy_deg: [0, 80, "
       "30]},\n"
@@ -97,7 +97,7 @@ void addStarts(Scripts& scripts) {
               human("position: [0, 0, 1.2]" + place + ", left_foot: [30, 3, 1]}") +
                   "self_collision: true\n" + kFloor);
   scripts.add(
-      "two start in each other", 0.1,
+      "two start in each other", 0.05,
       "ragdolls: [{name: a, model: human, position: [0, 0, 0.9], rpy_deg: [0, 60, 0]},\n"
       "           {name: b, model: human, position: [0.2, 0.15, 1], rpy_deg: [0, 60, 40]}]\n"
       "ragdoll_collision: true\nself_collision: true\n" +

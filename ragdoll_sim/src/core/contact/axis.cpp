@@ -132,6 +132,14 @@ double nearest(const Axis& axis) {
   return 1;
 }
 
+double nearestTo(const Axis& axis, const std::array<int, 3>& feature, double beyond) {
+  const Vec3& half = axis.obstacle.half;
+  const Vec3 side(feature[0], feature[1], feature[2]);
+  const Vec3 outside = (side.array() != 0 || half.array() == 0).cast<double>();
+  return leastOf((axis.a - side.cwiseProduct(half)).cwiseProduct(outside),
+                 (axis.b - axis.a).cwiseProduct(outside), axis.rb - axis.ra, -beyond, 1 + beyond);
+}
+
 bool isRoundTo(const Axis& axis, double t, double end) {
   const double lo = std::min(t, end), hi = std::max(t, end);
   const Pieces pieces = piecesOf(axis);

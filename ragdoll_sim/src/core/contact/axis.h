@@ -2,6 +2,8 @@
 // it lies flat.
 #pragma once
 
+#include <array>
+
 #include "core/contact/constants.h"
 #include "core/contact/distance.h"
 #include "ragdoll_sim/core/model.h"
@@ -27,6 +29,11 @@ double travelOf(const Axis& start, const Axis& end);
 
 /// Nearest place to the obstacle, in [0, 1].
 double nearest(const Axis& axis);
+
+/// Nearest place of its line, also beyond its ends by `beyond` of its length, to that face, edge or
+/// corner of the obstacle's core that `feature` says: on which side (-1, 1) of each of its axes, 0
+/// for beside it.
+double nearestTo(const Axis& axis, const std::array<int, 3>& feature, double beyond);
 
 /// How far the axis is over a face of a box from its nearest place `t` towards `end` (0 or 1), at
 /// less than 10 degrees, or lies along an edge: all of it may come into touch at once. Across an

@@ -57,6 +57,9 @@ class StepParts {
 
   /// By rk without contact, error: what it made [m]. False: not in this way, and nothing is moved.
   bool takeFreely(double from, double part, double& error, StepReport& report);
+  /// By rk from event to event, in pieces that follow their own errors; error: of all [m]. False: it
+  /// is handed over, and nothing is moved.
+  bool takeThroughEvents(double from, double part, double& error, StepReport& report);
   /// As it comes; allowed: [m] that its error may be. Returns that [m].
   double take(double from, double part, double allowed, StepReport& report);
 
@@ -70,8 +73,10 @@ class StepParts {
   void saveIn(std::vector<SavedMotion>& saved) const;
   /// Where pins and obstacles are at both ends of a part.
   void lead(double from, double part);
-  /// Makes ready for a part, from what pressed before it.
-  void begin(double from, double part, const Impulses& before);
+  /// Makes ready for a part, from what pressed before it. events: whether it may go through them.
+  void begin(double from, double part, const Impulses& before, bool events);
+  /// after <- what presses at its end.
+  void keepPressed(Impulses& after) const;
   /// From what pressed before it to what does so at its end; returns its defect [m].
   double takeOnce(double from, double part, const Impulses& before, Impulses& after,
                   StepReport& report);
@@ -187,16 +192,17 @@ void StepParts::refine() {
   }
 }
 
-void StepParts::begin(double from, double part, const Impulses& before) {
+void StepParts::begin(double from, double part, const Impulses& before, bool events) {
   lead(from, part);
   part_.h = part;
+  part_.events = events;
   part_.before = &before;
   bindIsland(island_, bodies_, sleepers_);
   island_.s.defect = 0;
 }
 
 bool StepParts::takeFreely(double from, double part, double& error, StepReport& report) {
-  begin(from, part, s_.before);
+  begin(from, part, s_.before, whole_.events);
   if (!island_.isLone()) return false;
   beginStep(island_, report);
   if (!moveFreely(island_, part, error)) {
@@ -207,13 +213,30 @@ bool StepParts::takeFreely(double from, double part, double& error, StepReport& 
   return true;
 }
 
-double StepParts::takeOnce(double from, double part, const Impulses& before, Impulses& after,
-                           StepReport& report) {
-  begin(from, part, before);
-  stepIsland(island_, report);
+bool StepParts::takeThroughEvents(double from, double part, double& error, StepReport& report) {
+  StepReport through;
+  begin(from, part, s_.before, true);
+  const bool taken = stepThroughEvents(island_, error, through);
+  if (taken) {
+    keepPressed(s_.after);
+    report += through;
+  } else {
+    restore();
+  }
+  return taken;
+}
+
+void StepParts::keepPressed(Impulses& after) const {
   after.clear();
   for (const Body* body : island_.bodies) append(body->cache.impulses(), after);
   append(island_.pairs.cache.impulses(), after);
+}
+
+double StepParts::takeOnce(double from, double part, const Impulses& before, Impulses& after,
+                           StepReport& report) {
+  begin(from, part, before, false);
+  stepIsland(island_, report);
+  keepPressed(after);
   return island_.s.defect;
 }
 
@@ -252,6 +275,13 @@ double StepParts::take(double from, double part, double allowed, StepReport& rep
   return reached ? std::max(halved, kOfKick * part * kick(part)) : halved;
 }
 
+/// Of so many bodies, though it was counted in every part.
+StepReport atMost(int bodies, StepReport report) {
+  for (int* count : {&report.guarded, &report.limited, &report.joining, &report.unresolved})
+    *count = std::min(*count, bodies);
+  return report;
+}
+
 }  // namespace
 
 void stepWithinTolerance(const StepContext& context, const std::vector<int>& bodies,
@@ -260,26 +290,36 @@ void stepWithinTolerance(const StepContext& context, const std::vector<int>& bod
   StepParts parts(context, bodies, sleepers);
   ErrorControl control(context.h, solver.tolerance, parts.next());
   StepReport stood;
+  const auto stand = [&](const StepReport& part) {
+    parts.keep();
+    stood.contacts = 0;  // those of the last one are told
+    stood += part;
+  };
+  const int size = static_cast<int>(bodies.size());
+  bool events = context.events;
   while (!control.done()) {
     StepReport part;
     double error = 0;
     parts.save();
     const bool free = solver.method == Method::kRk &&
                       parts.takeFreely(control.from(), control.part(), error, part);
+    if (!free && events) {
+      events = parts.takeThroughEvents(control.from(), control.left(), error, part);
+      if (events) {
+        control.takeRest(error);
+        stand(part);
+        break;
+      }
+      stood.handed_over += size;
+    }
     if (!free)
       error = parts.take(control.from(), control.part(), control.allowed(kOrderOfShake), part);
-    if (control.accepts(error, free ? kOrderOfRk : kOrderOfShake)) {
-      parts.keep();
-      stood.contacts = 0;  // those of the last one are told
-      stood += part;
-    } else {
+    if (control.accepts(error, free ? kOrderOfRk : kOrderOfShake))
+      stand(part);
+    else
       parts.restore();
-    }
   }
-  const int size = static_cast<int>(bodies.size());
-  for (int* count : {&stood.guarded, &stood.limited, &stood.joining, &stood.unresolved})
-    *count = std::min(*count, size);
-  report += stood;
+  report += atMost(size, stood);
   control.tell(size, report);
   parts.end();
 }

@@ -75,6 +75,13 @@ bool ErrorControl::accepts(double error, int order) {
   return true;
 }
 
+void ErrorControl::takeRest(double error) {
+  missed_ = missed_ || error > tolerance_ * left_;
+  made_ += error;
+  left_ = 0;
+  ++taken_;
+}
+
 void ErrorControl::tell(int bodies, StepReport& report) const {
   report.substeps = std::max(report.substeps, taken_);
   report.error_estimate = std::max(report.error_estimate, made_ / h_);

@@ -15,9 +15,13 @@ class ErrorControl {
   ErrorControl(double h, double tolerance, double& next);
 
   bool done() const;
+  double left() const { return left_; }  ///< [s] of the step
   double part() const { return part_; }  ///< [s] to be taken next,
   double from() const;                   ///< [s] from the step's start on
   double allowed(int order) const;       ///< [m] that it may err by; of order: as accepts()
+
+  /// What is left of the step was taken by a method that keeps to the tolerance itself. error: [m]
+  void takeRest(double error);
 
   /// Whether a part may stand whose error [m] falls with its length to the power of order + 1.
   bool accepts(double error, int order);

@@ -7,7 +7,6 @@
 #include "core/direct/constants.h"
 #include "core/direct/direct_step.h"
 #include "core/direct/mode_constants.h"
-#include "core/direct/mode_events.h"
 #include "core/direct/motion.h"
 #include "core/direct/penetration.h"
 #include "core/direct/workspace.h"
@@ -42,11 +41,11 @@ double gapLeft(const StepContext& step, const Contact& c, const Points& x) {
 /// [m] What may overlap by less was pushed together by an island: it touches.
 double overlapOf(const StepContext& step, const Stepper* stepper) {
   if (stepper) return stepper->overlap();
-  return goesThroughEvents(step) ? kClosedGap : step.tolerances.touching;
+  return step.events ? kClosedGap : step.tolerances.touching;
 }
 /// [m] Bodies that go from event to event are one island when they come near, as what lies between
 /// their ends is looked at by none else.
-double nearOf(const StepContext& step) { return goesThroughEvents(step) ? kNearBody : kClose; }
+double nearOf(const StepContext& step) { return step.events ? kNearBody : kClose; }
 
 /// Positions <- where the body would go but for what holds it together.
 void fall(const StepContext& context, const SavedMotion& start, int i) {

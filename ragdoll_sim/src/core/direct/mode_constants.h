@@ -7,10 +7,15 @@ namespace ragdoll {
 // --- Pieces and events.
 constexpr double kGrowth = 3;      ///< of a piece over the one before, until the next event
 constexpr int kMostPieces = 6000;  ///< of one step, those that were too long among them
+/// Within a tolerance: so many, and that share of the parts that shake would take at the most.
+constexpr int kFewPieces = 10;
+constexpr double kPiecesOfParts = 0.05;
 /// [m/s] By the embedded formula. A slip that begins or ends asks for pieces as short as the time
 /// in which it changes: friction follows its direction.
 constexpr double kPieceError = 1e-11;
 constexpr int kOrderOfPiece = 5;        ///< of that error
+/// Of a tolerance's spare error: what one piece may take of it.
+constexpr double kOfSpare = 0.125;
 constexpr double kPieceAim = 0.8;       ///< of the longest piece that keeps it
 constexpr double kHalfPiece = 0.5;      ///< of one that did not, at most
 constexpr int kMostSolutions = 100;     ///< of equalities, until the directions of slips are found
@@ -62,10 +67,10 @@ constexpr int kModeChanges = 60;       ///< until equalities and inequalities ag
 constexpr int kModeProjections = 8;    ///< onto sticks and rows in turn; 1 or 2 are usual
 constexpr double kProjected = 1e-13;   ///< [m], [rad] to which that converges
 constexpr int kEventSamples = 4;       ///< in a piece, between which event functions are looked at
-constexpr int kEventRefinements = 12;  ///< of the time of an event, by motions that end there
+constexpr int kEventRefinements = 12;  ///< until none comes before the first
 constexpr double kPlaceNoise = 1e-12;  ///< [m], and of a stick's length
 constexpr double kSlipNoise = 1e-12;   ///< [m/s]
-constexpr int kZeroSearches = 40;      ///< for an event within a sample: a cap
+constexpr int kZeroSearches = 40;      ///< for an event's time: a cap
 constexpr double kZeroShare = 1e-9;    ///< of the piece; motions that end there do the rest
 constexpr double kSlopeShare = 1e-3;   ///< of the piece, over which an event function is straight
 constexpr double kEventNear = 1e-10;   ///< [s] and to which it has to

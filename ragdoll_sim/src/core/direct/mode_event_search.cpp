@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/contact/first_touch.h"
@@ -61,10 +62,11 @@ bool eventsAt(Island& island, ModePoint& point, std::vector<double>& values) {
     for (int e = 0; e < kEventsOfRow; ++e)
       values[kEventsOfRow * i + e] = eventValue(island, i, static_cast<Event>(e), point);
   // Beyond its place, by however little, a row's forces are of another surface, or of one that is
-  // not there, and so are all that answer to them: it has left that first.
+  // not there, and so are all that answer to them: it has left that first. What lies flat over an
+  // edge is at the end of its place but for rounding.
   bool any_left = false;
   for (std::size_t i = 0; i < mode.rows.size(); ++i)
-    any_left = any_left || values[kEventsOfRow * i + kPlace] < kPlaceNoise;
+    any_left = any_left || values[kEventsOfRow * i + kPlace] < 0.5 * kPlaceNoise;
   for (std::size_t i = 0; any_left && i < mode.rows.size(); ++i)
     for (const Event event : {kForce, kFriction, kMotion})
       values[kEventsOfRow * i + event] = kLasting;
@@ -81,25 +83,55 @@ bool valueAt(Island& island, double h, double share, std::size_t which, double& 
   return true;
 }
 
-/// Zero between two shares by false position (Illinois [Dowell1971]).
+/// Where the zero of a function may be that is positive before it, by its values one after the
+/// other: by their slope, and between one on either side of it by false position (Illinois
+/// [Dowell1971]).
+class ZeroSearch {
+ public:
+  /// h: it is before that; slope: of the function, about.
+  ZeroSearch(double h, double slope) : h_(h), hi_(h), slope_(slope) {}
+
+  double width() const { return hi_ - lo_; }  ///< within which it is
+
+  /// Where to look after `value` at `time`; NaN: it does not go towards zero.
+  double after(double time, double value) {
+    if (known_ && value != value_ && time != time_) slope_ = (value - value_) / (time - time_);
+    known_ = true;
+    time_ = time;
+    value_ = value;
+    const int side = value > 0 ? 1 : -1;
+    (side > 0 ? lo_ : hi_) = time;
+    (side > 0 ? open_ : closed_) = value;
+    if (side == side_) (side > 0 ? closed_ : open_) *= 0.5;
+    side_ = side;
+    if (open_ > 0 && closed_ < 0) return lo_ + (hi_ - lo_) * open_ / (open_ - closed_);
+    if (slope_ < 0) {
+      const double most = kMostCorrection * h_;
+      return std::clamp(time + std::clamp(-value / slope_, -most, most), 0.0, h_);
+    }
+    return value > 0 ? std::numeric_limits<double>::quiet_NaN() : 0.5 * time;
+  }
+
+ private:
+  double h_, lo_ = 0, hi_, slope_, open_ = 0, closed_ = 0;  // 0: not known
+  bool known_ = false;
+  double time_ = 0, value_ = 0;
+  int side_ = 0;
+};
+
+/// Zero between two shares.
 bool findZero(Island& island, double h, std::size_t which, double lo, double open, double hi,
               double closed, double& share) {
-  int last = 0;
+  share = lo;
+  if (!(open > 0)) return true;
+  ZeroSearch zero(1, 0);
+  zero.after(lo, open);
+  double next = zero.after(hi, closed), now = closed;
   share = hi;
-  if (!(open > 0)) {
-    share = lo;
-    return true;
-  }
-  for (int k = 0; k < kZeroSearches && hi - lo > kZeroShare; ++k) {
-    share = lo + (hi - lo) * open / (open - closed);
-    double now = 0;
+  for (int k = 0; k < kZeroSearches && zero.width() > kZeroShare && now != 0; ++k) {
+    share = next;
     if (!valueAt(island, h, share, which, now)) return false;
-    if (now == 0) return true;
-    const int side = now > 0 ? 1 : -1;
-    (side > 0 ? lo : hi) = share;
-    (side > 0 ? open : closed) = now;
-    if (side == last) (side > 0 ? closed : open) *= 0.5;
-    last = side;
+    next = zero.after(share, now);
   }
   return true;
 }
@@ -164,12 +196,27 @@ double shareOfGraze(Island& island, double h, double before, double share) {
   return first;
 }
 
-/// Whether something rigid has closed before mode.end: the search for one event may lead past
-/// another.
-bool passedAnother(Island& island) {
-  const Mode& mode = island.s.mode;
-  for (std::size_t i = 0; i < mode.rows.size(); ++i)
-    if (!mode.rows[i].isSoft() && eventValue(island, i, kGap, mode.end) < -kClosedGap) return true;
+/// Moves mode.end to an event of the motion over h. time: [s] of it. False: it is not found.
+bool moveTo(Island& island, double h, const ModeEvent& found, double& time) {
+  Mode& mode = island.s.mode;
+  const Event event = static_cast<Event>(found.which % kEventsOfRow);
+  const double lo = std::max(0.0, found.share - kSlopeShare);
+  const double hi = std::min(1.0, lo + 2 * kSlopeShare);
+  double first = 0, second = 0;
+  if (!valueAt(island, h, lo, found.which, first) || !valueAt(island, h, hi, found.which, second))
+    return false;
+  ZeroSearch zero(h, (second - first) / ((hi - lo) * h));
+  time = found.share * h;
+  for (int k = 0; k < kZeroSearches; ++k) {
+    if (!moveInMode(island, time, mode.end, mode.piece) || !accelerateInMode(island, mode.end))
+      return false;
+    const double value = eventValue(island, found.which / kEventsOfRow, event, mode.end);
+    const double next = zero.after(time, value);
+    // Not zero, and not on the way there: a motion beyond what the piece can follow told of it.
+    if (std::isnan(next)) return h < kEventNear;
+    if (value == 0 || std::abs(next - time) < kEventTime) return true;
+    time = next;
+  }
   return false;
 }
 
@@ -200,34 +247,11 @@ bool findModeEvent(Island& island, double h, ModeEvent& found) {
   return true;
 }
 
-bool moveToModeEvent(Island& island, double h, const ModeEvent& found, double& time) {
-  Mode& mode = island.s.mode;
-  const Event event = static_cast<Event>(found.which % kEventsOfRow);
-  const double lo = std::max(0.0, found.share - kSlopeShare);
-  const double hi = std::min(1.0, lo + 2 * kSlopeShare);
-  double first = 0, second = 0;
-  if (!valueAt(island, h, lo, found.which, first) || !valueAt(island, h, hi, found.which, second))
-    return false;
-  double slope = (second - first) / ((hi - lo) * h);
-  double earlier = 0, value_earlier = 0;
-  time = found.share * h;
-  for (int k = 0; k < kEventRefinements; ++k) {
-    if (!moveInMode(island, time, mode.end, mode.piece) || !accelerateInMode(island, mode.end))
-      return false;
-    const double value = eventValue(island, found.which / kEventsOfRow, event, mode.end);
-    if (k > 0 && value != value_earlier && time != earlier)
-      slope = (value - value_earlier) / (time - earlier);
-    earlier = time;
-    value_earlier = value;
-    const double change = slope < 0 ? -value / slope : 0;
-    // Not zero, and not on the way there: a motion beyond what the piece can follow told of it.
-    if (!(slope < 0) && value > 0 && !(h < kEventNear)) return false;
-    const bool settled = std::abs(change) < kEventTime || !(slope < 0);
-    const bool last = k + 1 == kEventRefinements;
-    if (settled || (last && std::abs(change) < kEventNear)) return !passedAnother(island);
-    if (last) return false;
-    time = std::clamp(time + std::clamp(change, -kMostCorrection * h, kMostCorrection * h), 0.0, h);
-    if (time == earlier) return !passedAnother(island);
+bool moveToModeEvent(Island& island, double h, ModeEvent found, double& time) {
+  for (int tries = 0; tries < kEventRefinements; ++tries) {
+    if (!moveTo(island, h, found, time) || !findModeEvent(island, time, found)) return false;
+    if (!found.any || (1 - found.share) * time < kEventNear) return true;
+    h = time;
   }
   return false;
 }

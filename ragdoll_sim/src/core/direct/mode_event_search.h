@@ -16,7 +16,9 @@ struct ModeEvent {
 /// The first event of the motion over h from mode.start to mode.end. False: no forces were found.
 bool findModeEvent(Island& island, double h, ModeEvent& found);
 
-/// Moves mode.end to the event. time: [s] of it. False: it is not found.
-bool moveToModeEvent(Island& island, double h, const ModeEvent& found, double& time);
+/// Moves mode.end to that event, or to one before it: beyond an event the motion says little about
+/// which comes first, so that it is looked for again in the motion that ends there. time: [s] of
+/// it. False: it is not found.
+bool moveToModeEvent(Island& island, double h, ModeEvent found, double& time);
 
 }  // namespace ragdoll

@@ -146,23 +146,48 @@ void keepMultipliers(Island& island) {
 
 /// Sleepers are in no mode.
 bool isFit(const Island& island) {
-  if (!goesThroughEvents(island.context) || island.s.all.size() != island.bodies.size())
+  if (!island.context.events || island.s.all.size() != island.bodies.size())
     return false;
   return std::all_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
     return !body->driven && body->isWhole() && body->overlaps == OverlapPolicy::kResolve;
   });
 }
 
+/// What pieces of a motion over h may err by.
+class PieceErrors {
+ public:
+  PieceErrors(const Island& island, double h)
+      : tolerance_(island.context.isPart() ? island.context.model.solver.tolerance : 0),
+        spare_((1 - kReserved) * tolerance_ * h) {}
+
+  /// [m/s] Of a piece over that time: within a tolerance its share, and some of what is spare, for
+  /// what no shorter piece does better, as where a slip begins.
+  double allowed(double took) const {
+    return std::max(kPieceError, (kReserved * tolerance_ * took + kOfSpare * spare_) / kSwingTime);
+  }
+
+  void add(double error, double took) {
+    sum_ += kSwingTime * error;
+    spare_ -= std::max(0.0, kSwingTime * error - kReserved * tolerance_ * took);
+  }
+
+  double sum() const { return sum_; }  ///< [m]
+
+ private:
+  double tolerance_, spare_, sum_ = 0;
+};
+
 /// How much longer or shorter a piece with the formula's error is to be.
-double shareOf(double error) {
-  return error > 0 ? kPieceAim * std::pow(kPieceError / error, 1.0 / kOrderOfPiece) : kGrowth;
+double shareOf(double error, double allowed) {
+  return error > 0 ? kPieceAim * std::pow(allowed / error, 1.0 / kOrderOfPiece) : kGrowth;
 }
 
 /// Moves mode.end over a piece of at most `most` in the present mode, to its first event if there
 /// is one. Where an event comes early the motion beyond it, in a mode that has ended, says little
 /// about when: it is looked for again in a shorter piece. pieces: how many may be tried. next: [s]
 /// what the one after it may be.
-bool takePiece(Island& island, double most, int& pieces, double& took, double& next, bool& event) {
+bool takePiece(Island& island, double most, PieceErrors& errors, int& pieces, double& took,
+               double& next, bool& event) {
   Mode& mode = island.s.mode;
   double piece = most;
   for (int k = 0; k < kShorterPieces && pieces > 0; ++k, --pieces) {
@@ -176,9 +201,13 @@ bool takePiece(Island& island, double most, int& pieces, double& took, double& n
     if (early) {
       shorter = std::clamp(3 * found.share, kShorterPiece * kShorterPiece, kShorterPiece);
     } else if (known && (!event || moveToModeEvent(island, piece, found, took))) {
-      const double share = shareOf(errorOfPiece(island, took, mode.piece));
+      const double error = errorOfPiece(island, took, mode.piece);
+      const double share = shareOf(error, errors.allowed(took));
       next = std::min(share, kGrowth) * took;
-      if (share >= kPieceAim || piece < kEventNear) return true;
+      if (share >= kPieceAim || piece < kEventNear) {
+        errors.add(error, took);
+        return true;
+      }
       shorter = std::clamp(share * took / piece, kShorterPiece, kHalfPiece);
     }
     piece *= shorter;
@@ -199,6 +228,15 @@ void startPiece(Island& island) {
   }
 }
 
+/// How many pieces of a motion over h may be tried. Within a tolerance events, too: shake's parts are
+/// cheaper than many, the fewer the coarser it is.
+int mostPieces(const Island& island, double h) {
+  if (!island.context.isPart()) return kMostPieces;
+  const double tolerance = island.context.model.solver.tolerance;
+  const double parts = h / (kShortestPart * std::sqrt(tolerance));
+  return kFewPieces + static_cast<int>(std::min<double>(kMostPieces, kPiecesOfParts * parts));
+}
+
 /// [m/s] Of a particle.
 double fastest(const Island& island, const ModePoint& point) {
   double square = 0;
@@ -210,21 +248,23 @@ double fastest(const Island& island, const ModePoint& point) {
   return std::sqrt(square);
 }
 
-/// went: [m] as far as the fastest went, at the most.
-bool takePieces(Island& island, double h, double& went) {
+/// went: [m] as far as the fastest went, at the most. error: [m] by the formula.
+bool takePieces(Island& island, double h, double& went, double& error) {
   Mode& mode = island.s.mode;
+  PieceErrors errors(island, h);
   went = 0;
   double left = h, most = h;
   bool pressed = true, event = true;
-  int events = 0, pieces = kMostPieces;
+  int events = 0, pieces = mostPieces(island, h);
   while (pieces > 0) {
     if (event && (++events > kMaxEvents || !settleMode(island, pressed))) return false;
     pressed = false;
     if (!(left > 0)) return true;
     startPiece(island);
     double took = 0, next = 0;
-    if (!takePiece(island, std::min({left, most, mode.longest}), pieces, took, next, event))
+    if (!takePiece(island, std::min({left, most, mode.longest}), errors, pieces, took, next, event))
       return false;
+    error = errors.sum();
     logPiece(island, took);
     island.bodies[0]->given += mode.piece.work;
     went += took * std::max(fastest(island, mode.start), fastest(island, mode.end));
@@ -233,7 +273,7 @@ bool takePieces(Island& island, double h, double& went) {
     left -= took;
     if (left < kNothingLeft * h) left = 0;
     if (!event && left == 0) return true;
-    if (!event) --pieces;
+    if (!event || island.context.isPart()) --pieces;
   }
   return false;
 }
@@ -294,18 +334,13 @@ class BeforeMode {
 
 }  // namespace
 
-bool goesThroughEvents(const StepContext& step) {
-  const SolverSpec& solver = step.model.solver;
-  return solver.method == Method::kRk && solver.events && !(solver.tolerance > 0);
-}
-
-bool moveThroughEvents(Island& island, double h, int& contacts) {
+bool moveThroughEvents(Island& island, double h, int& contacts, double& error) {
   if (!isFit(island)) return false;
   const BeforeMode before(island);
   double reach = reachOf(island, h), went = 0;
   for (int list = 0; list < kMostLists && listModeRows(island, reach); ++list) {
     startMotion(island);
-    const bool taken = takePieces(island, h, went);
+    const bool taken = takePieces(island, h, went, error);
     if (taken && went <= reach) {
       keepPressing(island, contacts);
       keepMultipliers(island);

@@ -6,12 +6,9 @@
 
 namespace ragdoll {
 
-/// Whether the scene asks for that. Within a tolerance parts are halved and compared instead, which
-/// takes leapfrog's order.
-bool goesThroughEvents(const StepContext& step);
-
-/// Moves the bodies over h. contacts: that press at the end. False: what they meet is not for this
-/// (moving, deep overlaps, sleepers), a mode is not unique, or events crowd; nothing is moved then.
-bool moveThroughEvents(Island& island, double h, int& contacts);
+/// Moves the bodies over h. contacts: that press at the end; error: [m] of a part of a step, by the
+/// pieces' formula. False: what they meet is not for this (moving, deep overlaps, sleepers), a mode
+/// is not unique, or events crowd; nothing is moved then.
+bool moveThroughEvents(Island& island, double h, int& contacts, double& error);
 
 }  // namespace ragdoll

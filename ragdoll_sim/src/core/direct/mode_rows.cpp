@@ -172,10 +172,6 @@ double roomOnStick(const StickPress& press) {
                          : roomOnStick(press.at);
 }
 
-double roomOnStick(const Body& body, const ModeRow& row, const double* x, double t) {
-  return restsOnEnds(body, row) ? roomOnStick(pressOf(body, row, x)) : roomOnStick(t);
-}
-
 /// What sticks that press between their ends take of a particle's spring.
 struct Cover {
   double room = std::numeric_limits<double>::infinity();  ///< until one of them does not
@@ -359,10 +355,18 @@ double roomOfOwn(const Body& body, const ModeRow& row, const double* x,
   double room = std::numeric_limits<double>::infinity();
   if (row.kind == ModeKind::kLimit) return room;
   const SweptObstacle& m = obstacleOf(body, row);
+  const bool is_plane = m.obstacle->type == ObstacleSpec::Type::kPlane;
   const double t = nearestOf(body, row, x).t;
-  if (row.kind == ModeKind::kStick) room = roomOnStick(body, row, x, t);
-  if (row.kind == ModeKind::kParticle && row.isSoft()) room = -roomUnder(body, row, x);
-  if (m.obstacle->type == ObstacleSpec::Type::kPlane) return room;
+  if (restsOnEnds(body, row)) {
+    room = roomOnStick(pressOf(body, row, x));
+  } else if (row.kind == ModeKind::kStick) {
+    room = roomOnStick(t);
+    if (!(room > 0) && !is_plane)  // how far its place is beyond the end
+      room = std::min(room, roomOnStick(nearestTo(axisOf(m, row, x), feature, kBeyondEnd)));
+  } else if (row.isSoft()) {
+    room = -roomUnder(body, row, x);
+  }
+  if (is_plane) return room;
   const Vec3 p = m.toStart(pointOf(row, x, t));
   for (int k = 0; k < 3; ++k) {
     if (m.obstacle->half[k] == 0) continue;
@@ -436,7 +440,8 @@ double openingOf(Island& island, const ModeRow& row, const double* x, const doub
   const Compliance& give = row.isContact() ? place.contact.give : row.give;
   double opening = place.gap + give.compliance * give.damping * std::max(0.0, rate);
   if (row.kind == ModeKind::kStick)
-    opening = std::max(opening, -roomOnStick(body, row, own, place.at));
+    opening = std::max(opening, -(restsOnEnds(body, row) ? roomOnStick(pressOf(body, row, own))
+                                                         : roomOnStick(place.at)));
   if (row.kind == ModeKind::kParticle) opening = std::max(opening, roomUnder(body, row, own));
   if (row.kind == ModeKind::kPair && !place.inside) opening = std::max(opening, kElsewhere);
   return opening;

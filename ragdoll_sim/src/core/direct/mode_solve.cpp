@@ -224,8 +224,10 @@ double impulseScale(const ModeMatrix& A, const ModeVector& b) {
 
 bool solveComplementarity(const ModeMatrix& A, const ModeVector& b, double scale,
                           std::vector<ModeBlock>& blocks, ModeVector& p) {
-  for (const ModeBlock& block : blocks)
+  for (ModeBlock& block : blocks) {
+    block.force = std::max(0.0, block.force);  // a spring that is just touched may pull by rounding
     if (block.given) p[block.row] = block.presses ? block.force : 0;
+  }
   sweep(A, b, blocks, p);
   if (!approachComplementarity(A, b, blocks, p)) return false;
   readMode(A, b, scale, p, blocks);

@@ -65,15 +65,16 @@ bool touchesOnTheWay(const Body& body, const Gap& gap) {
   return false;
 }
 
-/// Whether nothing touches on the way.
-bool isFree(const Body& body) {
-  return !touchesOnTheWay(body, [](const Contact& c) { return c.gap_start; });
-}
-
 /// Whether something pressed at the end of a motion from event to event. That sees a stick as near
 /// to its ends as it touches; candidates there are its ends, which may be clear of what it lies on.
 bool pressesInMode(const Body& body) {
-  return goesThroughEvents(*body.context) && !body.cache.impulses().empty();
+  return body.context->events && !body.cache.impulses().empty();
+}
+
+/// Whether nothing touches on the way.
+bool isFree(const Body& body) {
+  return !pressesInMode(body) &&
+         !touchesOnTheWay(body, [](const Contact& c) { return c.gap_start; });
 }
 
 /// Returns the error [m] of a motion over h in a part of a step.
@@ -128,13 +129,13 @@ SmoothTrial moveSmoothly(Island& island, double h) {
   SmoothTrial trial{h};
   SmoothEnd end = integrate(body, h);
   findCandidates(body, h);
-  const bool free = end.ok && isFree(body) && !pressesInMode(body);
+  const bool free = end.ok && isFree(body);
   const double graze = free ? timeOfGraze(body, *end.v, h) : h;
   if (free && graze == h) {
     trial.error = take(body, end, h);
     return trial;
   }
-  if (moveThroughEvents(island, h, trial.contacts)) {
+  if (moveThroughEvents(island, h, trial.contacts, trial.error)) {
     trial.exact = true;
     return trial;
   }
@@ -153,9 +154,8 @@ SmoothTrial moveTogether(Island& island, double h) {
     body->motion.dx = h * body->v();
     findCandidates(*body, h);
   }
-  int contacts = 0;
-  if (!moveThroughEvents(island, h, contacts)) return {};
-  return {h, true, true, contacts};
+  SmoothTrial trial{h, true, true};
+  return moveThroughEvents(island, h, trial.contacts, trial.error) ? trial : SmoothTrial();
 }
 
 bool moveFreely(Island& island, double h, double& error) {

@@ -14,7 +14,7 @@ struct SmoothTrial {
   bool ok = true;
   bool exact = false;  ///< through events
   int contacts = 0;    ///< that press
-  double error = 0;    ///< [m] in a part of a step, but of what went through events
+  double error = 0;    ///< [m] in a part of a step
 };
 SmoothTrial moveSmoothly(Island& island, double h);
 

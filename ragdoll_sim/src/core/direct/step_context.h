@@ -33,6 +33,8 @@ struct StepContext {
   const std::vector<CachedImpulse>* before = nullptr;  ///< pressed before; null: the state's
   double whole = 0;  ///< [s] the step that h is a part of; 0: all of it
   Tolerances tolerances = tolerancesFor(h);
+  /// Whether motions go from event to event, as the scene asks; false: they crowd.
+  bool events = model.solver.method == Method::kRk && model.solver.events;
 
   bool isPart() const { return whole > 0; }
   double wholeStep() const { return isPart() ? whole : h; }

@@ -7,6 +7,7 @@
 #include "core/direct/constants.h"
 #include "core/direct/driving.h"
 #include "core/direct/energy.h"
+#include "core/direct/smooth_motion.h"
 #include "core/direct/stability.h"
 #include "core/direct/trial.h"
 
@@ -32,12 +33,11 @@ double worthTaking(Island& island, double gain) {
   return gain > 0 && gain > kLeastGain * swingScale(island) ? gain : 0;
 }
 
-/// rk from event to event has no swing: what it gains is its error.
+/// rk from event to event has no swing, and its pieces are as short as they must be: what it gains
+/// is its error.
 Verdict judgeExact(Island& island, double took, const SubstepControl& control) {
   const double gain = gainedEnergy(island, took, 0);
-  bool stable = true;
-  for (Body* body : island.bodies) stable = stable && !exceedsStable(*body, control.substep(), 2);
-  if (control.canHalve() && (gain > kRedoGain * swingScale(island) || !stable)) return {false, 0};
+  if (control.canHalve() && gain > kRedoGain * swingScale(island)) return {false, 0};
   return {true, worthTaking(island, gain)};
 }
 
@@ -130,6 +130,22 @@ bool takeSubsteps(Island& island, double h, StepReport& report) {
   if (control.guarded() || control.limited())
     for (Body* body : island.bodies) makeAffine(*body);  // rigid velocities carry what is off it
   return control.limited();
+}
+
+bool stepThroughEvents(Island& island, double& error, StepReport& report) {
+  const double h = island.context.h;
+  beginStep(island, report);
+  save(island);
+  setTime(island, h);
+  const SmoothTrial trial = moveTogether(island, h);
+  if (!trial.exact) return false;
+  const double gain = gainedEnergy(island, h, 0);
+  if (gain > kRedoGain * swingScale(island)) return false;
+  if (!removeEnergy(island, worthTaking(island, gain), h)) return false;
+  error = trial.error;
+  report.contacts += trial.contacts;
+  report.substeps = 1;
+  return true;
 }
 
 void stepIsland(Island& island, StepReport& report) {

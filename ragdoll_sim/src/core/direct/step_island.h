@@ -9,6 +9,10 @@ namespace ragdoll {
 /// Moves the island by the whole step.
 void stepIsland(Island& island, StepReport& report);
 
+/// Moves it by the whole step, by rk from event to event, or not at all and to be restored: false.
+/// error: [m] of the motion.
+bool stepThroughEvents(Island& island, double& error, StepReport& report);
+
 /// Moves it by h, a part of the step, under the step guard: a trial that fails, gains energy or
 /// whose tension outgrew its substep is taken back and done again (substep_control.h). Whether energy
 /// was taken out of it.

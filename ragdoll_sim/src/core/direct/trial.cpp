@@ -153,14 +153,14 @@ bool stepEachAlone(Island& island, double h, StepReport& report) {
 Trial takeExplicitTrial(Island& island, double h) {
   Trial trial;
   const SolverSpec& solver = island.context.model.solver;
-  if (solver.method == Method::kRk && (island.isLone() || solver.events)) {
+  if (solver.method == Method::kRk && (island.isLone() || island.context.events)) {
     const SmoothTrial smooth = island.isLone() ? moveSmoothly(island, h) : moveTogether(island, h);
     trial = {smooth.took, smooth.ok, smooth.contacts, smooth.exact};
     trial.defect = smooth.error / kOfDefect;
   }
   if (trial.ok && trial.took == 0) {
     trial = leapfrog(island, h);
-    trial.handed_over = solver.method == Method::kRk && solver.events;
+    trial.handed_over = island.context.events;
   }
   trial.ok = trial.ok && isFinite(island);
   return trial;

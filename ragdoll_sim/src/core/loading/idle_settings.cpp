@@ -25,8 +25,6 @@ void warnOfIdleSettings(Model& model) {
                           ", which only the methods shake and rk keep to; steps are fixed");
   if (solver.events && solver.method != Method::kRk)
     warn("events", "is true, which only the method rk follows");
-  else if (solver.events && solver.tolerance > 0)
-    warn("events", "is true, which does nothing beside a tolerance");
   if (solver.method != Method::kFast) return;
   if (const std::string why = whyNoPacks(model); !why.empty())
     return warn("method", "is fast; " + why);

@@ -31,6 +31,21 @@ TEST(Axis, IsNearestToASphereWhereItsConeIs) {
   EXPECT_EQ(nearest({sphere, a, b, 0.5, 4}), 1);
 }
 
+/// Beyond its ends, too: of a sphere where its cone goes on, of a box beside the edge or corner that
+/// it is asked for.
+TEST(Axis, IsNearestToAFeatureAlsoBeyondItsEnds) {
+  const Obstacle sphere = obstacle(Type::kSphere, Vec3::Zero(), 0.5);
+  for (const double taper : {0.0, 0.3}) {
+    const Axis axis{sphere, Vec3(1, 0, 1), Vec3(4, 0, 1), 0.1, 0.1 + taper};
+    const double beside = std::tan(std::asin(taper / 3)) / 3;
+    EXPECT_NEAR(nearestTo(axis, {0, 0, 0}, 1), -1.0 / 3 + beside, 1e-14);
+    EXPECT_EQ(nearestTo(axis, {0, 0, 0}, 0.1), -0.1);
+  }
+  const Axis over{kUnitBox, Vec3(0, 0, 2.1), Vec3(1, 0.5, 1.1), 0.1, 0.1};
+  EXPECT_NEAR(nearestTo(over, {1, 0, 1}, 1), 1.05, 1e-14);
+  EXPECT_NEAR(nearestTo(over, {1, 1, 1}, 1), (1 + 0.5 + 1.1) / 2.25, 1e-14);
+}
+
 TEST(Axis, IsNearestToAPlaneAtItsLowerOrThickerEnd) {
   const Obstacle plane = obstacle(Type::kPlane, Vec3::Zero());
   const Vec3 low(0, 0, 1), high(1, 0, 1.2);

@@ -55,6 +55,24 @@ TEST(ErrorControl, OfASmoothMotionKeepsTheErrorPerSecond) {
     }
 }
 
+/// A method that takes all that is left is held to what is left.
+TEST(ErrorControl, TakesTheRestAtOnce) {
+  for (const double share : {0.9, 1.1}) {
+    double next = kWholeStep / 4;
+    ErrorControl control(kWholeStep, kTolerance, next);
+    EXPECT_EQ(control.left(), kWholeStep);
+    ASSERT_TRUE(control.accepts(0, 2));
+    EXPECT_NEAR(control.left(), 0.75 * kWholeStep, 1e-15);
+    control.takeRest(share * 0.75 * kWholeStep * kTolerance);
+    EXPECT_TRUE(control.done());
+    StepReport report;
+    control.tell(3, report);
+    EXPECT_EQ(report.substeps, 2);
+    EXPECT_NEAR(report.error_estimate, 0.75 * share * kTolerance, 1e-15);
+    EXPECT_EQ(report.tolerance_missed, share > 1 ? 3 : 0);
+  }
+}
+
 TEST(ErrorControl, PassesAJumpAndTellsSo) {
   const auto jump = [](double from, double part) {
     return from <= 0.03 && from + part > 0.03 ? 1e-3 : 0.0;

@@ -163,6 +163,9 @@ TEST(ModeRows, HaveRoomUntilTheirPlaceEnds) {
   EXPECT_NEAR(roomOf(rod.island, rod.rod, x.data(), {1, 0, 1}), 0.05, 1e-6);
   x << 0.1, 0, 2.0, 1.07, 0, 1.03;  // that is 2 cm of 97 from the rod's end
   EXPECT_NEAR(roomOf(rod.island, rod.rod, x.data(), {1, 0, 1}), 0.02 / 0.97, 1e-6);
+  // Beyond its end by as much: a time at which it was left is looked for by how far that is.
+  x << 0.1, 0, 2.0, 1.03, 0, 1.07;
+  EXPECT_NEAR(roomOf(rod.island, rod.rod, x.data(), {1, 0, 1}), -0.02 / 0.93, 1e-6);
 }
 
 /// A spring lets go where its damper holds it back as much as it pushes.
