@@ -53,8 +53,8 @@ TEST(Events, OfABodyThatComesToLieAreTheSameForAnyStep) {
   EXPECT_LT(fallsApart("fall", 0.8), 1e-9);
 }
 
-/// Three contacts begin to slip at once, one of them at a hundredth of what its friction could give,
-/// and a slip turns by a right angle while it all but ends.
+/// Three contacts begin to slip at once, one of them at a hundredth of what its friction could
+/// give, and a slip turns by a right angle while it all but ends.
 TEST(Events, OfABodyThatBeginsToSlideAreTheSameForAnyStep) {
   EXPECT_LT(fallsApart("fall", 0.7), 5e-9);
 }
@@ -62,8 +62,8 @@ TEST(Events, OfABodyThatBeginsToSlideAreTheSameForAnyStep) {
 /// Shins and feet slide over edges until an end of theirs lies on them.
 TEST(Events, OfABodyOnStairsAreTheSameForAnyStep) { EXPECT_LT(fallsApart("stairs", 0.7), 1e-8); }
 
-/// A rod that lies flat over an edge is at the end of its place but for rounding, and the slip of the
-/// other one of its chain ends meanwhile: unseen it went on, backwards (1.5e-5 m off at 60 Hz).
+/// A rod that lies flat over an edge is at the end of its place but for rounding, and the slip of
+/// the other one of its chain ends meanwhile: unseen it went on, backwards (1.5e-5 m off at 60 Hz).
 TEST(Events, OfAChainThatLiesOverAnEdgeAreTheSameForAnyStep) {
   const auto end = [](double rate) {
     Scene scene = parseScene(R"(

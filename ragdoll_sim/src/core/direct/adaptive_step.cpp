@@ -57,8 +57,8 @@ class StepParts {
 
   /// By rk without contact, error: what it made [m]. False: not in this way, and nothing is moved.
   bool takeFreely(double from, double part, double& error, StepReport& report);
-  /// By rk from event to event, in pieces that follow their own errors; error: of all [m]. False: it
-  /// is handed over, and nothing is moved.
+  /// By rk from event to event, in pieces that follow their own errors; error: of all [m]. False:
+  /// it is handed over, and nothing is moved.
   bool takeThroughEvents(double from, double part, double& error, StepReport& report);
   /// As it comes; allowed: [m] that its error may be. Returns that [m].
   double take(double from, double part, double allowed, StepReport& report);

@@ -28,7 +28,8 @@ void ErrorControl::choosePart() {
 
 double ErrorControl::allowed(int order) const {
   const double rest = tolerance_ * h_ - spent_ - kReserved * tolerance_ * (left_ - part_);
-  return order == kOrderOfRk ? std::min(rest, tolerance_ * part_) : rest;  // free: there is no event
+  const bool free = order == kOrderOfRk;  // there is no event that could take it
+  return free ? std::min(rest, tolerance_ * part_) : rest;
 }
 
 bool ErrorControl::helps(double rate, int order) {
@@ -36,7 +37,7 @@ bool ErrorControl::helps(double rate, int order) {
   if (other_rate_ > 0 && known == (other_rate_ < kUnknownRate)) {
     const double least = other_rate_ * std::pow(part_ / other_part_, kLeastOfOrder * order);
     in_vain_ = part_ <= other_part_ ? (rate > least ? in_vain_ + 1 : 0)
-                                   : (rate < least || !known ? in_vain_ : 0);
+                                    : (rate < least || !known ? in_vain_ : 0);
   } else {
     in_vain_ = 0;
   }

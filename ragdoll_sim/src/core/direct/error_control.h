@@ -38,9 +38,9 @@ class ErrorControl {
   double left_, part_ = 0;
   double made_ = 0, spent_ = 0;  ///< [m] errors of what stands; what that is of the allowance
   double other_rate_ = 0, other_part_ = 0;  ///< of the last one that was not kept; 0: none
-  int in_vain_ = 0;                       ///< of these one after the other that did not help
+  int in_vain_ = 0;                         ///< of these one after the other that did not help
   int taken_ = 0;
-  bool last_kept_ = true;                 ///< the last part that stands
+  bool last_kept_ = true;  ///< the last part that stands
   bool missed_ = false;
 };
 

@@ -13,7 +13,7 @@ constexpr double kPiecesOfParts = 0.05;
 /// [m/s] By the embedded formula. A slip that begins or ends asks for pieces as short as the time
 /// in which it changes: friction follows its direction.
 constexpr double kPieceError = 1e-11;
-constexpr int kOrderOfPiece = 5;        ///< of that error
+constexpr int kOrderOfPiece = 5;  ///< of that error
 /// Of a tolerance's spare error: what one piece may take of it.
 constexpr double kOfSpare = 0.125;
 constexpr double kPieceAim = 0.8;       ///< of the longest piece that keeps it

@@ -146,8 +146,7 @@ void keepMultipliers(Island& island) {
 
 /// Sleepers are in no mode.
 bool isFit(const Island& island) {
-  if (!island.context.events || island.s.all.size() != island.bodies.size())
-    return false;
+  if (!island.context.events || island.s.all.size() != island.bodies.size()) return false;
   return std::all_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
     return !body->driven && body->isWhole() && body->overlaps == OverlapPolicy::kResolve;
   });
@@ -228,8 +227,8 @@ void startPiece(Island& island) {
   }
 }
 
-/// How many pieces of a motion over h may be tried. Within a tolerance events, too: shake's parts are
-/// cheaper than many, the fewer the coarser it is.
+/// How many pieces of a motion over h may be tried. Within a tolerance events, too: shake's parts
+/// are cheaper than many, the fewer the coarser it is.
 int mostPieces(const Island& island, double h) {
   if (!island.context.isPart()) return kMostPieces;
   const double tolerance = island.context.model.solver.tolerance;

@@ -14,8 +14,8 @@ void stepIsland(Island& island, StepReport& report);
 bool stepThroughEvents(Island& island, double& error, StepReport& report);
 
 /// Moves it by h, a part of the step, under the step guard: a trial that fails, gains energy or
-/// whose tension outgrew its substep is taken back and done again (substep_control.h). Whether energy
-/// was taken out of it.
+/// whose tension outgrew its substep is taken back and done again (substep_control.h). Whether
+/// energy was taken out of it.
 bool takeSubsteps(Island& island, double h, StepReport& report);
 
 }  // namespace ragdoll

@@ -31,8 +31,8 @@ TEST(Axis, IsNearestToASphereWhereItsConeIs) {
   EXPECT_EQ(nearest({sphere, a, b, 0.5, 4}), 1);
 }
 
-/// Beyond its ends, too: of a sphere where its cone goes on, of a box beside the edge or corner that
-/// it is asked for.
+/// Beyond its ends, too: of a sphere where its cone goes on, of a box beside the edge or corner
+/// that it is asked for.
 TEST(Axis, IsNearestToAFeatureAlsoBeyondItsEnds) {
   const Obstacle sphere = obstacle(Type::kSphere, Vec3::Zero(), 0.5);
   for (const double taper : {0.0, 0.3}) {
