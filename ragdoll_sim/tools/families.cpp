@@ -27,8 +27,18 @@ const std::vector<MethodEntry>& methods() {
 constexpr int kUsualSweeps = 10;      ///< of the thesis
 constexpr double kAdaptiveRate = 30;  ///< [Hz] of the whole steps; substeps follow the tolerance
 constexpr const char* kTolerances[] = {"0.1", "0.01", "0.001", "1e-05", "1e-07"};  ///< [m]
+/// Likewise, of rk through events: for coarser ones its parts by shake do as well at less cost.
+constexpr const char* kEventTolerances[] = {"0.0001", "1e-05", "1e-06"};
 constexpr const char* kIntegrators[] = {"verlet", "euler", "symplectic_euler", "midpoint",
                                         "velocity_verlet"};
+
+/// A family whose substeps keep to a tolerance.
+Family within(const char* tolerance, Family family) {
+  family.name += std::string(" to ") + tolerance;
+  family.coarsest = family.finest = kAdaptiveRate;
+  family.solver.tolerance = std::stod(tolerance);
+  return family;
+}
 
 }  // namespace
 
@@ -49,13 +59,12 @@ std::vector<Family> families(bool integrators) {
     family.solver.preset.clear();
     family.solver.method = entry.method;
     if (entry.sweeps.empty()) all.push_back(family);
-    if (entry.method == Method::kRk)
-      for (const char* tolerance : kTolerances) {
-        Family adaptive{std::string("rk to ") + tolerance, family.solver, kAdaptiveRate,
-                        kAdaptiveRate};
-        adaptive.solver.tolerance = std::stod(tolerance);
-        all.push_back(adaptive);
-      }
+    if (entry.method == Method::kRk) {
+      for (const char* tolerance : kTolerances) all.push_back(within(tolerance, family));
+      family.name += kWithEvents;
+      family.solver.events = true;
+      for (const char* tolerance : kEventTolerances) all.push_back(within(tolerance, family));
+    }
     for (const int sweeps : entry.sweeps) {
       family.solver.sweeps = sweeps;
       family.name = entry.name + (" " + std::to_string(sweeps));
@@ -97,6 +106,7 @@ std::string toSection(const SolverSpec& solver) {
     std::snprintf(step, sizeof step, "  tolerance: %.17g   # [m]\n", solver.tolerance);
     text += step;
   }
+  if (solver.events) text += "  events: true\n";
   if (solver.damping > 0) {
     std::snprintf(step, sizeof step, "  damping: %.17g\n", solver.damping);
     text += step;

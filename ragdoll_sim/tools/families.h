@@ -25,6 +25,9 @@ SolverSpec at(const Family& family, double rate);
 /// With the scene's damping, which belongs to what is simulated, not to how.
 SolverSpec damped(SolverSpec solver, const SolverSpec& scene);
 
+/// What is said after rk that goes from event to event.
+constexpr const char* kWithEvents = " with events";
+
 /// "shake", as a scene says it.
 const char* methodName(Method method);
 const char* integratorName(Integrator integrator);

@@ -21,8 +21,10 @@ bool drawable(const Measurement& m) { return m.finite && m.error > 0 && m.cost >
 
 /// A family is a curve along its steps; adaptive ones are one along their tolerances.
 std::string curveOf(const Configuration& configuration) {
-  if (configuration.solver.tolerance > 0)
-    return std::string(methodName(configuration.solver.method)) + " to a tolerance";
+  const SolverSpec& solver = configuration.solver;
+  if (solver.tolerance > 0)
+    return methodName(solver.method) + std::string(solver.events ? kWithEvents : "") +
+           " to a tolerance";
   return configuration.family;
 }
 

@@ -13,6 +13,7 @@ std::string knobs(const SolverSpec& solver) {
     if (solver.integrator != Integrator::kVerlet)
       text += std::string(" ") + integratorName(solver.integrator);
   }
+  if (solver.events) text += kWithEvents;
   if (solver.tolerance > 0) text += format(" to %g", solver.tolerance);
   return text;
 }
