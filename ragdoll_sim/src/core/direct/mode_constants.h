@@ -62,15 +62,17 @@ constexpr double kNewtonGain = 1e-3;      ///< until it takes that share of itse
 constexpr double kNewtonSettled = 1e-11;  ///< error, of all forces
 constexpr double kNoRate =
     1e-6;  ///< of what a force does alone: slower does not slip: it is impending
-constexpr double kMostLean = 0.01;     ///< of the cone: force across it of what others hold
-constexpr int kModeChanges = 60;       ///< until equalities and inequalities agree
-constexpr int kModeProjections = 8;    ///< onto sticks and rows in turn; 1 or 2 are usual
-constexpr double kProjected = 1e-13;   ///< [m], [rad] to which that converges
-constexpr int kEventSamples = 4;       ///< in a piece, between which event functions are looked at
-constexpr int kEventRefinements = 12;  ///< until none comes before the first
+constexpr double kMostLean = 0.01;    ///< of the cone: force across it of what others hold
+constexpr int kModeChanges = 60;      ///< until equalities and inequalities agree
+constexpr int kModeProjections = 8;   ///< onto sticks and rows in turn; 1 or 2 are usual
+constexpr double kProjected = 1e-13;  ///< [m], [rad] to which that converges
+constexpr int kEventSamples = 4;      ///< in a piece, between which event functions are looked at
+/// Of an event's time, by motions that end there. What takes more touches and does not pass, as the
+/// end of a stick where what it touches runs there: a shorter piece tells.
+constexpr int kEventRefinements = 12;
 constexpr double kPlaceNoise = 1e-12;  ///< [m], and of a stick's length
 constexpr double kSlipNoise = 1e-12;   ///< [m/s]
-constexpr int kZeroSearches = 40;      ///< for an event's time: a cap
+constexpr int kZeroSearches = 40;      ///< for an event within a sample: a cap
 constexpr double kZeroShare = 1e-9;    ///< of the piece; motions that end there do the rest
 constexpr double kSlopeShare = 1e-3;   ///< of the piece, over which an event function is straight
 constexpr double kEventNear = 1e-10;   ///< [s] and to which it has to

@@ -207,7 +207,7 @@ bool moveTo(Island& island, double h, const ModeEvent& found, double& time) {
     return false;
   ZeroSearch zero(h, (second - first) / ((hi - lo) * h));
   time = found.share * h;
-  for (int k = 0; k < kZeroSearches; ++k) {
+  for (int k = 0; k < kEventRefinements; ++k) {
     if (!moveInMode(island, time, mode.end, mode.piece) || !accelerateInMode(island, mode.end))
       return false;
     const double value = eventValue(island, found.which / kEventsOfRow, event, mode.end);
@@ -218,6 +218,13 @@ bool moveTo(Island& island, double h, const ModeEvent& found, double& time) {
     time = next;
   }
   return false;
+}
+
+/// Whether what closes is not overlapped by mode.end, but for rounding: a stick's end closes as the
+/// place where the stick touches runs there.
+bool barelyCloses(Island& island, const ModeEvent& found) {
+  return found.which % kEventsOfRow == kGap &&
+         eventValue(island, found.which / kEventsOfRow, kGap, island.s.mode.end) > -kClosedGap;
 }
 
 }  // namespace
@@ -250,7 +257,8 @@ bool findModeEvent(Island& island, double h, ModeEvent& found) {
 bool moveToModeEvent(Island& island, double h, ModeEvent found, double& time) {
   for (int tries = 0; tries < kEventRefinements; ++tries) {
     if (!moveTo(island, h, found, time) || !findModeEvent(island, time, found)) return false;
-    if (!found.any || (1 - found.share) * time < kEventNear) return true;
+    if (!found.any || (1 - found.share) * time < kEventNear || barelyCloses(island, found))
+      return true;
     h = time;
   }
   return false;

@@ -96,20 +96,14 @@ AxisPoints overlapEnd(const ModeRow& row, const Ends& x, AxisPoints& beyond) {
   return at;
 }
 
-/// Nearest places, by Newton's method to rounding where they lie within the sticks; of what presses
-/// and gives way as its feature says, beyond the sticks, too.
-AxisPoints placesOf(const ModeRow& row, const Ends& x) {
-  AxisPoints beyond;
-  if (isEndOfOverlap(row)) return overlapEnd(row, x, beyond);
-  AxisPoints at = nearestPoints(firstOf(row, x), secondOf(row, x));
-  const bool keeps = row.keepsToFeature();
-  if (keeps && row.feature[0] != 0) at.s = row.feature[0] > 0 ? 1 : 0;
-  if (keeps && row.feature[1] != 0) at.t = row.feature[1] > 0 ? 1 : 0;
-  const double least = keeps ? -kBeyondEnd : 0, most = 1 - least;
+/// Nearest places from `at` on, by Newton's method to rounding where they lie within the sticks.
+/// beyond: and beyond them, too.
+AxisPoints refined(const ModeRow& row, const Ends& x, AxisPoints at, bool beyond) {
+  const double least = beyond ? -kBeyondEnd : 0, most = 1 - least;
   for (int k = 0; k < kPlaceRefinements; ++k) {
     const Along along(row, x, at);
     const bool within = (!along.free[0] || isBetween(at.s)) && (!along.free[1] || isBetween(at.t));
-    if (!within && !keeps) return at;
+    if (!within && !beyond) return at;
     if (!(along.distance > kMinLength)) return at;
     const Eigen::Matrix2d H = along.curvature();
     if (!(leastCurvature(H) > kFlatPair)) return at;
@@ -121,6 +115,17 @@ AxisPoints placesOf(const ModeRow& row, const Ends& x) {
     if (settled) return at;
   }
   return at;
+}
+
+/// Nearest places; of what presses and gives way as its feature says, beyond the sticks, too.
+AxisPoints placesOf(const ModeRow& row, const Ends& x) {
+  AxisPoints beyond;
+  if (isEndOfOverlap(row)) return overlapEnd(row, x, beyond);
+  AxisPoints at = nearestPoints(firstOf(row, x), secondOf(row, x));
+  const bool keeps = row.keepsToFeature();
+  if (keeps && row.feature[0] != 0) at.s = row.feature[0] > 0 ? 1 : 0;
+  if (keeps && row.feature[1] != 0) at.t = row.feature[1] > 0 ? 1 : 0;
+  return refined(row, x, at, keeps);
 }
 
 double roomAt(const ModeRow& row, const AxisPoints& at) {
@@ -253,7 +258,10 @@ double gapOfPair(const Island& island, const ModeRow& row, const double* x) {
 double roomOfPair(const Island& island, const ModeRow& row, const double* x) {
   const Ends ends = endsOf(island, row, x);
   const AxisPoints at = placesOf(row, ends);
-  return row.isSoft() ? roomOnFeature(row, ends, at) : roomAt(row, at);
+  if (row.isSoft()) return roomOnFeature(row, ends, at);
+  const double room = roomAt(row, at);
+  // At an end: how far the place is beyond it.
+  return room > 0 ? room : std::min(room, roomAt(row, refined(row, ends, at, true)));
 }
 
 bool pairHasPressed(const Island& island, const ModeRow& row) {
