@@ -33,7 +33,7 @@ struct StepContext {
   const std::vector<CachedImpulse>* before = nullptr;  ///< pressed before; null: the state's
   double whole = 0;  ///< [s] the step that h is a part of; 0: all of it
   Tolerances tolerances = tolerancesFor(h);
-  /// Whether motions go from event to event, as the scene asks; false: they crowd.
+  /// Whether motions go from event to event, as the scene asks; false: by shake's steps.
   bool events = model.solver.method == Method::kRk && model.solver.events;
 
   bool isPart() const { return whole > 0; }
