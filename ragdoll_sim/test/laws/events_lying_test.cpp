@@ -35,13 +35,13 @@ struct FallByEvents : World {
   }
 };
 
-/// [m] between two that start at time `from` and go on for 0.2 s, with no step handed over.
-double fallsApart(const char* scene, double from) {
+/// [m] between two that start at time `from` and go on for some time, with no step handed over.
+double fallsApart(const char* scene, double from, double seconds = 0.2) {
   FallByEvents first(scene, 480), coarse(scene, 1920), fine(scene, 3840);
   first.go(from);
   for (FallByEvents* fall : {&coarse, &fine}) {
     fall->startFrom(first);
-    fall->go(0.2);
+    fall->go(seconds);
     EXPECT_EQ(fall->handed_over, 0) << scene;
   }
   return (coarse.state.x - fine.state.x).colwise().norm().maxCoeff();
@@ -57,6 +57,13 @@ TEST(Events, OfABodyThatComesToLieAreTheSameForAnyStep) {
 /// give, and a slip turns by a right angle while it all but ends.
 TEST(Events, OfABodyThatBeginsToSlideAreTheSameForAnyStep) {
   EXPECT_LT(fallsApart("fall", 0.7), 5e-9);
+}
+
+/// A torso across a plank touches it at up to nine places, of which six would do, and at one of
+/// them a stick lies along an edge but for a degree.
+TEST(Events, OfABodyAcrossAPlankAreTheSameForAnyStep) {
+  EXPECT_LT(fallsApart("between_objects", 1.45, 0.1), 1e-10);
+  EXPECT_LT(fallsApart("between_objects", 1.55, 0.1), 1e-7);
 }
 
 /// Shins and feet slide over edges until an end of theirs lies on them.

@@ -28,7 +28,7 @@ constexpr int kMostModeRows =
 /// [m] Along a motion, for second derivatives by differences of fourth order: 1e-12 of their size.
 constexpr double kDifference = 3e-4;
 constexpr double kFlatCurvature =
-    1e-3;                           ///< [m] of a gap along a stick: flatter has no nearest place
+    1e-5;                           ///< [m] of a gap along a stick: flatter has no nearest place
 constexpr double kFlatPair = 1e-8;  ///< [m] the same between two sticks: they lie along each other
 constexpr double kBeyondEnd = 1;    ///< of a stick: a place is looked for so far beyond its end
 constexpr int kPlaceRefinements = 4;      ///< Newton iterations to the nearest places of two sticks
@@ -47,7 +47,8 @@ constexpr double kHeld = 4e-9;            ///< of the same: what an event leaves
 constexpr double kOnCone = 1e-9;          ///< of mu f_n: nearer to it is on it
 constexpr double kNoAnswer = 1e-12;       ///< [1/kg] of a row that cannot move
 constexpr double kDependent = 1e-11;      ///< of rows scaled to a unit diagonal
-constexpr double kModeContradiction = 1e-7;  ///< of what is asked for, that equalities may leave
+constexpr double kModeContradiction = 1e-7;   ///< of what is asked for, that equalities may leave
+constexpr double kContradictionLeft = 1e-13;  ///< [m/s^2], [rad/s^2] the same where nothing is
 constexpr double kSameDirection = 1e-13;  ///< sine between slip and the motion that it begins with
 constexpr double kNearlySameDirection = 1e-9;  ///< where rounding is larger
 constexpr int kAlignments = 15;                ///< Newton iterations to that

@@ -148,7 +148,7 @@ double tangentScale(const ModeMatrix& A, const ModeBlock& block) {
 }
 
 bool solveEqualities(const ModeMatrix& A, const ModeVector& b, const std::vector<ModeBlock>& blocks,
-                     ModeVector& p) {
+                     ModeVector& p, double left) {
   const Equalities equalities(A, blocks);
   const int m = equalities.count;
   p.resize(A.rows());
@@ -168,8 +168,9 @@ bool solveEqualities(const ModeMatrix& A, const ModeVector& b, const std::vector
   ModeVector rest = rhs - C * q;
   q += inverse.solve(rest);
   rest = rhs - C * q;
-  if (!(rest.cwiseAbs().maxCoeff() <= kModeContradiction * (1e-6 + rhs.cwiseAbs().maxCoeff())))
-    return false;
+  const double of_asked = kModeContradiction * rhs.cwiseAbs().maxCoeff();
+  for (int i = 0; i < m; ++i)
+    if (!(std::abs(rest[i]) <= of_asked + left * scale[i])) return false;
   q = q.cwiseProduct(scale).eval();
   spread(blocks, q, p);
   return p.allFinite();

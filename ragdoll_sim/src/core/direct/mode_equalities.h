@@ -25,6 +25,7 @@ struct ModeBlock {
   /// Slip is impending: it would stick, were its force not at the cone; it stands still as others
   /// hold it, and takes no more along `slip`.
   bool impending = false;
+  double lean = 0;  ///< [N] of that: force across by which its direction was changed
   Eigen::Vector2d slip = Eigen::Vector2d::Zero();  ///< unit, of the motion along the tangents
 
   /// Along the surface, across the slip.
@@ -36,8 +37,9 @@ struct ModeBlock {
 double normalScale(const ModeMatrix& A, const ModeBlock& block);
 double tangentScale(const ModeMatrix& A, const ModeBlock& block);
 
-/// p with equalities as the blocks say; false: they contradict each other.
+/// p with equalities as the blocks say; false: they contradict each other, by more than that share
+/// of what is asked for and `left`, in the units of b.
 bool solveEqualities(const ModeMatrix& A, const ModeVector& b, const std::vector<ModeBlock>& blocks,
-                     ModeVector& p);
+                     ModeVector& p, double left = kContradictionLeft);
 
 }  // namespace ragdoll

@@ -393,7 +393,7 @@ bool projectVelocities(Island& island, ModePoint& point, bool begins) {
     if (!block.sticks && !block.impending && !begins) block.slip.setZero();
     block.force = 0;
   }
-  if (!solveEqualities(system.A, system.b, island.s.mode.blocks, system.p)) return false;
+  if (!solveEqualities(system.A, system.b, island.s.mode.blocks, system.p, kLeaving)) return false;
   push(island, system.p, point.x.data(), point.v.data());
   return true;
 }

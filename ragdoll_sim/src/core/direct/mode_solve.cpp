@@ -79,6 +79,7 @@ void readMode(const ModeMatrix& A, const ModeVector& b, double scale, const Mode
   for (ModeBlock& block : blocks) {
     const int i = block.row;
     block.impending = false;
+    block.lean = 0;
     if (!block.given) block.presses = p[i] > kNoForce * scale;
     const bool rubs = block.presses && block.friction > 0 && !block.slips;
     const double force = rubs ? p.segment<2>(i + 1).norm() : 0;
@@ -119,7 +120,9 @@ struct Contradiction {
     if (kind == Kind::kMove) of.impending = false;
     if (kind != Kind::kSlip && kind != Kind::kLean) return;
     of.sticks = false;
-    of.impending = true;
+    // Where the direction in which it pulls holds it less than the one before, none does: it moves.
+    of.impending = kind == Kind::kSlip || of.lean == 0 || by < of.lean;
+    of.lean = kind == Kind::kLean ? by : 0;
     of.slip = -p.segment<2>(of.row + 1).normalized();
   }
 };

@@ -87,6 +87,18 @@ TEST(ModeEqualities, ThatContradictEachOtherHaveNoSolution) {
   EXPECT_FALSE(solveEqualities(table.A, table.b, table.blocks, p));
 }
 
+/// Feet whose velocities differ by less than what lets go still have a common one.
+TEST(ModeEqualities, LeaveWhatTheyMay) {
+  SlidingTable table(0);
+  table.b.setZero();
+  table.b[0] = 4e-10;
+  ModeVector p;
+  EXPECT_FALSE(solveEqualities(table.A, table.b, table.blocks, p));
+  ASSERT_TRUE(solveEqualities(table.A, table.b, table.blocks, p, kLeaving));
+  for (int i = 0; i < table.kFeet; ++i)  // the middle of a plane through the four
+    EXPECT_LT(std::abs((table.b + table.A * p)[3 * i]), 3e-10) << i;
+}
+
 /// An angle may be in degrees: p then changes as its row's unit does, and how a load is shared not
 /// at all.
 TEST(ModeEqualities, DoNotDependOnUnits) {

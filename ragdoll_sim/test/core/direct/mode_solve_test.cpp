@@ -83,6 +83,24 @@ TEST(ModeSolve, APlankTipsOverAnEdgeThatItsMiddleIsBeyond) {
   }
 }
 
+/// One of nine contacts of a torso across a plank, as the others let it move, two of which slide:
+/// it all but stands still, and no direction in which friction pulls holds it.
+TEST(ModeSolve, WhatNoDirectionHoldsSlips) {
+  ModeMatrix A(3, 3);
+  A << 0.2309353709, -0.02870921352, -0.005279023523,   //
+      -0.02870941364, 0.009132580435, 0.0002696597144,  //
+      -0.005279009616, 0.0002696534107, 0.0001475412433;
+  const ModeVector b = Vec3(-14.48124165, 1.573759654, 0.3467715086);
+  const double mu = 0.6;
+  std::vector<ModeBlock> blocks{contactRows(0, mu)};
+  ModeVector p = ModeVector::Zero(3);
+  ASSERT_TRUE(solveComplementarity(A, b, 318.557, blocks, p));
+  const ModeVector w = b + A * p;
+  EXPECT_NEAR(w[0], 0, 1e-12);
+  EXPECT_GT(w.tail<2>().norm(), 1e-5);
+  EXPECT_LT((p.tail<2>() + mu * p[0] * w.tail<2>().normalized()).norm(), 1e-6);
+}
+
 TEST(ModeSolve, RowsThatAreTheSameShareOrContradictEachOther) {
   ModeBlock presses;
   presses.presses = true;
