@@ -82,7 +82,7 @@ class StepParts {
                   StepReport& report);
   /// Instead of what it came to in one; returns the halves' error [m]. Where the motion is smooth
   /// it is taken out of them.
-  double takeHalves(double from, double part, StepReport& report);
+  double takeHalves(double from, double part, double allowed, StepReport& report);
   /// Whether nothing but the same limits pressed as before, in one and at each end.
   bool isSmooth(const StepReport& part, std::initializer_list<const Impulses*> ends) const;
   /// Whether springs are near, of contact that gives way or of limits.
@@ -91,8 +91,8 @@ class StepParts {
   double kick(double part) const;
   /// Extrapolates the halves and what came in one to fourth order, and back onto the sticks.
   void refine();
-  /// [m] of positions.
-  double distanceFromCoarse() const;
+  /// [m] of positions, or [m/s] of velocities.
+  double distanceFromCoarse(bool velocities) const;
 
   const StepContext& whole_;
   AdaptiveScratch& s_;
@@ -129,16 +129,16 @@ void StepParts::restore() {
   if (whole_.log) whole_.log->impulses.resize(s_.logged);
 }
 
-double StepParts::distanceFromCoarse() const {
-  const State& state = whole_.state;
-  double x = 0;
+double StepParts::distanceFromCoarse(bool velocities) const {
+  const Points& fine = velocities ? whole_.state.v : whole_.state.x;
+  double square = 0;
   for (const int i : bodies_) {
-    const SavedMotion& coarse = s_.coarse[i];
+    const Points& coarse = velocities ? s_.coarse[i].v : s_.coarse[i].x;
     const int first = whole_.model.ragdolls[i].first;
-    for (int k = 0; k < coarse.x.cols(); ++k)
-      x = std::max(x, (state.x.col(first + k) - coarse.x.col(k)).squaredNorm());
+    for (int k = 0; k < coarse.cols(); ++k)
+      square = std::max(square, (fine.col(first + k) - coarse.col(k)).squaredNorm());
   }
-  const double distance = std::sqrt(x);
+  const double distance = std::sqrt(square);
   return std::isfinite(distance) ? distance : kUnknownRate;
 }
 
@@ -240,13 +240,16 @@ double StepParts::takeOnce(double from, double part, const Impulses& before, Imp
   return island_.s.defect;
 }
 
-double StepParts::takeHalves(double from, double part, StepReport& report) {
+double StepParts::takeHalves(double from, double part, double allowed, StepReport& report) {
   saveIn(s_.coarse);
   restore();
   const double half = 0.5 * part;
   takeOnce(from, half, s_.before, s_.middle, report);
   takeOnce(from + half, half, s_.middle, s_.after, report);
-  const double error = distanceFromCoarse() / kDoubling;
+  const double distance = distanceFromCoarse(false), error = distance / kDoubling;
+  // What hits at the part's very end does so in one of the two: they are alike but for velocities.
+  const double parting = part * distanceFromCoarse(true);
+  if (parting > kStruckAtEnd * std::max(distance, allowed)) return std::max(error, parting);
   if (isSmooth(report, {&s_.middle, &s_.after})) refine();
   return error;
 }
@@ -268,7 +271,7 @@ double StepParts::take(double from, double part, double allowed, StepReport& rep
     return known ? error : kUnknownRate;
   }
   report.substeps = once.substeps;
-  const double halved = takeHalves(from, part, report);
+  const double halved = takeHalves(from, part, allowed, report);
   // A spring that is reached within the part is so in both solutions at one time: they agree about
   // all that follows.
   const bool reached = once.substeps > 1 && hasSprings();

@@ -31,7 +31,8 @@ constexpr double kProgress = 0.9;  ///< of the last round's violation: more is n
 // --- Impacts.
 constexpr double kRestSteps = 4;  ///< what comes slower than gravity in four steps is at rest
 constexpr double kLimb = 0.6;     ///< [m] on which gravity turns a limb. 0.1: shake loses its order
-constexpr double kLeastPull = 1;  ///< [m/s^2] where gravity is less: other limbs pull, too
+/// [m/s^2] Where gravity is less. 1: in zero gravity nothing bounces below 33 mm/s at 120 Hz.
+constexpr double kLeastPull = 0.01;
 /// Of the weight, at kCoarseStep: less friction is not worth a shorter motion where its slip turns.
 /// Two thirds: 6 % more cost of a fall.
 constexpr double kWorthATurn = 0.15;
@@ -91,13 +92,13 @@ constexpr double kSwingTime = 0.1;
 constexpr double kAim = 0.38;
 constexpr double kLargestGrowth = 4;  ///< from one part to the next; its inverse the smallest
 /// Of the step: parts that would have to be shorter take more solutions than a quarter of a step
-/// each (kLargestGrowth) in one and in two halves, three: where nothing is met they are taken so. An
-/// 8th, a 12th, a 16th: hang at 1e-2 m/s costs 1.57, 1.39, 1.32 times what a fixed step with the
+/// each (kLargestGrowth) in one and in two halves, three: where nothing is met they are taken so.
+/// An 8th, a 12th, a 16th: hang at 1e-2 m/s costs 1.57, 1.39, 1.32 times what a fixed step with the
 /// same error does, weightless at 1e-3 m/s 1.40, 1.46, 1.58.
 constexpr double kLongPart = 1 / (3 * kLargestGrowth);
-constexpr int kOrderOfRk = 4;         ///< of the embedded estimate's error per second
-constexpr int kOrderOfShake = 2;      ///< likewise of step doubling
-constexpr double kDoubling = 3;       ///< 2^2 - 1: the difference over the halves' error
+constexpr int kOrderOfRk = 4;     ///< of the embedded estimate's error per second
+constexpr int kOrderOfShake = 2;  ///< likewise of step doubling
+constexpr double kDoubling = 3;   ///< 2^2 - 1: the difference over the halves' error
 
 // --- Not tuned: caps.
 /// Of contacts and sticks in turn. Half: nothing but 7 % less cost; double: 3 % more.
@@ -139,6 +140,7 @@ constexpr double kAtEdge = 1e-7;        ///< [m] nearer to it is on it
 constexpr double kStillSlides = 1e-3;   ///< of a slip: more left of it has not ended
 constexpr double kAcross = 1e-3;        ///< of friction: less is missing along a slip that goes on
 constexpr double kSlidesBack = 1.01;    ///< of friction: less that drives a slip hardly moves it
+constexpr double kStruckAtEnd = 10;     ///< of the halves' difference: by velocities, over the part
 constexpr double kParting = 1e-5;       ///< [m/s] what leaves slower after an impact stays
 constexpr double kSnap = 1e-6;          ///< of the substep: nearer to its ends is there
 constexpr double kNothingLeft = 1e-9;   ///< of the step: rounding of what was taken
