@@ -416,9 +416,8 @@ bool projectLengths(Island& island, ModePoint& point) {
   return true;
 }
 
-}  // namespace
-
-bool projectPositions(Island& island, ModePoint& point) {
+/// Onto the sticks and what presses, in turn.
+bool moveOntoRows(Island& island, ModePoint& point) {
   Mode& mode = island.s.mode;
   for (int k = 0; k < kModeProjections; ++k) {
     if (!projectLengths(island, point)) return false;
@@ -439,6 +438,15 @@ bool projectPositions(Island& island, ModePoint& point) {
     push(island, system.p, point.x.data(), point.x.data());
   }
   return false;
+}
+
+}  // namespace
+
+bool projectPositions(Island& island, ModePoint& point) {
+  findSpins(island, point.x.data(), point.v.data(), SpinOf::kEach);
+  if (!moveOntoRows(island, point)) return false;
+  keepSpins(island, point);
+  return true;
 }
 
 }  // namespace ragdoll

@@ -39,9 +39,10 @@ Vec3 turnBy(const GroupSpin& spin, const Vec3& angular) {
 void findGroups(const Island& island, SpinOf which, std::vector<int>& group) {
   const std::vector<ModeRow>& rows = island.s.mode.rows;
   const auto counts = [&](const ModeRow& row) {
-    return row.isContact() && (which == SpinOf::kPressing ? row.presses : row.closed);
+    return row.isContact() && (which == SpinOf::kClosed ? row.closed : row.presses);
   };
   group.assign(island.bodies.size(), -1);
+  if (which == SpinOf::kEach) startGroups(island, group);
   for (const ModeRow& row : rows) {
     if (!counts(row) || row.kind != ModeKind::kPair) continue;
     for (const int body : {row.body, row.other})
@@ -67,6 +68,17 @@ GroupSpin spinOfGroup(const Island& island, const double* x, const double* v, in
     };
   };
   return spinOfGroup(membersOf(island, mode.spin_of, group), of(x), of(v));
+}
+
+/// Adds a spin of a group's bodies at x to motions `out`.
+void addSpin(const Island& island, int group, const Vec3& spin, const Vec3& centre, const double* x,
+             double* out) {
+  const Mode& mode = island.s.mode;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    if (mode.spin_of[k] != group) continue;
+    for (int n = mode.offset[k]; n < mode.offset[k] + 3 * island.bodies[k]->n; n += 3)
+      Eigen::Map<Vec3>(out + n) += spin.cross(Eigen::Map<const Vec3>(x + n) - centre);
+  }
 }
 
 /// [rad/s^2] How the spin changes as its bodies move by point.v and accelerate by point.a: by what
@@ -146,6 +158,18 @@ void coupleFriction(const Island& island, ModeMatrix& A) {
   }
 }
 
+void keepSpins(const Island& island, ModePoint& point) {
+  const Mode& mode = island.s.mode;
+  for (int group = 0; group < static_cast<int>(island.bodies.size()); ++group) {
+    if (mode.spin_of[group] != group) continue;
+    const GroupSpin& before = mode.spins[group];
+    const GroupSpin now = spinOfGroup(island, point.x.data(), point.v.data(), group);
+    const Vec3 lost = before.inertia * before.rate - now.inertia * now.rate;
+    if (!lost.isZero(0))
+      addSpin(island, group, turnBy(now, lost), now.centre, point.x.data(), point.v.data());
+  }
+}
+
 void addSpins(const Island& island, const ModeVector& p, const double* x, double* out) {
   const Mode& mode = island.s.mode;
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
@@ -154,12 +178,7 @@ void addSpins(const Island& island, const ModeVector& p, const double* x, double
     const std::array<Vec3, 2> arms = armsOf(mode, i);
     const Vec3 couple = p[mode.first[i] + 1] * arms[0] + p[mode.first[i] + 2] * arms[1];
     if (couple.isZero(0)) continue;
-    const Vec3 turn = -turnBy(spin, couple);
-    for (std::size_t k = 0; k < island.bodies.size(); ++k) {
-      if (mode.spin_of[k] != mode.spin_of[mode.rows[i].body]) continue;
-      for (int n = mode.offset[k]; n < mode.offset[k] + 3 * island.bodies[k]->n; n += 3)
-        Eigen::Map<Vec3>(out + n) += turn.cross(Eigen::Map<const Vec3>(x + n) - spin.centre);
-    }
+    addSpin(island, mode.spin_of[mode.rows[i].body], -turnBy(spin, couple), spin.centre, x, out);
   }
 }
 

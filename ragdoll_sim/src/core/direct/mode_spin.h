@@ -9,8 +9,9 @@
 
 namespace ragdoll {
 
-/// Which rows count: those that press, or all that are closed.
-enum class SpinOf { kPressing, kClosed };
+/// Which rows count: those that press, or all that are closed; each: of those that press, and of
+/// every body that nothing presses on.
+enum class SpinOf { kPressing, kClosed, kEach };
 
 /// Mode::spins <- of the bodies at x that move by v, by the rows of contacts between sticks.
 void findSpins(Island& island, const double* x, const double* v, SpinOf which);
@@ -22,11 +23,14 @@ Vec3 spinMotion(const Island& island, const ModeRow& row, const RowPlace& place,
 /// Takes it, and how it changes at the point, from rates and accelerations along the tangents
 /// of the rows.
 void takeSpinRates(const Island& island, ModeVector& rates);
-void takeSpinAccelerations(const Island& island, const ModePoint& point,
-                           ModeVector& accelerations);
+void takeSpinAccelerations(const Island& island, const ModePoint& point, ModeVector& accelerations);
 
 /// Takes from A what friction does to friction by these couples; mode.place and .first are known.
 void coupleFriction(const Island& island, ModeMatrix& A);
+
+/// Gives back to the velocities, as spins, what angular momentum bodies had when Mode::spins were
+/// found, before their positions were changed: what shake leaves of gaps is some 1e-6 m.
+void keepSpins(const Island& island, ModePoint& point);
 
 /// Adds to motions `out` the spins that go with p, at x.
 void addSpins(const Island& island, const ModeVector& p, const double* x, double* out);
