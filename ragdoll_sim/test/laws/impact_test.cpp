@@ -109,6 +109,18 @@ TEST(Impact, SlowOnesBounceWhereverAStepEnds) {
         }
 }
 
+/// Along a wall gravity does not press: what falls past it and comes at 6 mm/s is thrown back.
+TEST(Impact, OffAWallThatItFallsPastABallBounces) {
+  constexpr double kGap = 1e-3, kSpeed = 6e-3;
+  ObstacleSpec wall = floorPlane();
+  wall.normal = -Vec3::UnitX();
+  for (const double hz : {60, 250, 1000, 4000}) {
+    ElasticBall ball(Vec3(-kElasticRadius - kGap, 0, 0), Vec3(kSpeed, 0.05, 0), wall, 1 / hz, 9.81);
+    ball.run(1);
+    EXPECT_NEAR(ball.state.x(0, 0), -kElasticRadius + kGap - kSpeed, 1e-9) << hz << " Hz";
+  }
+}
+
 /// Slower than what bounces in a part as long as the step, but not in half of it: the halves may
 /// end thrown back and the whole one at rest. What both tell together is no faster than either.
 TEST(Impact, NoneLeavesFasterThanItCame) {
