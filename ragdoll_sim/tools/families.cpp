@@ -26,7 +26,8 @@ const std::vector<MethodEntry>& methods() {
 
 constexpr int kUsualSweeps = 10;      ///< of the thesis
 constexpr double kAdaptiveRate = 30;  ///< [Hz] of the whole steps; substeps follow the tolerance
-constexpr const char* kTolerances[] = {"0.1", "0.01", "0.001", "1e-05", "1e-07"};  ///< [m]
+constexpr const char* kTolerances[] = {"0.1", "0.01", "0.001", "1e-05", "1e-07"};  ///< [m] of rk
+constexpr const char* kShakeTolerances[] = {"0.1", "0.01", "0.001", "0.0001"};
 /// Likewise, of rk through events: for coarser ones its parts by shake do as well at less cost.
 constexpr const char* kEventTolerances[] = {"0.0001", "1e-05", "1e-06"};
 constexpr const char* kIntegrators[] = {"verlet", "euler", "symplectic_euler", "midpoint",
@@ -59,6 +60,8 @@ std::vector<Family> families(bool integrators) {
     family.solver.preset.clear();
     family.solver.method = entry.method;
     if (entry.sweeps.empty()) all.push_back(family);
+    if (entry.method == Method::kShake)
+      for (const char* tolerance : kShakeTolerances) all.push_back(within(tolerance, family));
     if (entry.method == Method::kRk) {
       for (const char* tolerance : kTolerances) all.push_back(within(tolerance, family));
       family.name += kWithEvents;

@@ -1,57 +1,16 @@
 // A tolerance is kept whatever the step, and what is missed is told.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <random>
 #include <string>
-#include <vector>
 
 #include "ragdoll_sim/io/scene_yaml.h"
-#include "support/worlds.h"
+#include "support/tolerance_run.h"
 
 namespace ragdoll {
 namespace {
 
 using namespace test;
-
-struct Outcome {
-  Points x;
-  StepReport report;
-  int parts = 0;
-};
-
-/// From the scene's start, or from a state that another run has come to.
-Outcome runOf(Scene scene, Method method, double step, double tolerance, double seconds,
-              const State* start = nullptr, bool events = false) {
-  scene.solver.method = method;
-  if (events) scene.solver.events = true;
-  scene.solver.step = step;
-  scene.solver.tolerance = tolerance;
-  World world(scene);
-  if (start) {
-    world.state = *start;
-    world.state.step = 0;
-    world.state.time = 0;
-  }
-  Outcome run;
-  for (int i = 0; i < static_cast<int>(std::lround(seconds / step)); ++i) {
-    const StepReport report = world.steps(1);
-    run.report += report;
-    run.parts += report.substeps;
-  }
-  run.x = world.state.x;
-  return run;
-}
-
-double distance(const Points& a, const Points& b) { return (a - b).colwise().norm().maxCoeff(); }
-
-void removeJoints(Scene& scene) {
-  SkeletonSpec skeleton = *scene.ragdolls[0].skeleton;
-  skeleton.joints.clear();
-  scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(std::move(skeleton));
-}
 
 /// A human without joints that swings from a hand.
 Scene swingingByAHand() {
@@ -65,7 +24,7 @@ TEST(Tolerance, OfRkIsMoreThanTheErrorOfASmoothMotionFromAnyStep) {
   const Points best = runOf(swingingByAHand(), Method::kRk, 1.0 / 16000, 0, 1).x;
   for (const double step : {1e-3, 1.0 / 120, 1.0 / 30, 0.1})
     for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-8}) {
-      const Outcome run = runOf(swingingByAHand(), Method::kRk, step, tolerance, 1);
+      const ToleranceRun run = runOf(swingingByAHand(), Method::kRk, step, tolerance, 1);
       EXPECT_LT(distance(run.x, best), tolerance) << step;
       EXPECT_EQ(run.report.tolerance_missed, 0);
       EXPECT_GT(run.report.error_estimate, 0);
@@ -80,115 +39,6 @@ TEST(Tolerance, OfShakeIsATenthOfTheErrorOfASmoothMotionAtMostFromAnyStep) {
       EXPECT_LT(distance(runOf(swingingByAHand(), Method::kShake, step, tolerance, 1).x, best),
                 10 * tolerance)
           << step;
-}
-
-enum class Kind { kSmooth, kLimits, kContact, kDamped };
-
-/// A body that turns at random: without joints and with, by a hand; onto the ground, and damped.
-Scene sceneOfKind(Kind kind, std::mt19937& random) {
-  std::uniform_real_distribution<double> turn(-180, 180), speed(-3, 3);
-  const bool falls = kind == Kind::kContact || kind == Kind::kDamped;
-  Scene scene = parseScene(
-      std::string("ragdolls: [{model: ") + (kind == Kind::kSmooth ? "human_lumped" : "human") +
-      ", position: [0, 0, " + (falls ? "1.3" : "2") + "], rpy_deg: [" +
-      std::to_string(turn(random) / 9) + ", " + std::to_string(turn(random) / 9) + ", " +
-      std::to_string(turn(random)) + "], angular_velocity: [" + std::to_string(speed(random)) +
-      ", " + std::to_string(speed(random)) + ", " + std::to_string(speed(random)) + "]}]\n" +
-      (falls ? "obstacles: [{type: plane}]\n" : "pins: [ragdoll/right_hand]\n"));
-  if (kind == Kind::kSmooth) removeJoints(scene);
-  if (kind == Kind::kDamped) scene.solver.joint_damping = 2;
-  scene.solver.method = Method::kShake;
-  scene.solver.step = 1.0 / 240;
-  return scene;
-}
-
-constexpr double kWindow = 0.1;  ///< [s]
-
-struct Window {
-  Scene scene;
-  State start;
-  Points exact;
-  double uncertain = 0;  ///< [m] how far references of other steps are off
-};
-
-/// A state some fine steps on. What lies counts as touching though steps of 1/240 s leave it open
-/// by up to 2.5e-6 m; to finer ones it would be free until it has fallen so far.
-State settled(Scene scene, const State& start) {
-  scene.solver.step = 1.0 / 16000;
-  World world(scene);
-  world.state = start;
-  world.steps(16);
-  return world.state;
-}
-
-std::vector<Window> windowsOf(Kind kind, int count) {
-  std::vector<Window> windows;
-  for (int seed = 0; seed < count; ++seed) {
-    std::mt19937 random(seed + 1000 * static_cast<int>(kind));
-    Window w{sceneOfKind(kind, random), {}, {}};
-    World world(w.scene);
-    world.steps(24 + static_cast<int>(random() % 240));
-    w.start = settled(w.scene, world.state);
-    const Method best = kind == Kind::kSmooth ? Method::kRk : Method::kShake;
-    const auto end = [&](double rate) {
-      return runOf(w.scene, best, 1 / rate, 0, kWindow, &w.start).x;
-    };
-    w.exact = end(16000);
-    w.uncertain = std::max(distance(w.exact, end(8000)), 0.25 * distance(w.exact, end(4000)));
-    windows.push_back(w);
-  }
-  return windows;
-}
-
-/// Windows that a reference knows well enough: a fork is none; those whose error is within three
-/// times what the tolerance allows; those in which it is not, and nothing was told.
-struct Count {
-  int known = 0, kept = 0, silent = 0;
-  long parts = 0;
-};
-
-/// How a window is run.
-struct Way {
-  Method method;
-  bool events;
-};
-
-void count(const std::vector<Window>& windows, Way way, double tolerance, Count& all) {
-  for (const Window& w : windows) {
-    if (w.uncertain > 0.3 * tolerance * kWindow) continue;
-    const Outcome run =
-        runOf(w.scene, way.method, kWindow / 6, tolerance, kWindow, &w.start, way.events);
-    const bool kept = distance(run.x, w.exact) < 3 * tolerance * kWindow;
-    ++all.known;
-    all.kept += kept;
-    all.silent += !kept && run.report.tolerance_missed == 0;
-    all.parts += run.parts;
-  }
-}
-
-void keepsTo95Of100(const std::vector<std::vector<Window>>& windows, int least_known) {
-  for (const Way way : {Way{Method::kShake, false}, {Method::kRk, false}, {Method::kRk, true}})
-    for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5, 1e-6}) {
-      Count all;
-      for (const std::vector<Window>& some : windows) count(some, way, tolerance, all);
-      SCOPED_TRACE(tolerance);
-      EXPECT_GE(all.known, least_known);
-      EXPECT_LE(all.known - all.kept, std::ceil(0.05 * all.known));
-      EXPECT_LE(all.silent, 0.05 * all.known);
-      std::printf("%g: %d of %d, %d not told, %.0f parts per second\n", tolerance, all.kept,
-                  all.known, all.silent, all.parts / (kWindow * all.known));
-    }
-}
-
-TEST(Tolerance, IsKeptIn95Of100WindowsOfAllKinds) {
-  std::vector<std::vector<Window>> windows;
-  for (const Kind kind : {Kind::kSmooth, Kind::kLimits, Kind::kContact, Kind::kDamped})
-    windows.push_back(windowsOf(kind, 20));
-  keepsTo95Of100(windows, 30);
-}
-
-TEST(Tolerance, IsKeptIn95Of100WindowsOfContactAlone) {
-  keepsTo95Of100({windowsOf(Kind::kContact, 80)}, 20);
 }
 
 /// Two balls, 1e-7 m apart, fly at a wall that throws back half of the speed. The first is thrown
@@ -283,7 +133,7 @@ TEST(Tolerance, IsKeptOnASpringThatComesAndGoes) {
         scene.obstacles = {floorPlane(0)};
         scene.obstacles[0].contact.stiffness = stiffness;
         scene.obstacles[0].contact.damping = 0;
-        const Outcome run = runOf(scene, Method::kShake, 1.0 / 60, tolerance, kSeconds);
+        const ToleranceRun run = runOf(scene, Method::kShake, 1.0 / 60, tolerance, kSeconds);
         const double pressed = kSeconds - gap / kSpeed, off = M_PI / turn;
         const double end =
             pressed > off ? kSpeed * (pressed - off) : -kSpeed / turn * std::sin(turn * pressed);
@@ -303,7 +153,7 @@ TEST(Tolerance, BoundsTheWork) {
       "ragdolls: [{name: a, model: human, position: [0, 0, 0.3], rpy_deg: [0, -90, 0]},\n"
       "           {name: b, model: human, position: [0.1, 0.1, 0.7], rpy_deg: [0, 80, 30]}]\n"
       "obstacles: [{type: plane}]\nragdoll_collision: true\nsolver: {joint_damping: 2}\n");
-  const Outcome run = runOf(scene, Method::kShake, 1.0 / 60, kTolerance, kSeconds);
+  const ToleranceRun run = runOf(scene, Method::kShake, 1.0 / 60, kTolerance, kSeconds);
   EXPECT_GT(run.parts, 2 * 30);
   EXPECT_LT(run.parts, kSeconds / (5e-3 * std::sqrt(kTolerance)));
 }
@@ -318,9 +168,9 @@ TEST(Tolerance, GivesTheSameBitsForAnyNumberOfThreads) {
     scene.ragdolls[i].pose.position += Vec3(3 * i, 0, 0.03 * i);
   }
   scene.solver.threads = 1;
-  const Outcome one = runOf(scene, Method::kShake, 1.0 / 60, 1e-3, 0.6);
+  const ToleranceRun one = runOf(scene, Method::kShake, 1.0 / 60, 1e-3, 0.6);
   scene.solver.threads = 3;
-  const Outcome three = runOf(scene, Method::kShake, 1.0 / 60, 1e-3, 0.6);
+  const ToleranceRun three = runOf(scene, Method::kShake, 1.0 / 60, 1e-3, 0.6);
   EXPECT_EQ(distance(one.x, three.x), 0);
   EXPECT_EQ(one.parts, three.parts);
 }
@@ -334,7 +184,7 @@ TEST(Tolerance, OfBodiesThatMeetIsControlledToo) {
   scene.ragdolls[1].pose.position = Vec3(0.3, 0.1, 0.25);
   scene.ragdolls[1].velocity = Vec3(0, 0, -1);
   scene.ragdoll_collision = true;
-  const Outcome run = runOf(scene, Method::kShake, 1.0 / 60, 1e-2, 0.2);
+  const ToleranceRun run = runOf(scene, Method::kShake, 1.0 / 60, 1e-2, 0.2);
   EXPECT_GT(run.report.error_estimate, 0);
   EXPECT_EQ(runOf(scene, Method::kShake, 1.0 / 60, 0, 0.2).report.error_estimate, 0);
 }

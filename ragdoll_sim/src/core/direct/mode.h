@@ -38,6 +38,8 @@ struct ModeRow {
   bool impending = false;  ///< slip is impending (ModeBlock::impending)
   bool moves = false;      ///< slips, in the direction:
   Vec3 slip = Vec3::Zero();
+  bool slow = false;  ///< slips so slowly that friction turns it at once (mode_slow_slips.h): about
+  Vec3 along = Vec3::Zero();     ///< unit, there
   std::array<int, 3> feature{};  ///< where it touches, as RowPlace::feature
   double gap_start = 0;          ///< [m], [rad] at the start of the present piece
   double answer = 0;             ///< [1/kg] to a push along the normal: of springs that press
@@ -95,6 +97,15 @@ struct GroupSpin {
   Vec3 rate = Vec3::Zero();  ///< [rad/s] of all as one; what slips is measured against it
 };
 
+/// Of the rows that slip slowly, at the start of a piece.
+struct SlowSlips {
+  Roomy<int> rows;
+  Roomy<Vec3> start;  ///< their directions
+  ModeMatrix turns;   ///< [s^2/m] inverse of how accelerations across slips answer to their turning
+  ModeVector rate;    ///< [rad/s] at which the directions turn
+  ModeVector lag;     ///< [rad] of slips behind where they would be if they stood still
+};
+
 constexpr int kEventsOfRow = 5;  ///< functions that mode_event_search.h looks at
 
 struct Mode {
@@ -110,9 +121,10 @@ struct Mode {
   Roomy<int> spin_of;   ///< of each body; -1: held, or nothing presses on it
   Roomy<int> found_of;  ///< that the present forces were found with
   Roomy<GroupSpin> spins;
+  SlowSlips slow;
   ModePoint start, end;  ///< of the present piece
   ModePiece piece;       ///< likewise
-  ModePoint sample, stage;
+  ModePoint sample, stage, later;
   RowValues beside;  ///< positions near those of a point
   Roomy<double, kEventsOfRow * kRoomForRows> event, earlier;
 };

@@ -16,6 +16,7 @@
 #include "core/direct/mode_piece.h"
 #include "core/direct/mode_rows.h"
 #include "core/direct/mode_settle.h"
+#include "core/direct/mode_slow_slips.h"
 #include "core/direct/spring.h"
 #include "core/direct/workspace.h"
 
@@ -165,6 +166,9 @@ class PieceErrors {
     return std::max(kPieceError, (kReserved * tolerance_ * took + kOfSpare * spare_) / kSwingTime);
   }
 
+  /// [m/s] Across slow slips: it stays, as friction does not turn them.
+  double allowedAcross() const { return kSlowShare * tolerance_; }
+
   void add(double error, double took) {
     sum_ += kSwingTime * error;
     spare_ -= std::max(0.0, kSwingTime * error - kReserved * tolerance_ * took);
@@ -260,9 +264,14 @@ bool takePieces(Island& island, double h, double& went, double& error) {
     pressed = false;
     if (!(left > 0)) return true;
     startPiece(island);
+    const double longest = std::min(left, mode.longest);
+    const bool were_slow = !mode.slow.rows.empty();
+    const double slow = findSlowSlips(island, longest, errors.allowedAcross());
+    if (!were_slow && !mode.slow.rows.empty())
+      most = longest;  // the last one told of their turning
+    most = std::min({most, longest, slow});
     double took = 0, next = 0;
-    if (!takePiece(island, std::min({left, most, mode.longest}), errors, pieces, took, next, event))
-      return false;
+    if (!takePiece(island, most, errors, pieces, took, next, event)) return false;
     error = errors.sum();
     logPiece(island, took);
     island.bodies[0]->given += mode.piece.work;

@@ -10,17 +10,18 @@
 #include "core/direct/mode_constants.h"
 #include "core/direct/mode_energy.h"
 #include "core/direct/mode_rows.h"
+#include "core/direct/mode_slow_slips.h"
 #include "core/direct/mode_spin.h"
 #include "core/direct/rows.h"
 
 namespace ragdoll {
-namespace {
 
-/// Vector along the surface from what it has along the two tangents of a row.
 Vec3 alongSurface(const Island& island, int row, const Eigen::Vector2d& t) {
   const JointSchur& joint = island.s.joint;
   return t[0] * joint.row(row + 1).direction + t[1] * joint.row(row + 2).direction;
 }
+
+namespace {
 
 /// Unit direction in which a contact slips: of its velocity, turned into that of the piece's start,
 /// so that it stays what it was where the slip ends; nearly still it passes into that smoothly.
@@ -90,6 +91,8 @@ void evaluateAccelerations(const Island& island, const ModePoint& point, ModeSys
   takeSpinAccelerations(island, point, system.b);
 }
 
+}  // namespace
+
 void keepForces(const Island& island, const ModeVector& p, ModeForces& forces) {
   const Mode& mode = island.s.mode;
   forces.normal.assign(mode.rows.size(), 0);
@@ -102,6 +105,8 @@ void keepForces(const Island& island, const ModeVector& p, ModeForces& forces) {
       forces.friction[i] = alongSurface(island, row, Eigen::Vector2d(p[row + 1], p[row + 2]));
   }
 }
+
+namespace {
 
 /// Rates of the closed rows at v.
 void evaluateModeRates(const Island& island, const double* v, ModeSystem& system) {
@@ -162,7 +167,9 @@ void addRow(Island& island, std::size_t i, const double* x, const double* v) {
   if (block.given && row.presses) block.force = springForce(island, row, place, x, v);
   if (row.isContact()) block.friction = row.friction;
   if (block.friction > 0 && !row.sticks)
-    block.slip = slipDirection(place.contact, slipOf(island, row, place, x, v), row.slip);
+    block.slip = row.slow
+                     ? slipDirection(place.contact, row.along, row.along)
+                     : slipDirection(place.contact, slipOf(island, row, place, x, v), row.slip);
   mode.blocks.push_back(block);
 }
 
@@ -203,8 +210,9 @@ bool buildRows(Island& island, const double* x, const double* v, bool curvature)
   return true;
 }
 
-/// How the island's bodies answer to impulses p, at x: added to motions `out`.
-void push(Island& island, const ModeVector& p, const double* x, double* out) {
+}  // namespace
+
+void pushInMode(Island& island, const ModeVector& p, const double* x, double* out) {
   IslandScratch& s = island.s;
   s.p = p;
   s.joint.split(s.p, s.parts);
@@ -214,8 +222,6 @@ void push(Island& island, const ModeVector& p, const double* x, double* out) {
   }
   addSpins(island, p, x, out);
 }
-
-}  // namespace
 
 Vec3 slipOf(const Island& island, const ModeRow& row, const RowPlace& place, const double* x,
             const double* v) {
@@ -246,16 +252,25 @@ bool buildModeSystem(Island& island, const double* x, const double* v, bool curv
   return true;
 }
 
-bool accelerateInMode(Island& island, ModePoint& point) {
-  ModeSystem system;
+bool buildAccelerations(Island& island, ModePoint& point, ModeSystem& system) {
   accelerateFreely(island, point);
   findSpins(island, point.x.data(), point.v.data(), SpinOf::kPressing);
   if (!buildModeSystem(island, point.x.data(), point.v.data(), true, system)) return false;
+  if (system.b.size() == 0) return true;
+  coupleFriction(island, system.A);
+  evaluateAccelerations(island, point, system);
+  return true;
+}
+
+bool accelerateInMode(Island& island, ModePoint& point) {
+  ModeSystem system;
+  if (!buildAccelerations(island, point, system)) return false;
   if (system.b.size() > 0) {
-    coupleFriction(island, system.A);
-    evaluateAccelerations(island, point, system);
-    if (!solveEqualities(system.A, system.b, island.s.mode.blocks, system.p)) return false;
-    push(island, system.p, point.x.data(), point.a.data());
+    const bool slow = !island.s.mode.slow.rows.empty();
+    if (slow ? !solveSlowSlips(island, point, system)
+             : !solveEqualities(system.A, system.b, island.s.mode.blocks, system.p))
+      return false;
+    pushInMode(island, system.p, point.x.data(), point.a.data());
   }
   keepForces(island, system.p, point.forces);
   return point.a.allFinite();
@@ -305,7 +320,7 @@ bool findPressing(Island& island, ModePoint& point) {
     mode.force_scale = forceScale(island, system);
     if (!solveComplementarity(system.A, system.b, mode.force_scale, mode.blocks, system.p))
       return false;
-    push(island, system.p, point.x.data(), point.a.data());
+    pushInMode(island, system.p, point.x.data(), point.a.data());
   }
   keepForces(island, system.p, point.forces);
   keepMode(island);
@@ -363,7 +378,7 @@ bool takeModeImpact(Island& island, ModePoint& point) {
   findSpins(island, point.x.data(), point.v.data(), SpinOf::kPressing);  // after it, as shake
   std::vector<double>& energies = island.s.energies;
   findEnergies(island, point, energies);
-  push(island, system.p, point.x.data(), point.v.data());
+  pushInMode(island, system.p, point.x.data(), point.v.data());
   takeImpactGains(island, system.p, energies, point);
   logImpact(island, system, rates, point);
   keepMet(island, system.p);
@@ -394,7 +409,7 @@ bool projectVelocities(Island& island, ModePoint& point, bool begins) {
     block.force = 0;
   }
   if (!solveEqualities(system.A, system.b, island.s.mode.blocks, system.p, kLeaving)) return false;
-  push(island, system.p, point.x.data(), point.v.data());
+  pushInMode(island, system.p, point.x.data(), point.v.data());
   return true;
 }
 
@@ -435,7 +450,7 @@ bool moveOntoRows(Island& island, ModePoint& point) {
       block.force = 0;
     }
     if (!solveEqualities(system.A, system.b, mode.blocks, system.p)) return false;
-    push(island, system.p, point.x.data(), point.x.data());
+    pushInMode(island, system.p, point.x.data(), point.x.data());
   }
   return false;
 }

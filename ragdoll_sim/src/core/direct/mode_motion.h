@@ -19,6 +19,20 @@ struct ModeSystem {
 bool buildModeSystem(Island& island, const double* x, const double* v, bool curvature,
                      ModeSystem& system);
 
+/// The system of the mode's equalities at the point, without what presses, for accelerations;
+/// point.a <- likewise. False: as above.
+bool buildAccelerations(Island& island, ModePoint& point, ModeSystem& system);
+
+/// How the island's bodies answer to forces or impulses p of the last system, at x: added to
+/// motions `out`.
+void pushInMode(Island& island, const ModeVector& p, const double* x, double* out);
+
+/// Vector along the surface from what it has along the two tangents of a row of the last system.
+Vec3 alongSurface(const Island& island, int row, const Eigen::Vector2d& t);
+
+/// Forces of the rows from the solution.
+void keepForces(const Island& island, const ModeVector& p, ModeForces& forces);
+
 /// point.a and forces by the mode at point.x, point.v. False: no answer.
 bool accelerateInMode(Island& island, ModePoint& point);
 

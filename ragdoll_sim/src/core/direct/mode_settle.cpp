@@ -7,6 +7,7 @@
 #include "core/direct/mode_constants.h"
 #include "core/direct/mode_motion.h"
 #include "core/direct/mode_rows.h"
+#include "core/direct/mode_slow_slips.h"
 #include "core/direct/tolerances.h"
 
 namespace ragdoll {
@@ -137,6 +138,7 @@ bool closeChatter(Island& island, const ModePoint& ahead) {
 
 bool settleMode(Island& island, bool pressed) {
   Mode& mode = island.s.mode;
+  clearSlowSlips(mode);
   const ModePoint& ahead = lookAhead(mode);
   if (anyLiesAcross(island)) return false;
   if (findClosed(island, ahead, pressed, false)) {
