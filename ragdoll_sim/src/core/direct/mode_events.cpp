@@ -265,13 +265,18 @@ bool takePieces(Island& island, double h, double& went, double& error) {
     if (!(left > 0)) return true;
     startPiece(island);
     const double longest = std::min(left, mode.longest);
+    const double usual = std::min(most, longest);
     const bool were_slow = !mode.slow.rows.empty();
     const double slow = findSlowSlips(island, longest, errors.allowedAcross());
     if (!were_slow && !mode.slow.rows.empty())
       most = longest;  // the last one told of their turning
     most = std::min({most, longest, slow});
     double took = 0, next = 0;
-    if (!takePiece(island, most, errors, pieces, took, next, event)) return false;
+    if (!takePiece(island, most, errors, pieces, took, next, event)) {
+      // Where slips stop to be slow within the shortest piece they are followed.
+      if (!leaveSlowSlips(island) || !takePiece(island, usual, errors, pieces, took, next, event))
+        return false;
+    }
     error = errors.sum();
     logPiece(island, took);
     island.bodies[0]->given += mode.piece.work;

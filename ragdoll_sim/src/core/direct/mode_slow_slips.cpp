@@ -90,6 +90,13 @@ void clearSlowSlips(Mode& mode) {
   mode.slow.rows.clear();
 }
 
+bool leaveSlowSlips(Island& island) {
+  Mode& mode = island.s.mode;
+  if (mode.slow.rows.empty()) return false;
+  clearSlowSlips(mode);
+  return accelerateInMode(island, mode.start);
+}
+
 bool solveSlowSlips(Island& island, ModePoint& point, ModeSystem& system) {
   Mode& mode = island.s.mode;
   if (!alignSlowSlips(mode, system)) return false;

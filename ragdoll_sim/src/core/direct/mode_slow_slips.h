@@ -17,6 +17,9 @@ namespace ragdoll {
 /// accelerations there. allowed: [m/s] of a velocity's error. Returns how long they do [s].
 double findSlowSlips(Island& island, double h, double allowed);
 
+/// None do, and accelerations at mode.start are as if none did. False: none did before.
+bool leaveSlowSlips(Island& island);
+
 /// None do.
 void clearSlowSlips(Mode& mode);
 
