@@ -294,6 +294,7 @@ bool takePieces(Island& island, double h, double& went, double& error) {
 /// mode.start <- the bodies as they are.
 void startMotion(Island& island) {
   Mode& mode = island.s.mode;
+  mode.slow.rows.clear();  // of a step before, of other rows
   for (ModePoint* point : {&mode.start, &mode.end, &mode.sample, &mode.stage})
     for (RowValues* values : {&point->x, &point->v, &point->a}) values->setZero(mode.size);
   for (std::size_t k = 0; k < island.bodies.size(); ++k) {
