@@ -50,7 +50,7 @@ Eigen::MatrixXd rowsOf(const Eigen::MatrixXd& m, const std::vector<int>& rows) {
 
 /// Names of the parts with the largest weights, a tenth of the largest at least.
 std::string largest(const Eigen::VectorXd& weights, const std::vector<std::string>& names) {
-  constexpr std::size_t kNamed = 8;
+  constexpr std::size_t kNamedRows = 8;
   const Eigen::VectorXd w = weights.cwiseAbs();
   std::vector<int> order;
   for (int i = 0; i < w.size(); ++i)
@@ -58,8 +58,8 @@ std::string largest(const Eigen::VectorXd& weights, const std::vector<std::strin
   std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return w[i] > 1.001 * w[j]; });
   std::vector<std::string> out;
   for (const int i : order)
-    if (out.size() <= kNamed && !std::count(out.begin(), out.end(), names[i]))
-      out.push_back(out.size() < kNamed ? names[i] : "...");
+    if (out.size() <= kNamedRows && !std::count(out.begin(), out.end(), names[i]))
+      out.push_back(out.size() < kNamedRows ? names[i] : "...");
   return joined(out);
 }
 
