@@ -97,13 +97,17 @@ struct GroupSpin {
   Vec3 rate = Vec3::Zero();  ///< [rad/s] of all as one; what slips is measured against it
 };
 
+using SlowVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostSlowSlips, 1>;
+using SlowMatrix =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostSlowSlips, kMostSlowSlips>;
+
 /// Of the rows that slip slowly, at the start of a piece.
 struct SlowSlips {
   Roomy<int> rows;
   Roomy<Vec3> start;  ///< their directions
-  ModeMatrix turns;   ///< [s^2/m] inverse of how accelerations across slips answer to their turning
-  ModeVector rate;    ///< [rad/s] at which the directions turn
-  ModeVector lag;     ///< [rad] of slips behind where they would be if they stood still
+  SlowMatrix turns;   ///< [s^2/m] inverse of how accelerations across slips answer to their turning
+  SlowVector rate;    ///< [rad/s] at which the directions turn
+  SlowVector lag;     ///< [rad] of slips behind where they would be if they stood still
 };
 
 constexpr int kEventsOfRow = 5;  ///< functions that mode_event_search.h looks at

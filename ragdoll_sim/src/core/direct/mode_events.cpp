@@ -264,19 +264,18 @@ bool takePieces(Island& island, double h, double& went, double& error) {
     pressed = false;
     if (!(left > 0)) return true;
     startPiece(island);
-    const double longest = std::min(left, mode.longest);
-    const double usual = std::min(most, longest);
+    const double longest = std::min(left, mode.longest), usual = std::min(most, longest);
     const bool were_slow = !mode.slow.rows.empty();
-    const double slow = findSlowSlips(island, longest, errors.allowedAcross());
-    if (!were_slow && !mode.slow.rows.empty())
-      most = longest;  // the last one told of their turning
-    most = std::min({most, longest, slow});
+    double slow = 0;
+    if (!findSlowSlips(island, longest, errors.allowedAcross(), slow)) return false;
+    // The piece before was as short as friction turned them, if they are slow now.
+    const bool ends_that = !were_slow && !mode.slow.rows.empty();
     double took = 0, next = 0;
-    if (!takePiece(island, most, errors, pieces, took, next, event)) {
-      // Where slips stop to be slow within the shortest piece they are followed.
-      if (!leaveSlowSlips(island) || !takePiece(island, usual, errors, pieces, took, next, event))
-        return false;
-    }
+    // Where slips stop to be slow within the shortest piece they are followed.
+    if (!takePiece(island, std::min(ends_that ? longest : usual, slow), errors, pieces, took, next,
+                   event) &&
+        !(leaveSlowSlips(island) && takePiece(island, usual, errors, pieces, took, next, event)))
+      return false;
     error = errors.sum();
     logPiece(island, took);
     island.bodies[0]->given += mode.piece.work;

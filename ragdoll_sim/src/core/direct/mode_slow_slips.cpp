@@ -18,9 +18,9 @@ ModeBlock& blockOf(Mode& mode, int row) {
 }
 
 /// [m/s^2] Of each slow slip across its direction, by forces p.
-ModeVector accelerationsAcross(Mode& mode, const ModeSystem& system, const ModeVector& p) {
+SlowVector accelerationsAcross(Mode& mode, const ModeSystem& system, const ModeVector& p) {
   const ModeVector w = system.b + system.A * p;
-  ModeVector across(mode.slow.rows.size());
+  SlowVector across(mode.slow.rows.size());
   for (Eigen::Index j = 0; j < across.size(); ++j) {
     const ModeBlock& block = blockOf(mode, mode.slow.rows[j]);
     across[j] = block.across().dot(w.segment<2>(block.row + 1));
@@ -28,7 +28,7 @@ ModeVector accelerationsAcross(Mode& mode, const ModeSystem& system, const ModeV
   return across;
 }
 
-void turnBy(Mode& mode, const ModeVector& angles) {
+void turnBy(Mode& mode, const SlowVector& angles) {
   for (Eigen::Index j = 0; j < angles.size(); ++j) {
     Eigen::Vector2d& slip = blockOf(mode, mode.slow.rows[j]).slip;
     slip = (Eigen::Rotation2Dd(std::clamp(angles[j], -kMostTurn, kMostTurn)) * slip).normalized();
@@ -39,7 +39,7 @@ void turnBy(Mode& mode, const ModeVector& angles) {
 bool alignSlowSlips(Mode& mode, ModeSystem& system) {
   for (int k = 0; k < kAlignments; ++k) {
     if (!solveEqualities(system.A, system.b, mode.blocks, system.p)) return false;
-    const ModeVector turn = -(mode.slow.turns * accelerationsAcross(mode, system, system.p));
+    const SlowVector turn = -(mode.slow.turns * accelerationsAcross(mode, system, system.p));
     if (!turn.allFinite()) return false;
     if (turn.cwiseAbs().maxCoeff() < kSlowAligned) return true;
     turnBy(mode, turn);
@@ -47,15 +47,14 @@ bool alignSlowSlips(Mode& mode, ModeSystem& system) {
   return false;
 }
 
-/// Their directions in space, or the rows' from those.
+/// The rows' directions in space <- those of the blocks.
 void keepDirections(Island& island) {
   Mode& mode = island.s.mode;
   for (const int row : mode.slow.rows)
     mode.rows[row].along = alongSurface(island, mode.first[row], blockOf(mode, row).slip);
 }
 
-/// Sets the accelerations at which the present directions turn, of which mode.slow.rate: the point
-/// a moment later, with the same directions.
+/// mode.slow.rate, by what accelerates across the same directions a moment later.
 bool findRates(Island& island, const ModePoint& point, const ModeVector& p) {
   Mode& mode = island.s.mode;
   ModePoint& later = mode.later;
@@ -72,9 +71,9 @@ bool findRates(Island& island, const ModePoint& point, const ModeVector& p) {
 }
 
 /// [m/s] Of each.
-ModeVector speedsOf(Island& island, const ModePoint& point) {
+SlowVector speedsOf(Island& island, const ModePoint& point) {
   Mode& mode = island.s.mode;
-  ModeVector speed(mode.slow.rows.size());
+  SlowVector speed(mode.slow.rows.size());
   for (Eigen::Index j = 0; j < speed.size(); ++j) {
     const ModeRow& row = mode.rows[mode.slow.rows[j]];
     const double *x = point.x.data(), *v = point.v.data();
@@ -101,7 +100,7 @@ bool solveSlowSlips(Island& island, ModePoint& point, ModeSystem& system) {
   Mode& mode = island.s.mode;
   if (!alignSlowSlips(mode, system)) return false;
   keepDirections(island);
-  const ModeVector speeds = speedsOf(island, point);
+  const SlowVector speeds = speedsOf(island, point);
   const bool known = findRates(island, point, system.p);
   const bool found = buildAccelerations(island, point, system) && known;
   if (found) {
@@ -115,11 +114,13 @@ bool solveSlowSlips(Island& island, ModePoint& point, ModeSystem& system) {
 
 namespace {
 
-/// [s] In which friction turns a slip of that speed.
-double turningTime(const ModeSystem& system, const ModeBlock& block, double speed) {
-  const int t = block.row + 1;
-  const double answer = std::min(system.A(t, t), system.A(t + 1, t + 1));
-  return speed / (block.friction * system.p[block.row] * answer);
+/// [s] In which friction turns a slip of that speed at the start; `row` answers as it last did.
+double turningTime(const Island& island, std::size_t row, double speed) {
+  const Mode& mode = island.s.mode;
+  const int t = mode.first[row] + 1;
+  const JointSchur& joint = island.s.joint;
+  const double answer = std::min(joint.entry(t, t), joint.entry(t + 1, t + 1));
+  return speed / (mode.rows[row].friction * mode.start.forces.normal[row] * answer);
 }
 
 Vec3 slipAtStart(Island& island, const ModeRow& row) {
@@ -128,18 +129,16 @@ Vec3 slipAtStart(Island& island, const ModeRow& row) {
   return slipOf(island, row, placeOf(island, row, x, v, false), x, v);
 }
 
-/// Rows that slip for which a piece of h is long.
-void listSlowSlips(Island& island, const ModeSystem& system, double h) {
+/// Rows whose slips friction turns at once, as a piece of h sees it.
+void listSlowSlips(Island& island, double h) {
   Mode& mode = island.s.mode;
-  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+  for (std::size_t i = 0; i < mode.rows.size() && mode.slow.rows.size() < kMostSlowSlips; ++i) {
     ModeRow& row = mode.rows[i];
     if (!row.presses || !row.isContact() || row.sticks || row.impending || row.isSoft() ||
-        !(row.friction > 0))
+        !(row.friction > 0) || !(mode.start.forces.normal[i] > 0))
       continue;
-    const ModeBlock& block = blockOf(mode, static_cast<int>(i));
     const Vec3 slip = slipAtStart(island, row);
-    if (!(system.p[block.row] > 0) || !(turningTime(system, block, slip.norm()) < kLong * h))
-      continue;
+    if (!(turningTime(island, i, slip.norm()) < kTurnsAtOnce * h)) continue;
     row.slow = true;
     row.along = slip.norm() > kStill ? Vec3(slip.normalized()) : row.slip;
     mode.slow.rows.push_back(static_cast<int>(i));
@@ -149,8 +148,8 @@ void listSlowSlips(Island& island, const ModeSystem& system, double h) {
 /// mode.slow.turns.
 bool findTurns(Mode& mode, const ModeSystem& system) {
   const Eigen::Index m = static_cast<Eigen::Index>(mode.slow.rows.size());
-  const ModeVector before = accelerationsAcross(mode, system, system.p);
-  ModeMatrix J(m, m);
+  const SlowVector before = accelerationsAcross(mode, system, system.p);
+  SlowMatrix J(m, m);
   ModeVector p;
   for (Eigen::Index j = 0; j < m; ++j) {
     Eigen::Vector2d& slip = blockOf(mode, mode.slow.rows[j]).slip;
@@ -182,9 +181,9 @@ bool keepSlow(Mode& mode, const Is& is) {
 }
 
 /// [m/s] Of velocity at the start across the direction at which it would stand still.
-ModeVector offManifold(Island& island, const ModeSystem& system) {
+SlowVector offManifold(Island& island, const ModeSystem& system) {
   Mode& mode = island.s.mode;
-  ModeVector off = mode.slow.turns * accelerationsAcross(mode, system, system.p);
+  SlowVector off = mode.slow.turns * accelerationsAcross(mode, system, system.p);
   for (Eigen::Index j = 0; j < off.size(); ++j)
     off[j] *= slipAtStart(island, mode.rows[mode.slow.rows[j]]).norm();
   return off;
@@ -193,7 +192,7 @@ ModeVector offManifold(Island& island, const ModeSystem& system) {
 /// Of the rows at the start those that are not on the manifold are none. Whether all are.
 bool keepNear(Island& island, const ModeSystem& system, double allowed) {
   Mode& mode = island.s.mode;
-  const ModeVector off = offManifold(island, system);
+  const SlowVector off = offManifold(island, system);
   return keepSlow(mode, [&](std::size_t j) {
     const double speed = slipAtStart(island, mode.rows[mode.slow.rows[j]]).norm();
     return std::abs(off[j]) < std::max(kOffSlow, allowed) + mostLag(allowed) * speed;
@@ -230,17 +229,15 @@ double lasting(Island& island, const ModeSystem& system, double allowed) {
 
 }  // namespace
 
-double findSlowSlips(Island& island, double h, double allowed) {
+bool findSlowSlips(Island& island, double h, double allowed, double& lasts) {
   Mode& mode = island.s.mode;
   const bool were = !mode.slow.rows.empty();
   clearSlowSlips(mode);
+  lasts = std::numeric_limits<double>::infinity();
+  listSlowSlips(island, h);
   ModeSystem system;
-  const double never = std::numeric_limits<double>::infinity();
   ModePoint& tried = mode.sample;
-  tried = mode.start;
-  if (buildAccelerations(island, tried, system) &&
-      solveEqualities(system.A, system.b, mode.blocks, system.p))
-    listSlowSlips(island, system, h);
+  if (!mode.slow.rows.empty()) tried = mode.start;
   for (int k = 0; k < kSlowRounds && !mode.slow.rows.empty(); ++k) {
     mode.slow.start.clear();
     for (const int i : mode.slow.rows) mode.slow.start.push_back(mode.rows[i].along);
@@ -251,15 +248,15 @@ double findSlowSlips(Island& island, double h, double allowed) {
     if (!solveSlowSlips(island, tried, system)) break;
     if (!keepExact(island, allowed)) continue;
     const double time = lasting(island, system, allowed);
-    if (time < kLong * h) break;
+    if (time < kTurnsAtOnce * h) break;
+    lasts = time;
     pushInMode(island, system.p, tried.x.data(), tried.a.data());
     keepForces(island, system.p, tried.forces);
     mode.start = tried;
-    return time;
+    return true;
   }
   clearSlowSlips(mode);
-  if (were) accelerateInMode(island, mode.start);
-  return never;
+  return !were || accelerateInMode(island, mode.start);
 }
 
 }  // namespace ragdoll

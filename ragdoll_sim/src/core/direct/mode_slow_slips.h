@@ -13,9 +13,10 @@
 
 namespace ragdoll {
 
-/// Finds which rows slip so slowly at mode.start that a piece of h is long, and sets directions and
-/// accelerations there. allowed: [m/s] of a velocity's error. Returns how long they do [s].
-double findSlowSlips(Island& island, double h, double allowed);
+/// Finds which rows slip so slowly at mode.start, whose forces are known, that a piece of h is
+/// long, and sets directions and accelerations there. allowed: [m/s] of a velocity's error. lasts:
+/// [s] until one of them is too fast. False: no accelerations were found.
+bool findSlowSlips(Island& island, double h, double allowed, double& lasts);
 
 /// None do, and accelerations at mode.start are as if none did. False: none did before.
 bool leaveSlowSlips(Island& island);
