@@ -35,7 +35,7 @@ struct Choice {
 };
 
 /// By the error to be expected of any start: of other starts and the scene's own twice the largest,
-/// within which one more start stays in 96 of 100 cases (docs/trade_tables.md); without others the
+/// within which 94 of 100 other starts stayed (docs/trade_tables.md); without others the
 /// scene's own. `options` are completed ones.
 Choice tune(const Model& model, const Target& target, const SurveyOptions& options,
             const std::vector<OtherStart>& others, Progress& progress);

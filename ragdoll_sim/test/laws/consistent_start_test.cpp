@@ -1,4 +1,5 @@
-// Starts that contradict themselves are made consistent once, by the mass matrix, whatever the step.
+// Starts that contradict themselves are made consistent once, by the mass matrix, whatever the
+// step.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,7 +9,7 @@
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/ends.h"
-#include "support/worlds.h"
+#include "support/limbs.h"
 
 namespace ragdoll {
 namespace {
@@ -22,9 +23,7 @@ Scene turningByAHand() {
   Scene scene = parseScene(
       "ragdolls: [{model: human_lumped, position: [0, 0, 2], angular_velocity: [3, 2, 1]}]\n"
       "pins: [ragdoll/right_hand]\n");
-  SkeletonSpec skeleton = *scene.ragdolls[0].skeleton;
-  skeleton.joints.clear();
-  scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(std::move(skeleton));
+  removeJoints(scene);
   return scene;
 }
 
@@ -123,8 +122,7 @@ TEST(ConsistentStart, BodiesThatTouchShareTheirMomentum) {
   scene.ragdolls[1].velocity = Vec3(0, 0, -1);
   double taken = 0;
   const State state = startState(buildModel(scene), &taken);
-  for (int i = 0; i < 4; ++i)
-    EXPECT_LT((state.v.col(i) - Vec3(0, 0, -0.5)).norm(), 1e-9) << i;
+  for (int i = 0; i < 4; ++i) EXPECT_LT((state.v.col(i) - Vec3(0, 0, -0.5)).norm(), 1e-9) << i;
   EXPECT_NEAR(taken, 0.5, 1e-9);
 }
 
@@ -135,6 +133,30 @@ TEST(ConsistentStart, OfAJointAgainstItsStopDoesNotOpenIt) {
   const State state = startState(model, &taken);
   EXPECT_EQ(taken, 0);  // a rigid motion
   EXPECT_EQ(state.v, model.start_velocity);
+}
+
+/// A rod of 1 m with 2 kg at its end on a hinge that is pinned, at the end of its range.
+TEST(ConsistentStart, AgainstALimitThatTouchesLosesWhatGoesIntoItAndNothingElse) {
+  SkeletonSpec s;
+  s.particles = {particle("a", {0, 0, 0}), particle("b", {0, 1, 0}), particle("c", {-1, 0, 0}),
+                 particle("tip", {1, 0, 0}, 2)};
+  connect(s, {"a", "b", "c"});
+  s.sticks.push_back(stick("a", "tip"));
+  s.segments = {group("base", {"a", "b", "c"}), bone("rod", "a", "tip")};
+  s.joints = {hinge("j", "base", "rod", Vec3::UnitY(), -30, 0)};
+  Scene scene = sceneOf(s);
+  for (const char* name : {"a", "b", "c"}) scene.pins.push_back(pinOf(name));
+  scene.gravity.setZero();
+  for (const double rate : {3.0, -3.0}) {  // into it (a hinge turns about y), and away
+    scene.ragdolls[0].angular_velocity = Vec3(0, rate, 0);
+    scene.ragdolls[0].velocity = Vec3(0, 0, -0.2 * rate);  // of the centre of mass: a rests
+    double taken = 0;
+    const State start = startState(buildModel(scene), &taken);
+    const Vec3 tip(0, 0, rate > 0 ? 0 : -rate);
+    EXPECT_LT((start.v.col(3) - tip).norm(), 1e-12) << rate;
+    EXPECT_LT(start.v.leftCols(3).norm(), 1e-12) << rate;
+    EXPECT_NEAR(taken, 0.5 * (1 + (rate > 0 ? 2 : 0)) * rate * rate, 1e-12) << rate;  // c, and tip
+  }
 }
 
 TEST(ConsistentStart, OfWhatIsPlacedTurnsWithTheBodyAndTellsWhatMoves) {

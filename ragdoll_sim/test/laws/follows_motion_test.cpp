@@ -17,9 +17,7 @@ using namespace test;
 /// The human's sticks and masses alone: nothing ends what is smooth.
 Scene limp(const std::string& text) {
   Scene scene = parseScene(text);
-  SkeletonSpec skeleton = *scene.ragdolls[0].skeleton;
-  skeleton.joints.clear();
-  scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(std::move(skeleton));
+  removeJoints(scene);
   return scene;
 }
 

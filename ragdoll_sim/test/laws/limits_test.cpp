@@ -82,11 +82,7 @@ Loss lossOf(const std::string& model, Method method, double step, bool with_join
   Scene scene = humanScene(model, "gravity: [0, 0, 0]\n");
   scene.solver.method = method;
   scene.solver.step = step;
-  if (!with_joints) {
-    SkeletonSpec bare = *scene.ragdolls[0].skeleton;
-    bare.joints.clear();
-    scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(bare);
-  }
+  if (!with_joints) removeJoints(scene);
   World world(scene);
   world.state.v.col(world.model.skeletons[0].particle("left_foot")) = Vec3(20, 0, 0);
   world.state.v.col(world.model.skeletons[0].particle("right_hand")) = Vec3(-15, 5, 0);

@@ -50,6 +50,21 @@ TEST(WeightlessPile, KeepsItsAngularMomentum) {
   }
 }
 
+/// In the air rk keeps it to fifth order: here within 1e-11.
+TEST(WeightlessPile, KeepsItsAngularMomentumByRungeKutta) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    Scene scene = threeThatMeet(seed);
+    scene.solver.method = Method::kRk;
+    World world(scene);
+    const Vec3 start = angularMomentum(world.model, world.state);
+    const double energy = kineticEnergy(world.model, world.state);
+    world.steps(240);
+    EXPECT_LT(kineticEnergy(world.model, world.state), 0.9 * energy) << seed;  // they have met
+    EXPECT_LT((angularMomentum(world.model, world.state) - start).norm(), 1e-10 * start.norm())
+        << seed;
+  }
+}
+
 /// What shake leaves of a gap, where it takes a motion, is closed by moving bodies by up to 1e-6 m.
 TEST(WeightlessPile, KeepsItsAngularMomentumFromEventToEvent) {
   Scene scene = threeThatMeet(0);

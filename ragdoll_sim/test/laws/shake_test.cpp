@@ -19,9 +19,7 @@ using namespace test;
 /// The shipped human, without its joints' limits, so that the motion is smooth.
 Scene smoothHuman(const std::string& text, Method method, double step) {
   Scene scene = parseScene(text, "test");
-  SkeletonSpec skeleton = *scene.ragdolls[0].skeleton;
-  skeleton.joints.clear();
-  scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(skeleton);
+  removeJoints(scene);
   scene.solver.method = method;
   scene.solver.step = step;
   return scene;

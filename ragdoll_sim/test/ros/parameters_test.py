@@ -156,6 +156,10 @@ class ParametersTest(unittest.TestCase):
             self.assertEqual(answer[name], before[name], (name, value))
             wait_for(lambda: re.search(r'settings refused: %s: is \S+; it must be (in \[|one of )' % name,
                                        node.said()[-400:]), (name, value))
+        answer = node.client.update_configuration({'tolerance': 1e-13})
+        self.assertEqual(answer['tolerance'], before['tolerance'])
+        wait_for(lambda: re.search(r'settings refused: tolerance: .*is 1e-13; it must be 0 \(a fixed step\), '
+                                   'or at least 1e-12 m', node.said()[-400:]), 'the smallest tolerance')
         node.says(tolerance=0.0001, threads=2, gravity_z=before['gravity_z'])
 
     def test_what_is_set_beside_a_preset_goes_on_top_of_it(self):

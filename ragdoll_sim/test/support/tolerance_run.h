@@ -2,10 +2,8 @@
 #pragma once
 
 #include <cmath>
-#include <memory>
-#include <utility>
 
-#include "support/worlds.h"
+#include "support/ends.h"
 
 namespace ragdoll::test {
 
@@ -39,15 +37,6 @@ inline ToleranceRun runOf(Scene scene, Method method, double step, double tolera
 }
 
 /// [m] The largest of any particle.
-inline double distance(const Points& a, const Points& b) {
-  return (a - b).colwise().norm().maxCoeff();
-}
-
-/// Lets all joints of the first body turn freely.
-inline void removeJoints(Scene& scene) {
-  SkeletonSpec skeleton = *scene.ragdolls[0].skeleton;
-  skeleton.joints.clear();
-  scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(std::move(skeleton));
-}
+inline double distance(const Points& a, const Points& b) { return largest(a - b); }
 
 }  // namespace ragdoll::test

@@ -91,6 +91,13 @@ inline SkeletonSpec oneStick(double mass_a = 1, double mass_b = 1, double radius
   return s;
 }
 
+/// Lets all joints of the first body turn freely.
+inline void removeJoints(Scene& scene) {
+  SkeletonSpec skeleton = *scene.ragdolls[0].skeleton;
+  skeleton.joints.clear();
+  scene.ragdolls[0].skeleton = std::make_shared<const SkeletonSpec>(std::move(skeleton));
+}
+
 /// A scene that runs: model, state, scripted inputs, scratch.
 struct World {
   Model model;

@@ -42,6 +42,7 @@ struct ModeRow {
   Vec3 along = Vec3::Zero();     ///< unit, there
   std::array<int, 3> feature{};  ///< where it touches, as RowPlace::feature
   double gap_start = 0;          ///< [m], [rad] at the start of the present piece
+  double gap_noise = 0;          ///< likewise: how far below that it is not met yet
   double answer = 0;             ///< [1/kg] to a push along the normal: of springs that press
 
   bool isSoft() const { return give.compliance > 0; }

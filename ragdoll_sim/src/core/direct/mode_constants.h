@@ -35,6 +35,7 @@ constexpr int kPlaceRefinements = 4;      ///< Newton iterations to the nearest 
 constexpr double kReach = 3;              ///< of the present motion: what else may be met in a step
 constexpr double kClosedGap = 1e-9;       ///< [m], [rad] what an event leaves of a gap
 constexpr double kGapNoise = 1e-11;       ///< [m], [rad] of a gap that is closed
+constexpr double kOpened = 1e-10;         ///< [m], [rad] what was open by more closes at zero
 constexpr double kStill = 1e-8;           ///< [m/s] of a slip that has ended
 constexpr double kImpendingStill = 2e-8;  ///< [m/s] what slips faster is not impending
 constexpr double kBarelyMoves = 1e-9;     ///< [m/s] what slips slower keeps its direction

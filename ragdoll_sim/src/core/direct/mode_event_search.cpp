@@ -28,9 +28,8 @@ double eventValue(Island& island, std::size_t i, Event event, const ModePoint& p
   const double none = 2 * kNoForce * island.s.mode.force_scale;
   if (event == kGap) {
     if (row.presses) return kLasting;
-    const double noise = row.gap_start < kClosedGap ? kGapNoise : 0;
     const double opening = openingOf(island, row, point.x.data(), point.v.data()) -
-                           std::min(0.0, row.gap_start) + noise;
+                           std::min(0.0, row.gap_start) + row.gap_noise;
     return opening > 0 || !isEndOfTouchingStick(island, row, point.x.data()) ? opening : kLasting;
   }
   if (!row.presses) return kLasting;
@@ -71,6 +70,13 @@ bool eventsAt(Island& island, ModePoint& point, std::vector<double>& values) {
     for (const Event event : {kForce, kFriction, kMotion})
       values[kEventsOfRow * i + event] = kLasting;
   return true;
+}
+
+/// What has opened was not closed but for rounding: it closes at zero. value: of its gap.
+void forgetNoise(ModeRow& row, double& value) {
+  if (row.presses || value == kLasting || !(value > kOpened)) return;
+  value -= row.gap_noise;
+  row.gap_noise = 0;
 }
 
 /// Of one of the functions at a share of the motion from mode.start to mode.end.
@@ -203,6 +209,10 @@ bool moveTo(Island& island, double h, const ModeEvent& found, double& time) {
   const double lo = std::max(0.0, found.share - kSlopeShare);
   const double hi = std::min(1.0, lo + 2 * kSlopeShare);
   double first = 0, second = 0;
+  if (event == kGap) {
+    if (!valueAt(island, h, 0.5 * found.share, found.which, first)) return false;
+    forgetNoise(mode.rows[found.which / kEventsOfRow], first);
+  }
   if (!valueAt(island, h, lo, found.which, first) || !valueAt(island, h, hi, found.which, second))
     return false;
   ZeroSearch zero(h, (second - first) / ((hi - lo) * h));
@@ -232,6 +242,7 @@ bool barelyCloses(Island& island, const ModeEvent& found) {
 bool findModeEvent(Island& island, double h, ModeEvent& found) {
   Mode& mode = island.s.mode;
   found = {};
+  for (ModeRow& row : mode.rows) row.gap_noise = row.gap_start < kClosedGap ? kGapNoise : 0;
   if (!eventsAt(island, mode.start, mode.earlier)) return false;
   if (!accelerateInMode(island, mode.end)) return false;  // the polynomial takes them
   double before = 0;
@@ -241,6 +252,8 @@ bool findModeEvent(Island& island, double h, ModeEvent& found) {
     ModePoint& point = k < kEventSamples ? mode.sample : mode.end;
     if (k < kEventSamples) interpolate(mode.start, mode.end, h, share, point);
     if (!eventsAt(island, point, mode.event)) return false;
+    for (std::size_t i = 0; i < mode.rows.size(); ++i)
+      forgetNoise(mode.rows[i], mode.event[kEventsOfRow * i + kGap]);
     const double graze = shareOfGraze(island, h, before, share);
     if (graze < share) {
       share = graze;

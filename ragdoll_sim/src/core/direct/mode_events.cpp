@@ -187,8 +187,9 @@ double shareOf(double error, double allowed) {
 
 /// Moves mode.end over a piece of at most `most` in the present mode, to its first event if there
 /// is one. Where an event comes early the motion beyond it, in a mode that has ended, says little
-/// about when: it is looked for again in a shorter piece. pieces: how many may be tried. next: [s]
-/// what the one after it may be.
+/// about when: it is looked for again in a shorter piece. Where no motion is known at once, as rows
+/// that depend on each other contradict each other, the mode has ended at the start. pieces: how
+/// many may be tried. next: [s] what the one after it may be.
 bool takePiece(Island& island, double most, PieceErrors& errors, int& pieces, double& took,
                double& next, bool& event) {
   Mode& mode = island.s.mode;
@@ -197,6 +198,11 @@ bool takePiece(Island& island, double most, PieceErrors& errors, int& pieces, do
     ModeEvent found;
     const bool known =
         moveInMode(island, piece, mode.end, mode.piece) && findModeEvent(island, piece, found);
+    if (!known && piece < kEventTime) {
+      mode.end = mode.start;
+      took = 0;
+      return event = true;
+    }
     took = piece;
     event = found.any;
     const bool early = known && event && found.share <= kEarly && !(piece < kEventNear);

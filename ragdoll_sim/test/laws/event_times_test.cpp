@@ -1,0 +1,94 @@
+// When the mode of a human that falls changes, by `method: rk` from event to event: told by motions
+// that end just before and after, from steps of different lengths.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "ragdoll_sim/io/scene_yaml.h"
+#include "support/worlds.h"
+
+namespace ragdoll::test {
+namespace {
+
+constexpr double kLands = 0.7, kLanding = 0.1;  ///< [s] it lands on knees and hands
+constexpr double kEventLook = 1.0 / 1920;       ///< [s] in which one contact changes at the most
+
+Scene fallAt(double rate) {
+  Scene scene = loadScene("fall");
+  scene.solver.method = Method::kRk;
+  scene.solver.events = true;
+  scene.solver.sleep = false;
+  scene.solver.step = 1 / rate;
+  return scene;
+}
+
+struct Change {
+  double time;      ///< [s]
+  int before, now;  ///< contacts that press
+};
+
+class Changes {
+ public:
+  explicit Changes(double rate) : step_(1 / rate), probe_(fallAt(rate)) {}
+
+  /// From a state on, in its steps.
+  std::vector<Change> after(const State& start) {
+    from_ = start;
+    from_.multipliers.clear();
+    std::vector<Change> found;
+    int before = contactsAt(0.001 * kEventLook);
+    for (double end = start.time + kLanding; from_.time < end - 0.5 * kEventLook;) {
+      double last = 0;
+      for (double t = kEventLook; t < step_ + 0.5 * kEventLook; t += kEventLook) {
+        const int now = contactsAt(t);
+        if (now != before) found.push_back({from_.time + firstOther(last, t, before), before, now});
+        before = now;
+        last = t;
+      }
+      contactsAt(step_);
+      from_ = probe_.state;
+    }
+    return found;
+  }
+
+ private:
+  /// How many press that time after the step's start.
+  int contactsAt(double time) {
+    probe_.state = from_;
+    probe_.model.solver.step = time;
+    const StepReport report = probe_.steps(1);
+    EXPECT_EQ(report.handed_over, 0) << from_.time;
+    return report.contacts;
+  }
+
+  /// [s] Between two, where it is no longer `before`.
+  double firstOther(double lo, double hi, int before) {
+    while (hi - lo > 1e-11) {
+      const double middle = 0.5 * (lo + hi);
+      (contactsAt(middle) == before ? lo : hi) = middle;
+    }
+    return hi;
+  }
+
+  double step_;
+  State from_;
+  World probe_;
+};
+
+TEST(EventTimes, OfAFallAreTheSameForAnyStep) {
+  World first(fallAt(480));
+  while (first.state.time < kLands - 1e-9) first.steps(1);
+  const std::vector<Change> fine = Changes(1920).after(first.state);
+  EXPECT_GT(fine.size(), 15u);
+  const std::vector<Change> coarse = Changes(120).after(first.state);
+  ASSERT_EQ(coarse.size(), fine.size());
+  for (std::size_t i = 0; i < fine.size(); ++i) {
+    EXPECT_NEAR(coarse[i].time, fine[i].time, 1e-9);
+    EXPECT_EQ(coarse[i].before, fine[i].before) << fine[i].time;
+    EXPECT_EQ(coarse[i].now, fine[i].now) << fine[i].time;
+  }
+}
+
+}  // namespace
+}  // namespace ragdoll::test
