@@ -134,6 +134,27 @@ bool closeChatter(Island& island, const ModePoint& ahead) {
   return any;
 }
 
+/// Impacts of what touches at mode.start, and what touches after them.
+bool settleImpact(Island& island, const ModePoint& ahead, bool pressed) {
+  findClosed(island, ahead, pressed, true);
+  if (!takeModeImpact(island, island.s.mode.start)) return false;
+  for (Body* body : island.bodies) ++body->located;
+  lookAhead(island.s.mode);
+  return !findClosed(island, ahead, pressed, false);
+}
+
+/// Whether something closed approaches, too slowly for an impact, and nothing presses there, as
+/// what else touches turns it back later: it would sink in until then.
+bool anyApproachesFree(Island& island) {
+  const ModePoint& now = island.s.mode.start;
+  const std::vector<ModeRow>& rows = island.s.mode.rows;
+  return std::any_of(rows.begin(), rows.end(), [&](const ModeRow& row) {
+    if (!row.closed || row.presses || row.isSoft()) return false;
+    const RowPlace place = placeOf(island, row, now.x.data(), now.v.data(), false);
+    return rateOf(island, row, place, now.v.data()) < -kLeaving;
+  });
+}
+
 }  // namespace
 
 bool settleMode(Island& island, bool pressed) {
@@ -141,18 +162,18 @@ bool settleMode(Island& island, bool pressed) {
   clearSlowSlips(mode);
   const ModePoint& ahead = lookAhead(mode);
   if (anyLiesAcross(island)) return false;
-  if (findClosed(island, ahead, pressed, false)) {
-    findClosed(island, ahead, pressed, true);
-    if (!takeModeImpact(island, mode.start)) return false;
-    for (Body* body : island.bodies) ++body->located;
-    lookAhead(mode);
-    if (findClosed(island, ahead, pressed, false)) return false;
-  }
-  if (!findMode(island, mode.start)) return false;
-  for (int k = 0; k < kModeProjections && closeChatter(island, ahead); ++k)
+  bool impact = findClosed(island, ahead, pressed, false);
+  for (int k = 0; k < 2; ++k) {
+    if (impact && !settleImpact(island, ahead, pressed)) return false;
     if (!findMode(island, mode.start)) return false;
-  return projectPositions(island, mode.start) && projectVelocities(island, mode.start, true) &&
-         accelerateInMode(island, mode.start);
+    for (int j = 0; j < kModeProjections && closeChatter(island, ahead); ++j)
+      if (!findMode(island, mode.start)) return false;
+    if (!projectPositions(island, mode.start) || !projectVelocities(island, mode.start, true))
+      return false;
+    impact = anyApproachesFree(island);
+    if (!impact) break;
+  }
+  return accelerateInMode(island, mode.start);
 }
 
 }  // namespace ragdoll
