@@ -166,9 +166,15 @@ bool settleMode(Island& island, bool pressed) {
   for (int k = 0; k < 2; ++k) {
     if (impact && !settleImpact(island, ahead, pressed)) return false;
     if (!findMode(island, mode.start)) return false;
-    for (int j = 0; j < kModeProjections && closeChatter(island, ahead); ++j)
+    bool chatters = false;
+    for (int j = 0; j < kModeProjections && closeChatter(island, ahead); ++j) {
+      chatters = true;
       if (!findMode(island, mode.start)) return false;
+    }
     if (!projectPositions(island, mode.start) || !projectVelocities(island, mode.start, true))
+      return false;
+    // Of the speeds that they no longer have: what depends on each other contradicted each other.
+    if (chatters && !(findMode(island, mode.start) && projectVelocities(island, mode.start, true)))
       return false;
     impact = anyApproachesFree(island);
     if (!impact) break;
