@@ -188,8 +188,8 @@ double shareOf(double error, double allowed) {
 /// Moves mode.end over a piece of at most `most` in the present mode, to its first event if there
 /// is one. Where an event comes early the motion beyond it, in a mode that has ended, says little
 /// about when: it is looked for again in a shorter piece. Where no motion is known at once, as rows
-/// that depend on each other contradict each other, the mode has ended at the start. pieces: how
-/// many may be tried. next: [s] what the one after it may be.
+/// that depend on each other contradict each other, the mode has ended at the start (with slow
+/// slips it may be these). pieces: how many may be tried. next: [s] what the one after it may be.
 bool takePiece(Island& island, double most, PieceErrors& errors, int& pieces, double& took,
                double& next, bool& event) {
   Mode& mode = island.s.mode;
@@ -198,9 +198,9 @@ bool takePiece(Island& island, double most, PieceErrors& errors, int& pieces, do
     ModeEvent found;
     const bool known =
         moveInMode(island, piece, mode.end, mode.piece) && findModeEvent(island, piece, found);
-    if (!known && piece < kEventTime) {
+    if (!known && piece < kEventTime && mode.slow.rows.empty()) {
       mode.end = mode.start;
-      took = 0;
+      mode.piece.work = took = 0;
       return event = true;
     }
     took = piece;

@@ -143,8 +143,8 @@ bool settleImpact(Island& island, const ModePoint& ahead, bool pressed) {
   return !findClosed(island, ahead, pressed, false);
 }
 
-/// Whether something closed approaches, too slowly for an impact, and nothing presses there, as
-/// what else touches turns it back later: it would sink in until then.
+/// Whether something closed approaches, too slowly to bounce, and nothing presses there, as what
+/// else touches turns it back later: it would sink in until then.
 bool anyApproachesFree(Island& island) {
   const ModePoint& now = island.s.mode.start;
   const std::vector<ModeRow>& rows = island.s.mode.rows;
