@@ -43,7 +43,7 @@ struct PairSet : ContactSet {
 struct CommonTurns {
   Roomy<Vec3, kRoomForBodies> turn;  ///< [rad] of the motion, or [rad/s]; of each body
   Roomy<int, kRoomForBodies> first;  ///< of each body: place of the first of those it turns with
-  int pressing = 0;  ///< in motions: what counted as pressing; -1: nothing rubs
+  int pressing = 0;                  ///< in motions: what counted as pressing; -1: nothing rubs
 
   /// Whether some do.
   bool any() const {
@@ -66,7 +66,8 @@ struct IslandScratch {
   RowValues b, p;  ///< of all rows: gaps or rates; impulses, to begin with and found
   RowValues change, start;
   Roomy<double> energies;  ///< [J] of each body
-  RowValues rates;  ///< [m/s] where contacts are logged: before the velocity stage
+  Roomy<double> loads;     ///< [N] of the rows of a mode
+  RowValues rates;         ///< [m/s] where contacts are logged: before the velocity stage
   CommonTurns turns;
   std::size_t logged = 0;  ///< entries of the contact log before the present substep
   double defect = 0;       ///< [m] of the motions of a part of a step that stood, together

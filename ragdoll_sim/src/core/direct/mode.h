@@ -73,6 +73,7 @@ struct RowPlace {
 struct ModeForces {
   Roomy<double> normal;  ///< [N], [N m]
   Roomy<Vec3> friction;  ///< [N]
+  Roomy<double> idle;    ///< of what is closed and does not press, as findIdleLoads says
 };
 
 /// A motion's state at one instant: padded coordinates of one body after the other (Mode::offset).

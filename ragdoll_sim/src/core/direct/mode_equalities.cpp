@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace ragdoll {
 namespace {
@@ -58,6 +59,18 @@ struct Equalities {
     }
   }
 };
+
+/// Of the equalities, scaled: what each asks for by the others' unknowns.
+ModeMatrix scaledMatrix(const Equalities& equalities) {
+  const int m = equalities.count;
+  ModeMatrix C(m, m);
+  for (int j = 0; j < m; ++j) {
+    const ModeVector column = equalities.columns.col(j);
+    for (int i = 0; i < m; ++i)
+      C(i, j) = equalities.list[i].of(column) * equalities.list[i].scale * equalities.list[j].scale;
+  }
+  return C;
+}
 
 /// The forces of all rows from those of the unknowns; of none: what is given.
 void spread(const std::vector<ModeBlock>& blocks, const ModeVector& q, ModeVector& p) {
@@ -155,14 +168,10 @@ bool solveEqualities(const ModeMatrix& A, const ModeVector& b, const std::vector
   spread(blocks, ModeVector(0), p);
   if (m == 0) return true;
   const ModeVector known = b + A * p;
-  ModeMatrix C(m, m);
+  const ModeMatrix C = scaledMatrix(equalities);
   ModeVector rhs(m), scale(m);
   for (int i = 0; i < m; ++i) scale[i] = equalities.list[i].scale;
   for (int i = 0; i < m; ++i) rhs[i] = -equalities.list[i].of(known) * scale[i];
-  for (int j = 0; j < m; ++j) {
-    const ModeVector column = equalities.columns.col(j);
-    for (int i = 0; i < m; ++i) C(i, j) = equalities.list[i].of(column) * scale[i] * scale[j];
-  }
   const SharedLoad inverse(C);
   ModeVector q = inverse.solve(rhs);
   ModeVector rest = rhs - C * q;
@@ -174,6 +183,32 @@ bool solveEqualities(const ModeMatrix& A, const ModeVector& b, const std::vector
   q = q.cwiseProduct(scale).eval();
   spread(blocks, q, p);
   return p.allFinite();
+}
+
+void findIdleLoads(const ModeMatrix& A, const std::vector<ModeBlock>& blocks, const ModeVector& p,
+                   std::vector<double>& loads) {
+  loads.assign(blocks.size(), -std::numeric_limits<double>::infinity());
+  const auto isIdle = [](const ModeBlock& block) { return !block.presses && !block.given; };
+  if (std::none_of(blocks.begin(), blocks.end(), isIdle)) return;
+  const Equalities equalities(A, blocks);
+  const int m = equalities.count;
+  if (m == 0) return;
+  const SharedLoad inverse(scaledMatrix(equalities));
+  ModeVector q(m);
+  for (int k = 0; k < m; ++k) q[k] = equalities.list[k].of(p) / equalities.list[k].scale;
+  const ModeVector bends = inverse.solve(q);  // how far the springs give way: q = C bends
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    const int row = blocks[i].row;
+    const double scale = normalScale(A, blocks[i]);
+    if (!isIdle(blocks[i]) || scale == 0) continue;
+    ModeVector own(m), answers(m);
+    for (int k = 0; k < m; ++k) {
+      const Equality& equality = equalities.list[k];
+      own[k] = equality.of(A.col(row)) * equality.scale * scale;
+      answers[k] = equalities.columns(row, k) * equality.scale * scale;
+    }
+    if (1 - answers.dot(inverse.solve(own)) < kDependent) loads[i] = scale * answers.dot(bends);
+  }
 }
 
 }  // namespace ragdoll

@@ -42,4 +42,10 @@ double tangentScale(const ModeMatrix& A, const ModeBlock& block);
 bool solveEqualities(const ModeMatrix& A, const ModeVector& b, const std::vector<ModeBlock>& blocks,
                      ModeVector& p, double left = kContradictionLeft);
 
+/// loads <- [N] what each block that does not press, though it is closed, would press with if
+/// springs under all could pull (docs/equations.md#shared-load): if its row depends on those of
+/// solution p nothing else tells that it is to press. Positive: it is. -infinity: of all others.
+void findIdleLoads(const ModeMatrix& A, const std::vector<ModeBlock>& blocks, const ModeVector& p,
+                   std::vector<double>& loads);
+
 }  // namespace ragdoll

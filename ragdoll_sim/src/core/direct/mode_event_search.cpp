@@ -32,8 +32,10 @@ double eventValue(Island& island, std::size_t i, Event event, const ModePoint& p
                            std::min(0.0, row.gap_start) + row.gap_noise;
     return opening > 0 || !isEndOfTouchingStick(island, row, point.x.data()) ? opening : kLasting;
   }
+  if (event == kForce)
+    return row.presses ? point.forces.normal[i] + none
+                       : std::min(kLasting, none - point.forces.idle[i]);
   if (!row.presses) return kLasting;
-  if (event == kForce) return point.forces.normal[i] + none;
   if (event == kPlace)
     return std::min(kLasting, roomOf(island, row, point.x.data(), row.feature) + kPlaceNoise);
   if (!(row.friction > 0) || (event == kMotion && !row.impending)) return kLasting;

@@ -262,6 +262,20 @@ bool buildAccelerations(Island& island, ModePoint& point, ModeSystem& system) {
   return true;
 }
 
+namespace {
+
+void keepIdleLoads(const Island& island, const ModeSystem& system, ModeForces& forces) {
+  const Mode& mode = island.s.mode;
+  forces.idle.assign(mode.rows.size(), -std::numeric_limits<double>::infinity());
+  if (system.b.size() == 0) return;
+  std::vector<double>& loads = island.s.loads;
+  findIdleLoads(system.A, mode.blocks, system.p, loads);
+  for (std::size_t i = 0, k = 0; i < mode.rows.size(); ++i)
+    if (mode.first[i] >= 0) forces.idle[i] = loads[k++];
+}
+
+}  // namespace
+
 bool accelerateInMode(Island& island, ModePoint& point) {
   ModeSystem system;
   if (!buildAccelerations(island, point, system)) return false;
@@ -273,6 +287,7 @@ bool accelerateInMode(Island& island, ModePoint& point) {
     pushInMode(island, system.p, point.x.data(), point.a.data());
   }
   keepForces(island, system.p, point.forces);
+  keepIdleLoads(island, system, point.forces);
   return point.a.allFinite();
 }
 

@@ -84,6 +84,9 @@ struct Nearest {
   Near near;
 };
 
+/// From the stick's ends, where the particles press; beyond them they have another speed.
+double roomOnStick(double t) { return std::min(t, 1 - t) - kPlaceNoise; }
+
 /// visit(k, side, t): where a stick goes, between its ends, past the border of a box on one side
 /// (-1, 1) of its axis k.
 template <class Visit>
@@ -92,7 +95,7 @@ void visitBorders(const Axis& axis, const Visit& visit) {
   for (int k = 0; k < 3; ++k)
     for (const int side : {-1, 1}) {
       const double t = (side * axis.obstacle.half[k] - axis.a[k]) / (axis.b[k] - axis.a[k]);
-      if (isBetweenEnds(t)) visit(k, side, t);
+      if (roomOnStick(t) > 0) visit(k, side, t);
     }
 }
 
@@ -124,9 +127,6 @@ Nearest nearestOf(const Body& body, const ModeRow& row, const double* x) {
   if (row.kind == ModeKind::kStick && !on_ends) takeEdgeOfFace(axisOf(m, row, x), place);
   return place;
 }
-
-/// From the stick's ends, where the particles press.
-double roomOnStick(double t) { return std::min(t, 1 - t) - kEndOfStick; }
 
 /// visit(stick): of each stick that ends at a row's particle, its row with the same obstacle.
 template <class Visit>
@@ -460,19 +460,48 @@ bool liesAcross(const Body& body, const ModeRow& row, const double* x) {
   return *std::max_element(edges.begin(), edges.end()) > 1;
 }
 
-bool isEndOfTouchingStick(const Island& island, const ModeRow& row, const double* x) {
+namespace {
+
+/// Whether a stick touches beside one edge or corner, or what is round, up to an end of it.
+bool touchesUpTo(const Axis& axis, double end) {
+  const double t = nearest(axis);
+  return roomOnStick(t) > 0 && axis.gap(t) < kClosedGap && isRoundTo(axis, t, end);
+}
+
+/// Whether a stick's place is at that end of it.
+bool isAt(const Axis& axis, double end) { return std::abs(nearest(axis) - end) <= kPlaceNoise; }
+
+/// Whether some(stick's axis at x, and at x2, the end) of a stick at a hard particle beside what is
+/// not flat all over.
+template <class Some>
+bool anyStickAt(const Island& island, const ModeRow& row, const double* x, const double* x2,
+                const Some& some) {
   const Body& body = *island.bodies[row.body];
+  const SweptObstacle& m = obstacleOf(body, row);
   if (row.kind != ModeKind::kParticle || row.isSoft() ||
-      obstacleOf(body, row).obstacle->type == ObstacleSpec::Type::kPlane)
+      m.obstacle->type == ObstacleSpec::Type::kPlane)
     return false;
-  bool is_end = false;
+  const int offset = island.s.mode.offset[row.body];
+  bool any = false;
   visitSticksAt(body, row, [&](const ModeRow& stick) {
-    const Axis axis = axisOf(obstacleOf(body, stick), stick, x + island.s.mode.offset[row.body]);
-    const double t = nearest(axis);
-    is_end = is_end || (roomOnStick(t) > 0 && axis.gap(t) < kClosedGap &&
-                        isRoundTo(axis, t, stick.b == row.a ? 1 : 0));
+    any = any || some(axisOf(m, stick, x + offset), axisOf(m, stick, x2 + offset),
+                      stick.b == row.a ? 1.0 : 0.0);
   });
-  return is_end;
+  return any;
+}
+
+}  // namespace
+
+bool isEndOfTouchingStick(const Island& island, const ModeRow& row, const double* x) {
+  return anyStickAt(island, row, x, x, [](const Axis& axis, const Axis&, double end) {
+    return touchesUpTo(axis, end);
+  });
+}
+
+bool passesToStick(const Island& island, const ModeRow& row, const double* x, const double* later) {
+  return anyStickAt(island, row, x, later, [](const Axis& now, const Axis& then, double end) {
+    return touchesUpTo(then, end) && (isAt(now, end) || touchesUpTo(now, end));
+  });
 }
 
 bool hasPressed(Island& island, const ModeRow& row, const RowPlace& place) {

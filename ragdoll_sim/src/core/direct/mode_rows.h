@@ -46,6 +46,11 @@ bool liesAcross(const Body& body, const ModeRow& stick, const double* x);
 /// round: the place where that touches has to run there first.
 bool isEndOfTouchingStick(const Island& island, const ModeRow& particle, const double* x);
 
+/// Whether it is that a moment later, at positions `later`, and at x already, or the place is at
+/// it.
+bool passesToStick(const Island& island, const ModeRow& particle, const double* x,
+                   const double* later);
+
 /// Whether it pressed in the last motion.
 bool hasPressed(Island& island, const ModeRow& row, const RowPlace& place);
 

@@ -32,17 +32,22 @@ void settleSpring(Island& island, const ModePoint& ahead, ModeRow& row) {
   row.presses = row.closed;
 }
 
-/// Whether it touches within its sticks, and goes on to: where it leaves over a stick's end, what
-/// is the end's takes its place, not before, and rounding does not bring it back. ahead: a moment
-/// later.
+/// Whether the place of a stick comes to be within it over the end at which it is. One that lies
+/// flat is anywhere, and may be at the other end.
+bool comesFrom(const ModeRow& row, const RowPlace& place, const RowPlace& later) {
+  return row.kind == ModeRow::Kind::kStick && std::abs(later.at - place.at) < 0.5;
+}
+
+/// Whether it touches within its sticks a moment later: where the place comes to a stick's end,
+/// what is the end's takes that of what is the stick's, or the other way round.
 bool staysWithin(Island& island, const ModePoint& ahead, const ModeRow& row,
                  const RowPlace& place) {
-  if (!place.inside || !place.regular) return false;
+  if (!place.regular) return false;
   if (row.kind == ModeRow::Kind::kParticle)
-    return !isEndOfTouchingStick(island, row, island.s.mode.start.x.data()) ||
-           !isEndOfTouchingStick(island, row, ahead.x.data());
+    return !passesToStick(island, row, island.s.mode.start.x.data(), ahead.x.data());
   if (row.kind != ModeRow::Kind::kStick && row.kind != ModeRow::Kind::kPair) return true;
-  return placeOf(island, row, ahead.x.data(), ahead.v.data(), false).inside;
+  const RowPlace later = placeOf(island, row, ahead.x.data(), ahead.v.data(), false);
+  return later.inside && (place.inside || comesFrom(row, place, later));
 }
 
 /// Below which gap a row touches. In an impact, which may close what the one before has opened: as
@@ -116,8 +121,9 @@ bool findClosed(Island& island, const ModePoint& ahead, bool pressed, bool in_im
   return impact;
 }
 
-/// Closes rows that open, and would close again before they are open by kChatterGap: where two rows
-/// open each other in turn there is no end to it. Whether there are any.
+/// Closes rows that open, and would close again before they are open by kChatterGap, wherever on
+/// the way they are: where two rows open each other in turn there is no end to it. Whether there
+/// are any.
 bool closeChatter(Island& island, const ModePoint& ahead) {
   Mode& mode = island.s.mode;
   const ModePoint& now = mode.start;
@@ -128,7 +134,8 @@ bool closeChatter(Island& island, const ModePoint& ahead) {
     if (!staysWithin(island, ahead, row, place)) continue;
     const double rate = rateOf(island, row, place, now.v.data());
     const double back = -rateOf(island, row, place, now.a.data()) - place.curvature;
-    if (!(back > 0) || rate * rate > 2 * kChatterGap * back) continue;
+    const double room = kChatterGap - std::max(0.0, row.gap_start);
+    if (!(back > 0) || rate * rate > 2 * room * back) continue;
     row.closed = any = true;
   }
   return any;
@@ -141,6 +148,29 @@ bool settleImpact(Island& island, const ModePoint& ahead, bool pressed) {
   for (Body* body : island.bodies) ++body->located;
   lookAhead(island.s.mode);
   return !findClosed(island, ahead, pressed, false);
+}
+
+/// The mode of what touches, and positions and velocities as it has them. What hops and is not to
+/// comes to rest, and all that is closed with it: else it would push what depends on it into what
+/// it touches. Of speeds that are left the mode may be another one.
+bool findModeAtRest(Island& island, const ModePoint& ahead, bool pressed) {
+  Mode& mode = island.s.mode;
+  if (!findMode(island, mode.start)) return false;
+  bool chatters = false;
+  for (int k = 0; k < kModeProjections && closeChatter(island, ahead); ++k) {
+    chatters = true;
+    if (!findMode(island, mode.start)) return false;
+  }
+  if (!projectPositions(island, mode.start)) return false;
+  if (chatters) {
+    for (ModeRow& row : mode.rows)
+      if (!row.isSoft()) row.presses = row.closed;
+    if (!projectVelocities(island, mode.start, true)) return false;
+    lookAhead(mode);
+    findClosed(island, ahead, pressed, false);
+    if (!findMode(island, mode.start)) return false;
+  }
+  return projectVelocities(island, mode.start, true);
 }
 
 /// Whether something closed approaches, too slowly to bounce, and nothing presses there, as what
@@ -165,17 +195,7 @@ bool settleMode(Island& island, bool pressed) {
   bool impact = findClosed(island, ahead, pressed, false);
   for (int k = 0; k < 2; ++k) {
     if (impact && !settleImpact(island, ahead, pressed)) return false;
-    if (!findMode(island, mode.start)) return false;
-    bool chatters = false;
-    for (int j = 0; j < kModeProjections && closeChatter(island, ahead); ++j) {
-      chatters = true;
-      if (!findMode(island, mode.start)) return false;
-    }
-    if (!projectPositions(island, mode.start) || !projectVelocities(island, mode.start, true))
-      return false;
-    // Of the speeds that they no longer have: what depends on each other contradicted each other.
-    if (chatters && !(findMode(island, mode.start) && projectVelocities(island, mode.start, true)))
-      return false;
+    if (!findModeAtRest(island, ahead, pressed)) return false;
     impact = anyApproachesFree(island);
     if (!impact) break;
   }
