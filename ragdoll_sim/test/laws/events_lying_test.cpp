@@ -106,12 +106,9 @@ obstacles: [{type: box, position: [0, 0, 0], size: [0.5, 0.8, 0.4], friction: 0.
     EXPECT_LT((end(rate) - best).colwise().norm().maxCoeff(), 1e-8) << rate;
 }
 
-/// A plate with an arm comes to lie across a box: four sticks touch one edge, two would do. They
-/// hop less than 1e-9 m and are held; which of them press must not come from the speeds of that hop
-/// (1.4e-4 m apart after 0.4 s, whether a step began in between or not).
-TEST(Events, OfAPlateThatLandsAcrossAnEdgeAreTheSameForAnyStep) {
-  const auto end = [](double rate) {
-    Scene scene = parseScene(R"(
+/// A plate with an arm that lands flat across an edge of a box.
+Scene plateAcrossAnEdge() {
+  return parseScene(R"(
 ragdolls:
   - {position: [-0.0797827, -0.0292798, 0.3], rpy_deg: [1.89723, 1.39044, 85.2011],
      velocity: [0.507992, 0.911313, -1.16961], angular_velocity: [0.110258, -0.157924, -0.254578],
@@ -128,6 +125,14 @@ obstacles:
   - {type: plane, friction: 0.5}
   - {type: capsule, from: [0.5, -0.4, 0.1], to: [0.5, 0.4, 0.1], radius: 0.05, friction: 0.4}
 )");
+}
+
+/// A plate with an arm comes to lie across a box: four sticks touch one edge, two would do. They
+/// hop less than 1e-9 m and are held; which of them press must not come from the speeds of that hop
+/// (1.4e-4 m apart after 0.4 s, whether a step began in between or not).
+TEST(Events, OfAPlateThatLandsAcrossAnEdgeAreTheSameForAnyStep) {
+  const auto end = [](double rate) {
+    Scene scene = plateAcrossAnEdge();
     scene.solver.method = Method::kRk;
     scene.solver.events = true;
     scene.solver.sleep = false;
@@ -138,6 +143,18 @@ obstacles:
   };
   const Points best = end(4000);
   for (const double rate : {250, 1000}) EXPECT_LT(largest(end(rate) - best), 1e-10) << rate;
+}
+
+/// Four gaps of a plate contradict each other by 1e-13 m, as rounding and impacts leave them.
+/// Sweeps never settled on that, but took all load from two of them, and it was not shared (1e-3 m
+/// off at any step up to 1/64000 s).
+TEST(SharedLoad, OfAPlateThatHasLandedIsOneByBothMethods) {
+  Scene scene = plateAcrossAnEdge();
+  scene.solver.sleep = false;
+  const Points shaken = endInSteps(scene, 1.0 / 4000, 0.4);
+  scene.solver.method = Method::kRk;
+  scene.solver.events = true;
+  EXPECT_LT(largest(shaken - endInSteps(scene, 1.0 / 1000, 0.4)), 1e-4);
 }
 
 /// A human that hangs by a hand and falls over a capsule. Its chest is a plate of many sticks, and

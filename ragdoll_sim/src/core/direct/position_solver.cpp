@@ -94,8 +94,9 @@ bool solveRound(Island& island, const Round& round, RowValues& b, RowValues& p) 
     s.joint.split(s.total, s.parts);
     s.joint.addAnswer(-1, s.parts, b);
   }
-  const bool settled = s.joint.solve(b, p, sweepsOf(island, Sweeps::kToTheEnd)) ||
-                       (on_and_on && s.joint.solveOn(b, p));
+  Sweeping sweeps = sweepsOf(island, Sweeps::kToTheEnd);
+  sweeps.contradiction = island.context.tolerances.touching;
+  const bool settled = s.joint.solve(b, p, sweeps) || (on_and_on && s.joint.solveOn(b, p));
   if (!settled && island.isLone() && hasNoWayOut(*island.bodies[0])) return false;
   return applyImpulses(island, p, at_start);
 }

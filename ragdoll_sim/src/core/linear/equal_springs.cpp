@@ -16,21 +16,28 @@ bool slides(const SchurBlock& block, const double* now) {
 
 }  // namespace
 
-bool EqualSprings::collect(const std::vector<SchurBlock>& blocks, const double* p) {
+bool EqualSprings::anySlides(const std::vector<SchurBlock>& blocks, const double* p) {
+  return std::any_of(blocks.begin(), blocks.end(), [p](const SchurBlock& block) {
+    const double* now = p + block.row;
+    return block.answer > 0 && now[0] > 0 && slides(block, now);
+  });
+}
+
+bool EqualSprings::collect(const std::vector<SchurBlock>& blocks, const std::vector<int>& idle,
+                           const double* p) {
   rows_.clear();
-  bool any_slides = false;
   for (const SchurBlock& block : blocks) {
     const double* now = p + block.row;
-    if (!(block.answer > 0) || !(now[0] > 0)) continue;
-    const bool sliding = slides(block, now);
-    any_slides = any_slides || sliding;
-    rows_.push_back({block.row, 1 / std::sqrt(block.own[0]), true, sliding});
-    if (sliding || !(block.tangent_answer > 0)) continue;
+    const bool is_idle = std::binary_search(idle.begin(), idle.end(), block.row);
+    if (!(block.answer > 0) || !(now[0] > 0 || is_idle)) continue;
+    const bool sliding = !is_idle && slides(block, now);
+    rows_.push_back({block.row, 1 / std::sqrt(block.own[0]), true, sliding, is_idle});
+    if (is_idle || sliding || !(block.tangent_answer > 0)) continue;
     const double scale = 1 / std::sqrt(std::max(block.own[1], block.own[2]));
     for (int k = 1; k < 3; ++k)
       if (block.own[k] > 0) rows_.push_back({block.row + k, scale, false, false});
   }
-  return any_slides && rows_.size() > 1 && rows_.size() <= kMostShared;
+  return rows_.size() > 1 && rows_.size() <= kMostShared;
 }
 
 bool EqualSprings::isKnown() const {
@@ -128,6 +135,7 @@ double EqualSprings::slide(const std::vector<SchurBlock>& blocks, double* p) {
     double* now = p + block.row;
     while (k < rows_.size() && rows_[k].row < block.row) ++k;
     if (k == rows_.size() || rows_[k].row != block.row) continue;
+    if (rows_[k].idle) most = std::max(most, block.friction * q_[k]);
     if (!rows_[k].slides) continue;
     const double next = q_[k] * rows_[k].scale;
     most = std::max(most, block.friction * std::abs(next - now[0]) / rows_[k].scale);
@@ -152,7 +160,8 @@ double EqualSprings::spread(const std::vector<SchurBlock>& blocks, double* p) {
   const int m = static_cast<int>(rows_.size());
   q_.resize(m);
   for (int i = 0; i < m; ++i) q_[i] = p[rows_[i].row] / rows_[i].scale;
-  for (int let_go = 0; let_go < kMostLetGo && depends_; ++let_go) {
+  const auto idle = std::count_if(rows_.begin(), rows_.end(), [](auto& row) { return row.idle; });
+  for (int let_go = 0; let_go < kMostLetGo + idle && depends_; ++let_go) {
     findChange();
     double way = 1;  // until the first one lets go
     int first = -1;

@@ -16,13 +16,17 @@ namespace ragdoll {
 
 class EqualSprings {
  public:
-  /// p, shared so, where something slides; friction that slides goes along. A(i, j): of the rows;
-  /// again: as it was the last time. Returns by how much friction has changed at most, or is beyond
-  /// its cone, as a part of the largest impulse, both in units in which all rows yield alike:
-  /// nothing else moves bodies.
+  /// Whether something slides: else it does not matter how the load is shared.
+  static bool anySlides(const std::vector<SchurBlock>& blocks, const double* p);
+
+  /// p, shared so; friction that slides goes along. idle: rows of contacts and limits that touch
+  /// without load, in their order. A(i, j): of the rows; again: as it was the last time. Returns by
+  /// how much friction has changed at most, or is to, or is beyond its cone, as a part of the
+  /// largest impulse, both in units in which all rows yield alike: nothing else moves bodies.
   template <class Matrix>
-  double share(const std::vector<SchurBlock>& blocks, const Matrix& A, bool again, double* p) {
-    if (!collect(blocks, p)) return 0;
+  double share(const std::vector<SchurBlock>& blocks, const std::vector<int>& idle, const Matrix& A,
+               bool again, double* p) {
+    if (!collect(blocks, idle, p)) return 0;
     if (!again || !isKnown()) {
       const int m = static_cast<int>(rows_.size());
       B_.setZero(m, paddedWidth(m));
@@ -40,9 +44,11 @@ class EqualSprings {
     double scale;  ///< A(row, row)^-1/2, of both tangents of a contact the same
     bool pushes;   ///< and cannot pull
     bool slides;
+    bool idle = false;  ///< without load, and so without friction, until now
   };
-  /// rows_ <- what presses and sticks. Whether there is something to share.
-  bool collect(const std::vector<SchurBlock>& blocks, const double* p);
+  /// rows_ <- what presses, may, and sticks. Whether there is something to share.
+  bool collect(const std::vector<SchurBlock>& blocks, const std::vector<int>& idle,
+               const double* p);
   /// Whether B_ is of rows_, and nothing has let go.
   bool isKnown() const;
   void startAnew();

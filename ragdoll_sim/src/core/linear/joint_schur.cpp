@@ -115,23 +115,67 @@ void JointSchur::lock(int i, bool locked) {
 
 bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeping sweeps) {
   bool settled = sweep(b, p, sweeps);
-  if (!shares_load_) return settled;
+  if (!shares_load_ || !EqualSprings::anySlides(blocks(), p.data())) return settled;
+  shared_ = b;
+  if (!settled && !takeLeft(sweeps.contradiction, b, p)) return false;
+  settled = true;
   double last = std::numeric_limits<double>::infinity();
   for (int k = 0; settled && k < kShareRounds; ++k) {
+    findIdle(sweeps.contradiction, p);
     const double change = share(p, k > 0);
     if (change <= kShared) {
       holdInCones(p);
       break;
     }
-    settled = sweep(b, p, sweeps);
+    settled = sweep(shared_, p, sweeps);
     if (change > kShrinks * last) break;
     last = change;
   }
   return settled;
 }
 
+const std::vector<SchurBlock>& JointSchur::blocks() const {
+  return isOneBody() ? bodies_[0]->blocks() : blocks_;
+}
+
+double JointSchur::rateOf(int i, const RowValues& b, const RowValues& p) const {
+  double w = b[i];
+  for (int j = 0; j < size(); ++j)
+    if (p[j] != 0) w += (isOneBody() ? bodies_[0]->entry(i, j) : entry(i, j)) * p[j];
+  return w;
+}
+
+bool JointSchur::takeLeft(double most, const RowValues& b, const RowValues& p) {
+  for (const SchurBlock& block : blocks()) {
+    if (!(block.answer > 0)) continue;
+    const int i = block.row;
+    const double limit = kSlides * block.friction * p[i];
+    const bool sticks = block.tangent_answer > 0 && std::hypot(p[i + 1], p[i + 2]) < limit;
+    const int rows = !(p[i] > 0) ? 0 : sticks ? 3 : 1;
+    if (rows == 0 && rateOf(i, b, p) < -most) return false;
+    for (int k = i; k < i + rows; ++k) {
+      const double left = rateOf(k, b, p);
+      if (!(std::abs(left) <= most)) return false;
+      shared_[k] -= left;
+    }
+  }
+  return true;
+}
+
+void JointSchur::findIdle(double most, const RowValues& p) {
+  idle_.clear();
+  for (const SchurBlock& block : blocks()) {
+    const int i = block.row;
+    if (!(block.answer > 0) || p[i] > 0) continue;
+    const double left = rateOf(i, shared_, p);
+    if (!(left < most)) continue;
+    shared_[i] -= std::max(left, 0.0);
+    idle_.push_back(i);
+  }
+}
+
 void JointSchur::holdInCones(RowValues& p) const {
-  for (const SchurBlock& b : isOneBody() ? bodies_[0]->blocks() : blocks_) {
+  for (const SchurBlock& b : blocks()) {
     if (!b.has_tangents) continue;
     const double limit = b.friction * std::max(0.0, p[b.row]);
     const double force = std::hypot(p[b.row + 1], p[b.row + 2]);
@@ -142,10 +186,10 @@ void JointSchur::holdInCones(RowValues& p) const {
 double JointSchur::share(RowValues& p, bool again) {
   if (!isOneBody())
     return springs_.share(
-        blocks_, [this](int i, int j) { return entry(i, j); }, again, p.data());
+        blocks_, idle_, [this](int i, int j) { return entry(i, j); }, again, p.data());
   const Schur& s = *bodies_[0];
   return springs_.share(
-      s.blocks(), [&s](int i, int j) { return s.entry(i, j); }, again, p.data());
+      s.blocks(), idle_, [&s](int i, int j) { return s.entry(i, j); }, again, p.data());
 }
 
 bool JointSchur::sweep(const RowValues& b, RowValues& p, Sweeping sweeps) {
@@ -160,8 +204,8 @@ bool JointSchur::solveOn(const RowValues& b, RowValues& p) {
   diagonal_.resize(size());
   for (int i = 0; i < size(); ++i) diagonal_[i] = answer(i);
   return batches_.solve(
-      isOneBody() ? bodies_[0]->blocks() : blocks_, diagonal_,
-      [&](RowValues& impulses) { return sweep(b, impulses, Sweeps::kBatch); }, p);
+      blocks(), diagonal_, [&](RowValues& impulses) { return sweep(b, impulses, Sweeps::kBatch); },
+      p);
 }
 
 void JointSchur::split(const RowValues& p, std::vector<RowValues>& parts) const {

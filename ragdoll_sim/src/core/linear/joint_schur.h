@@ -68,6 +68,15 @@ class JointSchur {
   bool sweep(const RowValues& b, RowValues& p, Sweeping sweeps);
   /// EqualSprings::share.
   double share(RowValues& p, bool again);
+  const std::vector<SchurBlock>& blocks() const;
+  /// w = b + A p of one row.
+  double rateOf(int i, const RowValues& b, const RowValues& p) const;
+  /// Where sweeps go on for ever, as rows that depend on each other contradict each other: takes
+  /// what is left of those that press and stick out of shared_, b. Whether none had more than
+  /// `most`.
+  bool takeLeft(double most, const RowValues& b, const RowValues& p);
+  /// idle_ <- rows without load that touch, but for `most`; that is taken out of shared_.
+  void findIdle(double most, const RowValues& p);
 
   /// The first body that holds the row and does move: what the row has once, it has there.
   int sideOf(int i) const { return rows_[i].body[0] >= 0 ? 0 : 1; }
@@ -82,6 +91,8 @@ class JointSchur {
   Roomy<SchurBlock> blocks_;
   EqualSprings springs_;
   SweepBatches batches_;
+  Roomy<int> idle_;
+  RowValues shared_;  ///< b, without what contradicts itself
   RowValues diagonal_;
   std::vector<RowValues> answers_;  ///< per body
 };

@@ -13,6 +13,7 @@
 
 #include "core/base/growing.h"
 #include "core/contact/contact.h"
+#include "core/linear/constants.h"
 #include "core/linear/stick_solver.h"
 #include "ragdoll_sim/core/limits.h"
 
@@ -33,6 +34,8 @@ enum class Sweeps {
 struct Sweeping {
   Sweeps kind;
   bool leaps;  ///< also where their steps hardly shrink they go on to where these add up to
+  /// [m], [m/s] Rows that depend on each other and contradict each other by less agree.
+  double contradiction = kAgreeing;
 
   Sweeping(Sweeps what, bool also_leaps = true) : kind(what), leaps(also_leaps) {}
 };

@@ -34,10 +34,10 @@ struct Plate {
     for (int k = 0; k < 4; ++k)  // each alone along the ground
       A(3 * k + 1, 3 * k + 1) = A(3 * k + 2, 3 * k + 2) = 1;
   }
-  /// p <- shared; returns the largest change.
-  double share(Eigen::VectorXd& p) {
+  /// p <- shared; returns the largest change. idle: corners that touch without load.
+  double share(Eigen::VectorXd& p, const std::vector<int>& idle = {}) {
     return springs.share(
-        blocks, [this](int i, int j) { return A(i, j); }, false, p.data());
+        blocks, idle, [this](int i, int j) { return A(i, j); }, false, p.data());
   }
   static Eigen::VectorXd normals(double a, double b, double c, double d) {
     Eigen::VectorXd p = Eigen::VectorXd::Zero(12);
@@ -82,6 +82,25 @@ TEST(EqualSprings, PullNothing) {
               (Eigen::VectorXd(12) << p[0], 0, 0, p[3], 0, 0, p[6], 0, 0, p[9], 0, 0).finished(),
               1e-12))
       << p.transpose();
+}
+
+TEST(EqualSprings, GiveLoadToWhatTouches) {
+  Plate plate;
+  Eigen::VectorXd p = Plate::normals(2, 1, 2, 0);
+  p[1] = 1;  // slides
+  Eigen::VectorXd alone = p;
+  EXPECT_GT(plate.share(p, {9}), 0.1);
+  EXPECT_NEAR(p[0], 1.25, 1e-12);
+  EXPECT_NEAR(p[3], 1.75, 1e-12);
+  EXPECT_NEAR(p[9], 0.75, 1e-12);
+  EXPECT_EQ(plate.share(alone), 0);  // of three corners each holds what it holds
+  EXPECT_EQ(alone[9], 0);
+  // What would pull lets go at once.
+  Eigen::VectorXd middle = Plate::normals(1, 2, 1, 0);
+  middle[1] = 0.5;
+  plate.share(middle, {9});
+  EXPECT_NEAR(middle[0], 1, 1e-12);
+  EXPECT_EQ(middle[9], 0);
 }
 
 TEST(EqualSprings, LeaveAloneWhatIsTold) {
