@@ -117,11 +117,13 @@ bool JointSchur::solve(const RowValues& b, RowValues& p, Sweeping sweeps) {
   bool settled = sweep(b, p, sweeps);
   if (!shares_load_ || !EqualSprings::anySlides(blocks(), p.data())) return settled;
   shared_ = b;
-  if (!settled && !takeLeft(sweeps.contradiction, b, p)) return false;
+  const bool few = size() <= kMostIdle;
+  if (!settled && !(few && takeLeft(sweeps.contradiction, b, p))) return false;
   settled = true;
+  idle_.clear();
   double last = std::numeric_limits<double>::infinity();
   for (int k = 0; settled && k < kShareRounds; ++k) {
-    findIdle(sweeps.contradiction, p);
+    if (few) findIdle(sweeps.contradiction, p);
     const double change = share(p, k > 0);
     if (change <= kShared) {
       holdInCones(p);
