@@ -8,6 +8,7 @@
 
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/ends.h"
+#include "support/plates.h"
 
 namespace ragdoll::test {
 namespace {
@@ -106,27 +107,6 @@ obstacles: [{type: box, position: [0, 0, 0], size: [0.5, 0.8, 0.4], friction: 0.
     EXPECT_LT((end(rate) - best).colwise().norm().maxCoeff(), 1e-8) << rate;
 }
 
-/// A plate with an arm that lands flat across an edge of a box.
-Scene plateAcrossAnEdge() {
-  return parseScene(R"(
-ragdolls:
-  - {position: [-0.0797827, -0.0292798, 0.3], rpy_deg: [1.89723, 1.39044, 85.2011],
-     velocity: [0.507992, 0.911313, -1.16961], angular_velocity: [0.110258, -0.157924, -0.254578],
-     model: {sticks: [[p, q], [q, r], [r, s], [s, p], [p, r], [q, s], [r, t], [t, w]],
-       segments: {plate: {particles: [p, q, r, s]}, arm: {from: r, to: t}, fore: {from: t, to: w}},
-       particles: {p: {position: [-0.2, -0.15, 0], mass: 1, radius: 0.04},
-         q: {position: [0.2, -0.15, 0], mass: 1.2, radius: 0.04},
-         r: {position: [0.2, 0.15, 0], mass: 0.8, radius: 0.04},
-         s: {position: [-0.2, 0.15, 0], mass: 1.1, radius: 0.04},
-         t: {position: [0.45, 0.2, 0.02], mass: 0.5, radius: 0.03},
-         w: {position: [0.7, 0.2, 0.1], mass: 0.4, radius: 0.03}}}}
-obstacles:
-  - {type: box, position: [0, 0, 0.1], size: [0.161931, 1, 0.2], friction: 0.615334, restitution: 0.1}
-  - {type: plane, friction: 0.5}
-  - {type: capsule, from: [0.5, -0.4, 0.1], to: [0.5, 0.4, 0.1], radius: 0.05, friction: 0.4}
-)");
-}
-
 /// A plate with an arm comes to lie across a box: four sticks touch one edge, two would do. They
 /// hop less than 1e-9 m and are held; which of them press must not come from the speeds of that hop
 /// (1.4e-4 m apart after 0.4 s, whether a step began in between or not).
@@ -143,18 +123,6 @@ TEST(Events, OfAPlateThatLandsAcrossAnEdgeAreTheSameForAnyStep) {
   };
   const Points best = end(4000);
   for (const double rate : {250, 1000}) EXPECT_LT(largest(end(rate) - best), 1e-10) << rate;
-}
-
-/// Four gaps of a plate contradict each other by 1e-13 m, as rounding and impacts leave them.
-/// Sweeps never settled on that, but took all load from two of them, and it was not shared (1e-3 m
-/// off at any step up to 1/64000 s).
-TEST(SharedLoad, OfAPlateThatHasLandedIsOneByBothMethods) {
-  Scene scene = plateAcrossAnEdge();
-  scene.solver.sleep = false;
-  const Points shaken = endInSteps(scene, 1.0 / 4000, 0.4);
-  scene.solver.method = Method::kRk;
-  scene.solver.events = true;
-  EXPECT_LT(largest(shaken - endInSteps(scene, 1.0 / 1000, 0.4)), 1e-4);
 }
 
 /// A human that hangs by a hand and falls over a capsule. Its chest is a plate of many sticks, and

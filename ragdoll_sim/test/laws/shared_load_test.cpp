@@ -7,6 +7,7 @@
 
 #include "ragdoll_sim/io/scene_yaml.h"
 #include "support/ends.h"
+#include "support/plates.h"
 
 namespace ragdoll::test {
 namespace {
@@ -96,6 +97,24 @@ TEST(SharedLoad, OfTablesThatSlideAgainstEachOther) {
     EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1 / rate, 0.2) - exact),
               8 / (rate * rate) + kLands)
         << rate;
+}
+
+/// [m] between shake at 4000 Hz and rk from event to event, after 0.4 s.
+double apart(const Scene& scene) {
+  const Points exact = endOfImpacts(scene, Method::kRk, 1e-3, 0.4);
+  return largest(endOfImpacts(scene, Method::kShake, 1.0 / 4000, 0.4) - exact);
+}
+
+/// Four gaps of a plate contradict each other by 1e-13 m, as rounding and impacts leave them.
+/// Sweeps never settled on that, but took all load from two of them, and it was not shared (1e-3 m
+/// off at any step up to 1/64000 s).
+TEST(SharedLoad, OfAPlateThatHasLandedIsOneByBothMethods) {
+  EXPECT_LT(apart(plateAcrossAnEdge()), 1e-4);
+}
+
+/// The same between bodies (6e-4 m off at 1/4000 s, 4e-3 at 1/16000).
+TEST(SharedLoad, OfAPlateThatHasLandedOnARodIsOneByBothMethods) {
+  EXPECT_LT(apart(plateOnARod()), 1e-6);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "core/direct/constants.h"
 #include "core/direct/contact_motion.h"
 #include "core/direct/mode_constants.h"
+#include "core/direct/mode_limits.h"
 #include "core/direct/mode_pairs.h"
 #include "core/direct/workspace.h"
 
@@ -201,45 +202,6 @@ double roomUnder(const Body& body, const ModeRow& row, const double* x) {
   return cover.all > 0 ? cover.room : -1.0;
 }
 
-/// All positions with this body's at x; valid until the next call.
-const Points& poseAt(const Body& body, const double* x) {
-  Points& pose = posesOf(*body.context);
-  std::copy(x, x + 3 * body.n, pose.data() + 3 * body.first);
-  return pose;
-}
-
-/// Rate of a limit at x + share v along v.
-double limitRate(Body& body, LimitRow& limit, const double* x, const double* v, double share) {
-  Points& pose = posesOf(*body.context);
-  double* out = pose.data() + 3 * body.first;
-  for (int i = 0; i < 3 * body.n; ++i) out[i] = x[i] + share * v[i];
-  evaluateLimit(body.context->model, pose, limit);
-  double rate = 0;
-  for (int k = 0; k < limit.count; ++k)
-    rate += limit.gradient[k].dot(at(v, limit.particle[k] - body.first));
-  return rate;
-}
-
-/// By central differences of fourth order of the exact gradient.
-double limitCurvature(Body& body, const LimitRow& at_x, const double* x, const double* v) {
-  const double speed =
-      std::sqrt(Eigen::Map<const Points>(v, 3, body.n).colwise().squaredNorm().maxCoeff());
-  if (!(speed > 0)) return 0;
-  const double e = kDifference / speed;
-  LimitRow limit = at_x;
-  const double near = limitRate(body, limit, x, v, e) - limitRate(body, limit, x, v, -e);
-  const double far = limitRate(body, limit, x, v, 2 * e) - limitRate(body, limit, x, v, -2 * e);
-  return (8 * near - far) / (12 * e);
-}
-
-void placeLimit(Body& body, const ModeRow& row, const double* x, const double* v, bool curvature,
-                RowPlace& place) {
-  place.limit = limitRow(body.context->model, body.index, row.limit);
-  evaluateLimit(body.context->model, poseAt(body, x), place.limit);
-  place.gap = place.limit.value;
-  if (curvature) place.curvature = limitCurvature(body, place.limit, x, v);
-}
-
 /// [m/s^2] What the turn of the normal takes from the acceleration along the surface, where the gap
 /// changes. rate: of Near::u.
 Vec3 normalTurn(const ModeRow& row, const SweptObstacle& m, const Near& near, const Vec3& rate) {
@@ -404,11 +366,7 @@ double gapOf(Island& island, const ModeRow& row, const double* x) {
 double rateOf(const Island& island, const ModeRow& row, const RowPlace& place, const double* v) {
   if (row.isContact()) return place.contact.normal.dot(motionOf(island, place.contact, v));
   const Body& body = *island.bodies[row.body];
-  const double* own = v + island.s.mode.offset[row.body];
-  double rate = 0;
-  for (int k = 0; k < place.limit.count; ++k)
-    rate += place.limit.gradient[k].dot(at(own, place.limit.particle[k] - body.first));
-  return rate;
+  return rateOfLimit(body, place.limit, v + island.s.mode.offset[row.body]);
 }
 
 Vec3 motionOf(const Island& island, const Contact& c, const double* x) {

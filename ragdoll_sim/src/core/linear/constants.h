@@ -44,9 +44,9 @@ constexpr double kSlides = 1 - 1e-6;      ///< of the disc's radius, at 1 of whi
 constexpr int kShareRounds = 4;           ///< solutions in which friction and shares settle
 constexpr double kShrinks = 0.5;    ///< of the last change: more, and rows contradict each other
 constexpr int kMostLetGo = 2;       ///< contacts, in one sharing, beside those without load
-constexpr int kMostIdle = 64;       ///< rows, for what touches without load: likewise
 constexpr double kAgreeing = 1e-9;  ///< [m/s] of rows that agree
 constexpr std::size_t kMostShared = 256;  ///< rows: the cost of more grows with their cube
+constexpr int kMostIdle = 64;  ///< rows, of which what touches without load has a share: likewise
 
 // --- Not tuned: implicit steps (implicit_sticks.h); rounding, and a cap.
 constexpr double kBalance = 1e-9;          ///< of the longest stick: positions against multipliers

@@ -21,8 +21,9 @@ class EqualSprings {
 
   /// p, shared so; friction that slides goes along. idle: rows of contacts and limits that touch
   /// without load, in their order. A(i, j): of the rows; again: as it was the last time. Returns by
-  /// how much friction has changed at most, or is to, or is beyond its cone, as a part of the
-  /// largest impulse, both in units in which all rows yield alike: nothing else moves bodies.
+  /// how much friction has changed at most, or will in the next sweep, or is beyond its cone, as a
+  /// part of the largest impulse, both in units in which all rows yield alike: nothing else moves
+  /// bodies.
   template <class Matrix>
   double share(const std::vector<SchurBlock>& blocks, const std::vector<int>& idle, const Matrix& A,
                bool again, double* p) {
@@ -46,7 +47,7 @@ class EqualSprings {
     bool slides;
     bool idle = false;  ///< without load, and so without friction, until now
   };
-  /// rows_ <- what presses, may, and sticks. Whether there is something to share.
+  /// rows_ <- what presses or touches, and what sticks. Whether there is something to share.
   bool collect(const std::vector<SchurBlock>& blocks, const std::vector<int>& idle,
                const double* p);
   /// Whether B_ is of rows_, and nothing has let go.
