@@ -26,6 +26,23 @@ obstacles:
 )");
 }
 
+/// A plate that falls onto a capsule: one place touches, it turns about that, and three strike at
+/// once.
+inline Scene plateOnACapsule() {
+  return parseScene(R"(
+ragdolls:
+  - {position: [-0.0263911, -0.0211946, 0.45], rpy_deg: [9.98081, -5.93002, -22.3125],
+     velocity: [-0.499886, 0.259534, -1], angular_velocity: [0.440649, 0.99437, -0.165956],
+     model: {sticks: [[p, q], [q, r], [r, s], [s, p], [p, r], [q, s]],
+       segments: {plate: {particles: [p, q, r, s]}},
+       particles: {p: {position: [-0.2, -0.15, 0], mass: 1, radius: 0.04},
+         q: {position: [0.2, -0.15, 0], mass: 1.2, radius: 0.04},
+         r: {position: [0.2, 0.15, 0], mass: 0.8, radius: 0.04},
+         s: {position: [-0.2, 0.15, 0], mass: 1.1, radius: 0.04}}}}
+obstacles: [{type: capsule, from: [-1, 0, 0.2], to: [1, 0.1, 0.25], radius: 0.1, friction: 0.5}]
+)");
+}
+
 /// A plate that falls onto another body's rod, which lies on the floor.
 inline Scene plateOnARod() {
   return parseScene(R"(

@@ -94,7 +94,7 @@ bool isFlat(const std::vector<Contact>& contacts, const Contact& c) {
 }
 
 void placeAtEnd(const Body& body, const std::vector<Contact>& contacts, double h, Contact& c) {
-  if (c.count != 2 || c.isSoft() || !c.touches_at_start || isFlat(contacts, c)) return;
+  if (c.count != 2 || c.isSoft() || isFlat(contacts, c)) return;
   const SweptObstacle& m = obstaclesOver(body, h)[static_cast<std::size_t>(c.obstacle)];
   const Axis axis = pathOf(body, c, h).axisAt(1);
   const double place = nearest(axis);

@@ -48,10 +48,10 @@ ContactPath pathOf(const Island& island, const Contact& contact, double h);
 /// Whether sticks lie along what they touch: at two of the contacts, neither of which turns them.
 bool isFlat(const std::vector<Contact>& contacts, const Contact& c);
 
-/// Has a stick that is rigid and touches an obstacle all along a motion over h the place and the
-/// normal that it has there in the end; contacts: with those that are found with it. It was found
-/// where the motion leads before anything presses, so that a speed along the surface would be one
-/// into it: by the way that it is pressed back, over the surface's radius.
+/// Has a stick that is rigid and touches an obstacle at the end of a motion over h the place and
+/// the normal that it has there; contacts: with those that are found with it. It was found where
+/// the motion leads before anything presses or cuts it short, so that a speed along the surface
+/// would be one into it: by the way that it is pressed back, over the surface's radius.
 void placeAtEnd(const Body& body, const std::vector<Contact>& contacts, double h, Contact& c);
 inline void placeAtEnd(const Island&, const std::vector<Contact>&, double, Contact&) {}
 
