@@ -49,7 +49,9 @@ Verdict judgeExplicit(Island& island, const Trial& trial, const SubstepControl& 
                        [&](Body* body) { return is(*body); });
   };
   const double h = control.substep(), took = trial.took;
-  const bool steady = smooth && !any([&](Body& body) { return swings(body, took); });
+  // Limits that press may have led to another solution than the one sought.
+  const bool steady =
+      smooth && !presses(island) && !any([&](Body& body) { return swings(body, took); });
   const double gain = steady ? 0 : gainedEnergy(island, took, smooth ? 0 : driveSpeed(island));
   const bool large = isLargeGain(island, gain, smooth);
   if (control.canHalve() && (large || any([&](Body& body) { return exceedsStable(body, h, 2); })))
