@@ -26,6 +26,7 @@ struct LaneContact {
 struct LaneImpulse {
   int feature = 0, obstacle = 0;
   double impulse[3] = {0, 0, 0};  ///< [N]
+  bool grips = false;             ///< friction, which is less than it could be
 };
 
 /// A particle or stick near a solid that a pack leaves to contact/detect.h.

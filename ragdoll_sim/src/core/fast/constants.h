@@ -71,6 +71,8 @@ struct StepBounds {
 constexpr StepBounds kOfStep = {0.0008, 0.008, 0.24};
 /// What leaves more goes to shake.
 constexpr StepBounds kOfPart = {0.004, 0.015, std::numeric_limits<double>::infinity()};
+/// What begins deeper goes to shake, which brings it out: more than packs leave.
+constexpr StepBounds kSunk = {0.006, 0.02, std::numeric_limits<double>::infinity()};
 constexpr double kWorse = 0.5;      ///< of a bound: than a deep particle is to be after the step
 constexpr double kDeeper = 0.25;    ///< of a bound: what is sunk may sink on
 constexpr double kMostAngle = 0.1;  ///< [rad] of a limit

@@ -11,9 +11,8 @@ namespace ragdoll {
 namespace fast {
 namespace {
 
-void hold(const CachedImpulse& impulse, Supports& supports) {
-  if (impulse.obstacle < 0) return;
-  supports.pressed[impulse.ragdoll] = supports.gripped[impulse.ragdoll] = 1;
+void press(const CachedImpulse& impulse, Supports& supports) {
+  if (impulse.obstacle >= 0) supports.pressed[impulse.ragdoll] = 1;
 }
 
 /// Of bodies that touch each other, for the islands of the direct method.
@@ -29,7 +28,7 @@ class PackStepper : public Stepper {
         Outcome& outcome = *outcomes[impulse.ragdoll];
         outcome.impulses.push_back(impulse);
         if (impulse.obstacle >= 0) ++outcome.report.contacts;
-        hold(impulse, context.supports);
+        press(impulse, context.supports);
       }
       for (const int i : batch.limited) ++outcomes[i]->report.limited;
     });
@@ -39,7 +38,7 @@ class PackStepper : public Stepper {
                     const std::vector<int>& sleepers, Outcome& outcome) override {
     if (!stepIsland(context, s_, *s_.islands[context.worker], bodies, sleepers, outcome))
       return false;
-    for (const CachedImpulse& impulse : outcome.impulses) hold(impulse, context.supports);
+    for (const CachedImpulse& impulse : outcome.impulses) press(impulse, context.supports);
     return true;
   }
 
@@ -97,7 +96,7 @@ void stepAllApart(const StepContext& context, FastScratch& s, StepReport& report
     report.contacts += batch.contacts;
     report.limited += static_cast<int>(batch.limited.size());
   });
-  for (const CachedImpulse& impulse : context.ws.impulses) hold(impulse, context.supports);
+  for (const CachedImpulse& impulse : context.ws.impulses) press(impulse, context.supports);
   stepLeft(context, s, report);
 }
 

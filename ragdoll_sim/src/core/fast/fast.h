@@ -4,8 +4,9 @@
 // pressed by a fixed number of projected Gauss-Seidel sweeps [Moreau1988] between a fixed number of
 // Newton iterations. Nothing is located in time and no step is made again: what does not fit (no
 // tree, a body that turns too far in a step) takes that step by shake (direct/direct_step.h) and is
-// counted. Bodies that touch each other go side by side (island_run.h). The bits of a body do not depend on which bodies share its
-// pack, on the pack's width, or on the number of threads. docs/fast.md.
+// counted. Bodies that touch each other go side by side (island_run.h). The bits of a body do not
+// depend on which bodies share its pack, on the pack's width, or on the number of threads.
+// docs/fast.md.
 #pragma once
 
 #include <cstdint>

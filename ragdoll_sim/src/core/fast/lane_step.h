@@ -208,6 +208,12 @@ RAGDOLL_SECTION void store(const FastBody& b, const PackStep& step, Lane* lanes,
     }
 }
 
+/// Whether friction is less than it could be, as isInsideCone (mechanics/supports.h).
+RAGDOLL_INLINE bool grips(double friction, double press, double first, double second) {
+  const double cone = (1 - 1e-6) * friction * press;
+  return press > 0 && first * first + second * second < cone * cone;
+}
+
 template <class L>
 RAGDOLL_SECTION void storePresses(const FastBody& b, const PackStep& step, Lane* lanes,
                                   const L& w) {
@@ -225,6 +231,7 @@ RAGDOLL_SECTION void storePresses(const FastBody& b, const PackStep& step, Lane*
       to.feature = static_cast<int>(row.feature - b.features.data());
       to.obstacle = w.obstacle_of[i * L::W + l];
       const double f[] = {press, rate2 * lane(row.pull[0], l), rate2 * lane(row.pull[1], l)};
+      to.grips = grips(lane(row.friction, l), f[0], f[1], f[2]);
       for (int c = 0; c < 3; ++c) to.impulse[c] = 0;
       for (int k = 0; k < 3; ++k) {
         to.impulse[0] += f[k] * lane(row.axes[k].x, l);
@@ -253,12 +260,27 @@ RAGDOLL_INLINE typename L::Mask tooDeep(const PackStep& step, const L& w) {
   return deep;
 }
 
+/// Where something began deeper than packs let it sink: the bound of energy keeps it there.
+template <class L>
+RAGDOLL_INLINE typename L::Mask beganDeep(const L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  auto deep = less(R{}, R{});
+  for (int i = 0; i < w.contact_count; ++i) {
+    const ContactRow<R>& row = w.contacts[i];
+    const double most = row.feature->b < 0 ? kSunk.particle : kSunk.stick;
+    deep = either(deep, both(less(row.allowed, R{} - N((1 - kRecovery) * most)),
+                             less(R{}, row.inverse_normal + row.waits)));
+  }
+  return deep;
+}
+
 /// What the rounds have not brought to its bounds is not for a pack (w.off above its own).
 template <class L>
 RAGDOLL_SECTION void checkBounds(const PackStep& step, L& w) {
   using R = typename L::R;
   using N = typename L::N;
-  w.off = select(tooDeep(step, w), R{} + N(1), w.off);
+  w.off = select(either(tooDeep(step, w), beganDeep(w)), R{} + N(1), w.off);
   for (int i = 0; i < w.limit_count; ++i) {
     const LimitRow<R>& row = w.limits[i];
     if (row.limit->compliance > 0) continue;

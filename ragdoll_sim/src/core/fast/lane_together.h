@@ -226,9 +226,7 @@ RAGDOLL_INLINE void storePair(const PackStep& step, const PairRow<L>& p, PairCon
     c.impulse[1] += f[k] * row.axes[k].y;
     c.impulse[2] += f[k] * row.axes[k].z;
   }
-  const double cone = row.friction * row.press;
-  c.holds = row.press > 0 && row.pull[0] * row.pull[0] + row.pull[1] * row.pull[1] <
-                                 (1 - 1e-6) * (1 - 1e-6) * cone * cone;
+  c.holds = grips(row.friction, row.press, row.pull[0], row.pull[1]);
 }
 
 template <class L>

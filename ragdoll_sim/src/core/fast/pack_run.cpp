@@ -21,6 +21,7 @@ PackRun::PackRun(const StepContext& context, const PackTask& task, const FastScr
       predicted_(predicted),
       tried_(tried),
       state_(context.state),
+      supports_(context.supports),
       batch_(batch),
       body_(scratch.bodies[batch.system]),
       method_(packFor(context.model.solver.numbers == Numbers::kFloat, batch.count,
@@ -310,9 +311,11 @@ void PackRun::accept(int l) {
     last.obstacle = obstacle;
     last.impulse = kKept * impulse;
   };
+  supports_.gripped[index] = 0;
   for (int k = 0; k < lane.impulse_count; ++k) {
     const LaneImpulse& last = lane.impulses[k];
     const Feature& f = body_.features[last.feature];
+    if (last.grips) supports_.gripped[index] = 1;
     add(r.first + f.a, f.b < 0 ? -1 : r.first + f.b, last.obstacle,
         {last.impulse[0], last.impulse[1], last.impulse[2]});
   }

@@ -70,6 +70,7 @@ class PackRun {
   PackScratch& pack_;
   Points &predicted_, &tried_;
   State& state_;
+  Supports& supports_;
   Batch& batch_;
   const FastBody& body_;
   const PackMethod& method_;
