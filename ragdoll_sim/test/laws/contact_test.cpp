@@ -187,6 +187,45 @@ INSTANTIATE_TEST_SUITE_P(Shapes, Within,
                                                           ObstacleSpec::Type::kCapsule),
                                           testing::Values(Method::kShake, Method::kFast)));
 
+/// The bound of energy held a body that could not be lifted out of a floor as it was, upright.
+TEST(SunkByFast, AHumanFallsOver) {
+  for (const double rate : {60, 240})
+    for (const double deep : {0.0005, 0.005}) {
+      Scene scene = parseScene(
+          "ragdolls: [{model: human, position: [0, 0, 2], rpy_deg: [0, 3, 0]}]\n"
+          "obstacles: [{type: plane, friction: 0.5}]\n");
+      scene.solver.method = Method::kFast;
+      scene.solver.step = 1 / rate;
+      double lowest = 1;
+      {
+        const World above(scene);
+        for (int i = 0; i < above.state.x.cols(); ++i)
+          lowest = std::min(lowest, above.state.x(2, i) - above.model.radius[i]);
+      }
+      scene.ragdolls[0].pose.position.z() -= lowest + deep;
+      World world(scene);
+      world.steps(static_cast<int>(3 * rate));
+      EXPECT_LT(world.state.x.row(2).maxCoeff(), 0.5) << rate << " " << deep;
+    }
+}
+
+/// Bodies that start in each other part as far as packs let them be.
+TEST(SunkByFast, BallsPart) {
+  Scene scene = parseScene(R"(
+gravity: [0, 0, 0]
+ragdoll_collision: true
+ragdolls:
+  - {name: a, model: {particles: {p: {position: [0, 0, 0], mass: 1, radius: 0.05}}}}
+  - name: b
+    position: [0.04, 0, 0.01]
+    model: {particles: {p: {position: [0, 0, 0], mass: 1, radius: 0.05}}}
+)");
+  scene.solver.method = Method::kFast;
+  World world(scene);
+  world.steps(60);
+  EXPECT_GT((world.x(0) - world.x(1)).norm(), 0.08);
+}
+
 TEST(Obstacles, MovingFloorLiftsAndCarries) {
   Scene scene = sceneOf(oneParticle(1, 0.1), Vec3(0, 0, 0.6));
   ObstacleSpec box;

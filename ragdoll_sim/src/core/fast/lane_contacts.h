@@ -200,7 +200,7 @@ RAGDOLL_SECTION void setStart(const PackStep& step, const L& w, ContactRow<typen
   const V3<R> n = row.axes[0];
   row.start += dot(n, atFeature(*row.feature, row.weight, w.x));
   const R moved = dot(n, row.motion), before = row.start + moved;
-  row.allowed = N(1 - kRecovery) * select(less(before, R{}), before, R{});
+  row.allowed = allowedOf(before, w.recovery);
   row.approach = N(1 / step.h) * moved - dot(n, atFeature(*row.feature, row.weight, w.v));
 }
 

@@ -54,7 +54,7 @@ RAGDOLL_SECTION void setLimits(const FastBody& b, const PackStep& step, L& w) {
     row.z = nullptr;
     const R violated = select(less(start, R{}), start, R{});
     row.compliance = R{};
-    row.allowed = N(1 - kRecovery) * violated;
+    row.allowed = allowedOf(start, N(kTurnReach) * w.recovery);
     if (limit.compliance > 0) {  // docs/equations.md#soft
       const double spring = 1 / limit.compliance, damper = limit.damping / step.h;
       row.compliance = R{} + N(2 / (step.h * step.h * (spring + damper)));

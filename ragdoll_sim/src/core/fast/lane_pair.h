@@ -117,7 +117,10 @@ RAGDOLL_INLINE void setPair(const PackStep& step, const Partners& all, const Pai
   row.waits = R(1);
   setTangents(row);
   row.start = R(c.gap);
-  row.allowed = R(1 - kRecovery) * select(less(row.start, R{}), row.start, R{});
+  R recovery{};
+  for (const PairSide<L>& s : p.side)
+    if (s.w) recovery = larger(recovery, s.w->recovery);
+  row.allowed = allowedOf(row.start, recovery);
 }
 
 /// As measureContacts. turned: [m] what does not count as slip.
@@ -140,6 +143,16 @@ template <class L>
 RAGDOLL_INLINE bool tooDeep(const PackStep& step, const PairRow<L>& p) {
   const ContactRow<typename L::R>& row = p.row;
   return row.gap + row.allowed < -step.bounds.particle && row.gap < -kWorse * step.bounds.particle;
+}
+
+/// As of a body's own rows (lane_step.h), where both rest: what moves opens it itself.
+template <class L>
+RAGDOLL_INLINE bool beganDeep(const PairRow<L>& p) {
+  using R = typename L::R;
+  R square{};
+  for (const PairSide<L>& s : p.side)
+    if (s.w) square = larger(square, s.w->square);
+  return p.row.start < R(-kSunkStick) && square < R(kRests * kRests);
 }
 
 }  // namespace ragdoll::fast

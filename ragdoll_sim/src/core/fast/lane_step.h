@@ -260,7 +260,8 @@ RAGDOLL_INLINE typename L::Mask tooDeep(const PackStep& step, const L& w) {
   return deep;
 }
 
-/// Where something began deeper than packs let it sink: the bound of energy keeps it there.
+/// Where something began deeper than packs let it sink, in what rests or is driven: what moves
+/// opens it itself.
 template <class L>
 RAGDOLL_INLINE typename L::Mask beganDeep(const L& w) {
   using R = typename L::R;
@@ -268,11 +269,13 @@ RAGDOLL_INLINE typename L::Mask beganDeep(const L& w) {
   auto deep = less(R{}, R{});
   for (int i = 0; i < w.contact_count; ++i) {
     const ContactRow<R>& row = w.contacts[i];
-    const double most = row.feature->b < 0 ? kSunk.particle : kSunk.stick;
-    deep = either(deep, both(less(row.allowed, R{} - N((1 - kRecovery) * most)),
-                             less(R{}, row.inverse_normal + row.waits)));
+    const double most = row.feature->b < 0 ? kSunkParticle : kSunkStick;
+    const R began = row.start + dot(row.axes[0], row.motion);
+    deep =
+        either(deep, both(less(began, R{} - N(most)), less(R{}, row.inverse_normal + row.waits)));
   }
-  return deep;
+  const auto rests = less(w.square, R{} + N(kRests * kRests));
+  return both(deep, either(rests, less(R{} + N(0.5 * kNoBound), w.recovery)));
 }
 
 /// What the rounds have not brought to its bounds is not for a pack (w.off above its own).
@@ -348,12 +351,28 @@ RAGDOLL_INLINE L& workIn(void* memory) {
                                ~std::uintptr_t(63));
 }
 
+/// [m] By which the body can be lifted in the step by the energy that it has: what opens an overlap
+/// needs it, and without it the bound of energy would hold the whole body as it is.
+template <class L>
+RAGDOLL_INLINE void setRecovery(const FastBody& b, const PackStep& step, const Lane* lanes, L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  double pull = 0;
+  for (int c = 0; c < 3; ++c) pull += step.gravity[c] * step.gravity[c];
+  w.square = N(2 / massOf(b)) * atLeast(w.before, N(0));  // r^2 / h^2 + 2 g r
+  const R root = squareRoot(R{} + N(pull) + N(1 / (step.h * step.h)) * w.square);
+  w.recovery = w.square / atLeast(N(std::sqrt(pull)) + root, N(1e-30));
+  for (int l = 0; l < L::W; ++l)
+    if (lanes[l].driven) setLane(w.recovery, l, N(kNoBound));
+}
+
 /// Rows; where the free motion leads.
 template <class L>
 RAGDOLL_INLINE void beginRounds(const FastBody& b, const PackStep& step, Lane* lanes, L& w) {
   using R = typename L::R;
   w.z_next = w.z;
   w.settled = typename L::N(kSettledSpeed * step.h);
+  setRecovery(b, step, lanes, w);
   setContacts(b, step, lanes, w);
   setLimits(b, step, w);
   w.unsolved = less(R{}, R{} + typename L::N(1));

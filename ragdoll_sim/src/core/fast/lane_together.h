@@ -245,7 +245,7 @@ void finishTogether(const PackStep& step, const Partners& all) {
   forPartners<L>(all, [&](const FastBody&, Lane*, L& w) { checkBounds(step, w); });
   for (int k = 0; k < all.contact_count; ++k)
     for (PairSide<L>& s : pairs[k].side)
-      if (s.w && tooDeep(step, pairs[k])) s.w->off = R(1);
+      if (s.w && (tooDeep(step, pairs[k]) || beganDeep(pairs[k]))) s.w->off = R(1);
   const Hold hold = holdOf(all, pairs);
   if (hold.outside && !hold.driven) limitMotions<L>(step, all);
   for (int k = 0; k < all.contact_count; ++k) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/fast/border.h"
+#include "core/fast/constants.h"
 #include "core/fast/pack.h"
 #include "core/linear/tree_matrix.h"
 #include "core/linear/tree_motion.h"
@@ -107,6 +108,8 @@ struct LaneWork {
   Mask unsettled;           ///< whose sweeps still change something
   Mask unsolved;            ///< whose Newton rounds still do
   R before;                 ///< [J] kinetic energy at the start, damped
+  R square;                 ///< [m^2/s^2] of the speed that has as much
+  R recovery;               ///< [m] by which it can lift the body
   double origin[W][W + 3];  ///< [m] of the pack's coordinates: x, y, z, x, y ...
   bool forced = false;
 
@@ -156,6 +159,14 @@ struct LaneWork {
     return w;
   }
 };
+
+/// What of a violation may stay, of a gap or a limit's value at the start. recovery: in its units.
+template <class R>
+RAGDOLL_INLINE R allowedOf(const R& start, const R& recovery) {
+  using N = typename tree::NumberOf<R>::Type;
+  const R violated = select(less(start, R{}), start, R{}), undone = R{} - N(kRecovery) * violated;
+  return violated + select(less(undone, recovery), undone, recovery);
+}
 
 /// w.dx of the pose at w.q.
 template <class L>

@@ -69,6 +69,7 @@ struct LaneBodies {
   /// The same with rows of contacts and limits, at coordinates zero, from where nothing moves it.
   OneLane& rows() {
     OneLane& w = predicted();
+    w.recovery = 1;  // [m] more than there is to recover
     fast::setContacts(body, step, lanes.data(), w);
     fast::setLimits(body, step, w);
     w.unsettled = w.unsolved = true;
