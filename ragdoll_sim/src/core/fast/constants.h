@@ -71,7 +71,7 @@ struct StepBounds {
 constexpr StepBounds kOfStep = {0.0008, 0.008, 0.24};
 /// What leaves more goes to shake.
 constexpr StepBounds kOfPart = {0.004, 0.015, std::numeric_limits<double>::infinity()};
-// What begins deeper goes to shake, which brings it out: more than packs leave.
+// What rests and begins deeper goes to shake, which brings it out: more than packs leave.
 constexpr double kSunkParticle = 0.006;  ///< [m] in an obstacle
 constexpr double kSunkStick = 0.02;      ///< [m] likewise; and bodies in each other that rest
 constexpr double kRests = 0.05;          ///< [m/s] by their energy: slower
