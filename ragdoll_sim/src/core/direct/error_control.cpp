@@ -59,10 +59,12 @@ bool ErrorControl::accepts(double error, int order) {
   }
   // One that stands is no reason for shorter ones: where they gain nothing they would have no end.
   // Where shorter parts were in vain the next one is longer: behind one jump the motion is as any
-  // other; if shorter ones are in vain there, too, what follows is held against this one.
+  // other; if shorter ones are in vain there, too, what follows is held against this one. One that
+  // is known where longer ones were not was not in vain.
   const double steady = other_rate_ > 0 ? 1 : std::max(growth, 1.0);
   next_ = std::min(part_ * (kept ? steady : kLargestGrowth), h_);
-  if (kept || (last_kept_ && rate < kUnknownRate)) {
+  const bool others_unknown = !(other_rate_ < kUnknownRate);
+  if (kept || ((last_kept_ || others_unknown) && rate < kUnknownRate)) {
     other_rate_ = 0;
     in_vain_ = 0;
   }

@@ -67,7 +67,8 @@ double rungeKuttaError(BodyResponse& body, const double* x1, const double* v1, c
   body.accelerate(false, v1, error + half);
   s.start *= kE[kStages];
   kernels::addWeighted(error, s.slopes.data(), kE, kStages, 2 * half, error);
-  return std::max(h * largest(error, points), h * kSwingTime * largest(error + half, points));
+  const double rate = std::max(largest(error, points), kSwingTime * largest(error + half, points));
+  return h * rate * std::max(1.0, h / kLongFreePart);
 }
 
 }  // namespace ragdoll

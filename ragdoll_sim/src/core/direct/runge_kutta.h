@@ -33,7 +33,7 @@ double rungeKutta(BodyResponse& body, const double* x, const double* v, const Po
 
 /// [m] Estimate of the error that the last rungeKutta made over h: the largest distance of a
 /// particle, or of kSwingTime times its velocity, from the embedded motion of fourth order
-/// [Dormand1980].
+/// [Dormand1980]; more for parts above kLongFreePart.
 /// x1 and v1: of the motion's end, where the body's start is; scratch: as rungeKutta left it.
 double rungeKuttaError(BodyResponse& body, const double* x1, const double* v1, const Drive& drive,
                        double h, RungeKuttaScratch& scratch);
