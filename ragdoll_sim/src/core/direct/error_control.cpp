@@ -52,8 +52,10 @@ bool ErrorControl::accepts(double error, int order) {
   const bool kept = rate <= allowed_rate;
   const double wanted = std::pow(kAim * allowed_rate / std::max(rate, 1e-300), 1.0 / order);
   const double growth = std::clamp(wanted, 1 / kLargestGrowth, kLargestGrowth);
-  if (!kept && part_ > kShortEnough * shortest_ && helps(rate, order)) {
-    next_ = std::max(part_ * growth, shortest_);
+  // Where the guard acts, as limbs are whipped, it may be known by one more shortening.
+  const double shortest = rate < kUnknownRate ? shortest_ : shortest_ / kLargestGrowth;
+  if (!kept && part_ > kShortEnough * shortest && helps(rate, order)) {
+    next_ = std::max(part_ * growth, shortest);
     choosePart();
     return false;
   }
