@@ -33,7 +33,8 @@
 //   up to a half turn  two rows kWithin of 90 deg, n the circle's pole on the inside. A child that
 //                      slides along one border over the axis meets the other: an impact.
 //   more               kWedge, the angle to what is forbidden, a wedge narrower than a half turn:
-//                      sin C = r sin(min(angle - |phi|, 90 deg)). Beyond the axis it is free.
+//                      sin C = r sin(min(angle - |phi|, 90 deg)). Beyond the axis it is free. On
+//                      the axis, the wedge's tip, it matters where the motion goes (LimitAngles).
 // With one row (angle - |phi|) r it was thrown from one border to the other in a step, by a force
 // square to neither: a body hung by its foot gained 1 kJ in a step.
 #pragma once

@@ -24,6 +24,7 @@ struct LimitRow {
   std::array<Vec3, kMaxParticles> gradient;  ///< [rad/m]
   double value = 0;                          ///< [rad] C; < 0: violated by that angle
   Vec3 allowed = Vec3::Zero();               ///< planes: the direction to return to
+  int border = 0;  ///< kWedge: -1, 1: of that border alone, as if it went on; 0: of the wedge
   bool returns = false;                      ///< hard planes: was outside, on its way back there
   double opening = 0;                        ///< [rad] violated by that much at the start, let be
   double compliance = 0;                     ///< [rad/(N m)]; 0: hard

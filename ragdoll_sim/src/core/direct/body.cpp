@@ -1,5 +1,6 @@
 #include "core/direct/body.h"
 
+#include "core/direct/mode_constants.h"
 #include "core/direct/workspace.h"
 #include "core/linear/constants.h"
 
@@ -64,6 +65,14 @@ const Points& poseAfter(const Body& body) {
   double* out = pose.data() + 3 * body.first;
   for (int i = 0; i < 3 * body.n; ++i) out[i] = x[i] + dx[i];
   return pose;
+}
+
+const double* aheadOf(const Body& body) {
+  Points& pose = posesOf(*body.context);
+  const double *x = body.xData(), *dx = body.motion.dx.data(), *v = body.vData();
+  double* out = pose.data() + 3 * body.first;
+  for (int i = 0; i < 3 * body.n; ++i) out[i] = x[i] + dx[i] + kMoment * v[i];
+  return out;
 }
 
 LimitAngles::Pose& anglesAt(const Body& body, const Points& pose) {

@@ -111,6 +111,8 @@ Points& posesOf(const StepContext& context);
 /// These with this body's columns at the end of its motion; the others mean nothing. Valid until
 /// the thread's next call.
 const Points& poseAfter(const Body& body);
+/// This body's coordinates a moment after that; as long valid.
+const double* aheadOf(const Body& body);
 /// Limit angles at a pose (3 x N), there, and at the present positions.
 LimitAngles::Pose& anglesAt(const Body& body, const Points& pose);
 LimitAngles::Pose& anglesAfter(const Body& body);

@@ -63,8 +63,8 @@ double timeOfGraze(const Body& body, const Points& v1, double h) {
       first = std::min(first, shareOfGraze(pathOf(body, c, h, &v1), tolerances.touching));
   }
   for (const LimitRow& limit : set.limits) {
-    const LimitRow before = anglesBefore(body).row(limit.limit);
-    const LimitRow& after = anglesAfter(body).row(limit.limit);
+    const LimitRow before = anglesBefore(body).row(limit.limit, aheadOf(body));
+    const LimitRow& after = anglesAfter(body).row(limit.limit, aheadOf(body));
     consider(
         {limit.before, limit.value, openingOf(body, before, v0, h), openingOf(body, after, v1, h)},
         tolerances.touching_angle, first);

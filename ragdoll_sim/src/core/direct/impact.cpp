@@ -19,7 +19,7 @@ double rateAtStart(const StepContext& step, const Contact& c) {
 /// [rad/s] at which a limit opens at the start, by these velocities [m/s] of the columns from
 /// `first` on.
 double rateAtStart(const Body& body, const LimitRow& limit, const Points& v, int first) {
-  const LimitRow& row = anglesBefore(body).row(limit.limit);
+  const LimitRow& row = anglesBefore(body).row(limit.limit, aheadOf(body));
   double rate = 0;
   for (int k = 0; k < row.count; ++k) rate += row.gradient[k].dot(v.col(row.particle[k] - first));
   return rate;

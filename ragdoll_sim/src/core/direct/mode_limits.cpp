@@ -5,16 +5,10 @@
 
 #include "core/direct/mode_constants.h"
 #include "core/direct/workspace.h"
+#include "core/limits/limit_value.h"
 
 namespace ragdoll {
 namespace {
-
-/// All positions with this body's at x; valid until the next call.
-const Points& poseAt(const Body& body, const double* x) {
-  Points& pose = posesOf(*body.context);
-  std::copy(x, x + 3 * body.n, pose.data() + 3 * body.first);
-  return pose;
-}
 
 /// Rate of a limit at x + share v along v.
 double limitRate(Body& body, LimitRow& limit, const double* x, const double* v, double share) {
@@ -37,6 +31,14 @@ double limitCurvature(Body& body, const LimitRow& at_x, const double* x, const d
   return (8 * near - far) / (12 * e);
 }
 
+/// At x, and as the motion goes on.
+void evaluateAhead(const Body& body, const double* x, const double* v, LimitRow& limit) {
+  Points& pose = posesOf(*body.context);
+  double* ahead = pose.data() + 3 * body.first;
+  for (int i = 0; i < 3 * body.n; ++i) ahead[i] = x[i] + kMoment * v[i];
+  evaluateLimit(body.skeleton->limits[limit.limit], x, ahead, body.first, limit);
+}
+
 }  // namespace
 
 double rateOfLimit(const Body& body, const LimitRow& limit, const double* v) {
@@ -51,7 +53,8 @@ double rateOfLimit(const Body& body, const LimitRow& limit, const double* v) {
 void placeLimit(Body& body, const ModeRow& row, const double* x, const double* v, bool curvature,
                 RowPlace& place) {
   place.limit = limitRow(body.context->model, body.index, row.limit);
-  evaluateLimit(body.context->model, poseAt(body, x), place.limit);
+  evaluateAhead(body, x, v, place.limit);
+  place.feature[0] = place.limit.border;
   place.gap = place.limit.value;
   if (curvature) place.curvature = limitCurvature(body, place.limit, x, v);
 }

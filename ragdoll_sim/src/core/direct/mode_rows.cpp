@@ -14,6 +14,7 @@
 #include "core/direct/mode_limits.h"
 #include "core/direct/mode_pairs.h"
 #include "core/direct/workspace.h"
+#include "core/limits/limit_value.h"
 
 namespace ragdoll {
 namespace {
@@ -315,7 +316,9 @@ RowPlace placeOnObstacle(const Body& body, const ModeRow& row, const double* x, 
 double roomOfOwn(const Body& body, const ModeRow& row, const double* x,
                  const std::array<int, 3>& feature) {
   double room = std::numeric_limits<double>::infinity();
-  if (row.kind == ModeKind::kLimit) return room;
+  if (row.kind == ModeKind::kLimit)
+    return feature[0] == 0 ? room
+                           : alongBorder(body.skeleton->limits[row.limit], x, feature[0]);
   const SweptObstacle& m = obstacleOf(body, row);
   const bool is_plane = m.obstacle->type == ObstacleSpec::Type::kPlane;
   const double t = nearestOf(body, row, x).t;

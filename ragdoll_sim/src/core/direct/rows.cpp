@@ -136,6 +136,7 @@ void buildLimitRows(Body& body, bool leapfrog) {
   set.limit_row.assign(set.limits.size(), -1);
   if (set.limits.empty()) return;
   LimitAngles::Pose& angles = anglesAfter(body);
+  const double* ahead = aheadOf(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     LimitRow& limit = set.limits[i];
     if (set.limit_role[i] == Role::kComing) continue;
@@ -143,9 +144,9 @@ void buildLimitRows(Body& body, bool leapfrog) {
         angles[limit.limit] > kClose / kLever && !body.cache.find(limit))
       continue;
     if (leapfrog && pressesAtStart(limit, body.context->tolerances.touching_angle))
-      anglesBefore(body).evaluate(limit);
+      anglesBefore(body).evaluate(limit, ahead);
     else
-      angles.evaluate(limit);
+      angles.evaluate(limit, ahead);
     set.limit_row[i] = schur.size();
     schur.addLimit(limit, static_cast<int>(i));
   }

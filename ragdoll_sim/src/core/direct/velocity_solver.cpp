@@ -200,6 +200,7 @@ void keepTouchingLimits(Body& body, double h, bool leapfrog) {
   const ConstraintSet& set = body.constraints;
   if (set.limits.empty()) return;
   LimitAngles::Pose& angles = anglesAfter(body);
+  const double* ahead = aheadOf(body);
   for (std::size_t i = 0; i < set.limits.size(); ++i) {
     const LimitRow& limit = set.limits[i];
     const int row = h > 0 && i < set.limit_row.size() ? set.limit_row[i] : -1;
@@ -216,7 +217,7 @@ void keepTouchingLimits(Body& body, double h, bool leapfrog) {
     }
     body.touching.limits.push_back(limit);
     body.touching.limit_hit.push_back(set.limit_role[i] == Role::kHit);
-    angles.evaluate(body.touching.limits.back());
+    angles.evaluate(body.touching.limits.back(), ahead);
     body.touching.warm.push_back(warm);
   }
 }

@@ -43,7 +43,7 @@ struct RowShape {
 };
 
 struct FastLimit {
-  bool turn = false;  ///< Limit::Kind::kTurn
+  bool turn = false;  ///< Limit::Kind::kTurn, kWedge
   CarriedDirection reference, child, normal;
   double sin_angle = 0, cos_angle = 1;
   double scale = 1;                    ///< [rad] per unit of its cosine, at the border

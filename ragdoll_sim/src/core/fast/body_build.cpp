@@ -162,7 +162,7 @@ class BodyBuilder {
 
   void addLimit(const Limit& limit) {
     FastLimit f;
-    f.turn = limit.kind == Limit::Kind::kTurn;
+    f.turn = limit.kind != Limit::Kind::kWithin;
     f.reference = carriedBy(limit.reference);
     f.child = carriedBy(limit.child);
     f.sin_angle = limit.sin_angle;

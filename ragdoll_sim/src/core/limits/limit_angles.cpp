@@ -67,15 +67,20 @@ bool isUnit(const Vec3& d) { return std::abs(d.squaredNorm() - 1) < kUnit; }
 
 }  // namespace
 
-const LimitRow& LimitAngles::Pose::row(int k) {
+const LimitRow& LimitAngles::Pose::row(int k, const double* ahead) {
   LimitRow& known = row_[k];
-  if (known.count == 0)
-    evaluateLimit((*limits_)[k], reference_[k], child_[k], coordinates_.data(), first_, known);
+  const Limit& limit = (*limits_)[k];
+  const double* x = coordinates_.data();
+  if (known.count == 0) {
+    evaluateLimit(limit, reference_[k], child_[k], x, first_, known);
+    at_tip_[k] = isAtTip(limit, x);
+  }
+  if (at_tip_[k]) evaluateLimit(limit, x, ahead, first_, known);
   return known;
 }
 
-void LimitAngles::Pose::evaluate(LimitRow& row) {
-  const LimitRow& known = this->row(row.limit);
+void LimitAngles::Pose::evaluate(LimitRow& row, const double* ahead) {
+  const LimitRow& known = this->row(row.limit, ahead);
   row.value = known.value;
   row.count = known.count;
   std::copy_n(known.particle.begin(), known.count, row.particle.begin());
@@ -96,6 +101,7 @@ void LimitAngles::Pose::makeRoom(std::size_t limits, std::size_t count) {
   child_.reserve(limits);
   cosine_.reserve(limits);
   row_.reserve(limits);
+  at_tip_.reserve(limits);
 }
 
 void LimitAngles::Pose::set(const std::vector<Limit>& limits, int first, const double* coordinates,
@@ -109,6 +115,7 @@ void LimitAngles::Pose::set(const std::vector<Limit>& limits, int first, const d
   child_.resize(limits.size());
   cosine_.resize(limits.size());
   row_.resize(limits.size());
+  at_tip_.resize(limits.size());
   Directions references(coordinates), children(coordinates);
   for (std::size_t k = 0; k < limits.size(); ++k) {
     const Vec3 &r = reference_[k] = references.at(limits[k].reference),

@@ -24,10 +24,11 @@ class LimitAngles {
     bool isBeyond(int limit, double margin) {
       return isFar(limit, margin) || (*this)[limit] >= margin;
     }
-    /// With value and gradient.
-    const LimitRow& row(int limit);
+    /// With value and gradient. ahead: coordinates of the body a moment later; it matters at the
+    /// tip of a wedge.
+    const LimitRow& row(int limit, const double* ahead);
     /// These alone, into a row.
-    void evaluate(LimitRow& row);
+    void evaluate(LimitRow& row, const double* ahead);
 
     /// Whether this is the pose of that body's `count` coordinates, to the bit; becomes it.
     bool is(const std::vector<Limit>& limits, int first, const double* coordinates,
@@ -48,6 +49,7 @@ class LimitAngles {
     std::vector<Vec3> reference_, child_;
     std::vector<double> cosine_;  ///< between the two; NaN where it says nothing
     std::vector<LimitRow> row_;   ///< with their gradients, or count 0
+    std::vector<std::uint8_t> at_tip_;  ///< of those: isAtTip
   };
 
   void makeRoom(const Skeleton& skeleton);

@@ -62,12 +62,20 @@ struct Wedge {
   double sine = 0, on_c = 0, on_s = 0;  ///< and its derivatives with respect to c and s
 };
 
-Wedge wedgeOf(const Limit& limit, double c, double s) {
-  const double side = s < 0 ? -1 : 1;
-  const double along = limit.cos_angle * c + limit.sin_angle * side * s;
+int nearerSide(double s) { return s < 0 ? -1 : 1; }
+
+/// How far along the border of a side, from the tip on.
+double alongBorder(const Limit& limit, double c, double s, int side) {
+  return limit.cos_angle * c + limit.sin_angle * side * s;
+}
+
+/// border: as LimitRow::border.
+Wedge wedgeOf(const Limit& limit, double c, double s, int border) {
+  const int side = border != 0 ? border : nearerSide(s);
   const double across = limit.sin_angle * c - limit.cos_angle * side * s;
-  if (along >= 0) return {across, limit.sin_angle, -limit.cos_angle * side};
-  const double r = std::max(std::hypot(c, s), kPole);
+  const double r = std::hypot(c, s);
+  if (border != 0 || r == 0 || alongBorder(limit, c, s, side) >= 0)
+    return {across, limit.sin_angle, -limit.cos_angle * side};
   return {r, c / r, s / r};
 }
 
@@ -75,7 +83,7 @@ Wedge wedgeOf(const Limit& limit, double c, double s) {
 void fillWedge(const Limit& limit, const Vec3& z, const Vec3& w, const double* x, int first,
                LimitRow& row) {
   const Vec3 n = valueOf(limit.normal, x);
-  const Wedge wedge = wedgeOf(limit, w.dot(z), w.dot(n));
+  const Wedge wedge = wedgeOf(limit, w.dot(z), w.dot(n), row.border);
   const double cosine = std::sqrt(std::max(1 - wedge.sine * wedge.sine, kPole));
   const double on_c = wedge.on_c / cosine, on_s = wedge.on_s / cosine;
   row.value = std::asin(std::clamp(wedge.sine, -1.0, 1.0));
@@ -102,7 +110,7 @@ double turnValue(const Limit& limit, const Vec3& z, const Vec3& w, const double*
 }
 
 double wedgeValue(const Limit& limit, const Vec3& z, const Vec3& w, const double* x) {
-  const Wedge wedge = wedgeOf(limit, w.dot(z), w.dot(valueOf(limit.normal, x)));
+  const Wedge wedge = wedgeOf(limit, w.dot(z), w.dot(valueOf(limit.normal, x)), 0);
   return std::asin(std::clamp(wedge.sine, -1.0, 1.0));
 }
 
@@ -127,6 +135,45 @@ double limitValue(const Limit& limit, const double* x) {
 double limitValue(const Limit& limit, const Vec3& r, const Vec3& w, const double* x) {
   if (limit.kind == Limit::Kind::kWithin) return withinValue(limit, r, w);
   return limit.kind == Limit::Kind::kTurn ? turnValue(limit, r, w, x) : wedgeValue(limit, r, w, x);
+}
+
+namespace {
+
+struct Polar {
+  double c = 0, s = 0;
+};
+
+Polar polarOf(const Limit& limit, const double* x) {
+  const Vec3 w = valueOf(limit.child, x);
+  return {w.dot(valueOf(limit.reference, x)), w.dot(valueOf(limit.normal, x))};
+}
+
+/// As LimitRow::border; of no wedge 0.
+int nearerBorder(const Limit& limit, const double* x) {
+  if (limit.kind != Limit::Kind::kWedge) return 0;
+  const auto [c, s] = polarOf(limit, x);
+  const int side = nearerSide(s);
+  return alongBorder(limit, c, s, side) >= 0 ? side : 0;
+}
+
+}  // namespace
+
+double alongBorder(const Limit& limit, const double* x, int border) {
+  const auto [c, s] = polarOf(limit, x);
+  return alongBorder(limit, c, s, border);
+}
+
+bool isAtTip(const Limit& limit, const double* x) {
+  if (limit.kind != Limit::Kind::kWedge) return false;
+  const auto [c, s] = polarOf(limit, x);
+  return std::hypot(c, s) < kPole;
+}
+
+void evaluateLimit(const Limit& limit, const double* x, const double* ahead, int first,
+                   LimitRow& row) {
+  row.border = nearerBorder(limit, ahead);
+  const double* at = row.border == 0 && isAtTip(limit, x) ? ahead : x;
+  evaluateLimit(limit, valueOf(limit.reference, at), valueOf(limit.child, at), at, first, row);
 }
 
 LimitRow limitRow(const Model& model, int ragdoll, int limit) {

@@ -19,7 +19,7 @@ TEST(LimitAngles, AreTheLimitsOfTheLastPoses) {
       LimitAngles::Pose& pose = angles.at(neck.model, poses[i], 0);
       EXPECT_NEAR(pose[0], rad(40 - 30.0 * static_cast<double>(i)), 1e-12);
       LimitRow kept = limitRow(neck.model, 0, 0), fresh = kept;
-      pose.evaluate(kept);
+      pose.evaluate(kept, poses[i].data());
       evaluateLimit(neck.model, poses[i], fresh);
       ASSERT_EQ(kept.count, fresh.count);
       EXPECT_EQ(kept.value, fresh.value);

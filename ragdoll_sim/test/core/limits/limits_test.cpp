@@ -104,7 +104,7 @@ TEST(LimitAngles, AreThoseOfThePoseThatIsAskedFor) {
     LimitAngles::Pose& pose = angles.at(model, poses[i], 0);
     LimitRow row = limitRow(model, 0, 1), expected = row;
     evaluateLimit(model, poses[i], expected);
-    pose.evaluate(row);
+    pose.evaluate(row, poses[i].data());
     EXPECT_EQ(pose[1], expected.value);
     ASSERT_EQ(row.count, expected.count);
     for (int k = 0; k < row.count; ++k) EXPECT_EQ(row.gradient[k], expected.gradient[k]);

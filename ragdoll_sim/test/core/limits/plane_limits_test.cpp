@@ -63,7 +63,7 @@ TEST(Planes, OfTheDirectMethodsAreTheBordersOfTheirRegions) {
     double worst = 0;
     for (int k = 0; k < 6; ++k) {
       LimitRow row = limitRow(model, 0, k);
-      angles.at(model, x, 0).evaluate(row);
+      angles.at(model, x, 0).evaluate(row, x.data());
       EXPECT_EQ(row.value, angles.at(model, x, 0)[k]);
       expectGradient(model, x, row);
       worst = std::max(worst, -row.value);
