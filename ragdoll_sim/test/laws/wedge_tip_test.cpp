@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iomanip>
+#include <sstream>
 #include <string>
 
 #include "ragdoll_sim/core/measures.h"
@@ -14,7 +16,7 @@ namespace {
 
 /// A rod of 2 kg on a group that pins hold, along the group's axis y; its region is about that.
 constexpr const char* kRod = R"(
-gravity: [0, 0, 0]
+gravity: GRAVITY
 ragdolls:
   - name: r
     model:
@@ -24,7 +26,7 @@ ragdolls:
         b: {position: [0.3, 0, 0], mass: 1}
         c: {position: [0, 0.3, 0], mass: 1}
         d: {position: [0, 0, 0.3], mass: 1}
-        e: {position: [0, 0.4, 0]}
+        e: {position: END}
       sticks: [[a, b], [a, c], [b, c], [a, d], [b, d], [c, d], [a, e]]
       segments:
         trunk: {particles: [a, b, c, d]}
@@ -37,36 +39,50 @@ solver: {method: METHOD}
 
 constexpr double kMiddle = 110, kHalf = 130;  // [deg] from x to z
 
-/// The rod thrown at 1 rad/s about its end that pins hold, `degrees` from the middle of its region.
-Scene thrown(double degrees, const std::string& method) {
-  std::string text = kRod;
-  text.replace(text.find("METHOD"), 6, method);
-  Scene scene = parseScene(text);
-  const World still(scene);
-  const double angle = (kMiddle + degrees) * M_PI / 180;
-  RagdollSpec& rod = scene.ragdolls[0];
-  rod.angular_velocity = Vec3(std::sin(angle), 0, -std::cos(angle));
-  rod.velocity = rod.angular_velocity.cross(centreOfMass(still.model, still.state, 0));
-  return scene;
-}
-
 constexpr double kLength = 0.4;  // [m]
 constexpr int kEnd = 4;          // its particle e
 
+/// In the plane across the axis, `degrees` from the region's middle.
+Vec3 towards(double degrees) {
+  const double angle = (kMiddle + degrees) * M_PI / 180;
+  return {std::cos(angle), 0, std::sin(angle)};
+}
+
+/// The rod along `rod`, thrown at 1 rad/s about its end that pins hold: its other end goes `ahead`.
+Scene thrown(const Vec3& rod, const Vec3& ahead, const Vec3& gravity, const std::string& method) {
+  std::string text = kRod;
+  const auto put = [&text](const std::string& what, const std::string& with) {
+    text.replace(text.find(what), what.size(), with);
+  };
+  const auto list = [](const Vec3& v) {
+    std::ostringstream out;
+    out << std::setprecision(17) << "[" << v.x() << ", " << v.y() << ", " << v.z() << "]";
+    return out.str();
+  };
+  put("GRAVITY", list(gravity));
+  put("END", list(kLength * rod));
+  put("METHOD", method);
+  Scene scene = parseScene(text);
+  const World still(scene);
+  RagdollSpec& body = scene.ragdolls[0];
+  body.angular_velocity = rod.cross(ahead);
+  body.velocity = body.angular_velocity.cross(centreOfMass(still.model, still.state, 0));
+  return scene;
+}
+
 /// The rod starts and moves on in one plane: `degrees` from the middle, at `speed` [rad/s].
 void expectSwings(double thrown_to, double degrees, double speed) {
-  const double angle = (kMiddle + degrees) * M_PI / 180;
-  const Vec3 ahead(std::cos(angle), 0, std::sin(angle));
+  const Vec3 axis = Vec3::UnitY(), ahead = towards(degrees);
   for (const std::string method : {"shake", "rk", "rk, events: true"})
     for (const int rate : {60, 1000}) {
-      Scene scene = thrown(thrown_to, method);
+      Scene scene = thrown(axis, towards(thrown_to), Vec3::Zero(), method);
       scene.solver.step = 1.0 / rate;
       World world(scene);
       const auto what = method + " " + std::to_string(rate) + " " + std::to_string(thrown_to);
       EXPECT_LT((world.v(kEnd) - kLength * speed * ahead).norm(), 1e-9) << what;
       world.steps(rate / 10);
       const double angle = 0.1 * speed;
-      const Vec3 end = kLength * (std::sin(angle) * ahead + std::cos(angle) * Vec3::UnitY());
+      const Vec3 end = kLength * (std::sin(angle) * ahead + std::cos(angle) * axis);
       EXPECT_LT((world.x(kEnd) - end).norm(), scene.solver.events ? 1e-9 : 0.01 / (rate * rate))
           << what;
     }
@@ -81,6 +97,32 @@ TEST(WedgeTip, TurnsWhatMovesIntoTheWedge) {
   for (const double degrees : {140.0, 150.0, 165.0, -140.0, -150.0, -165.0})
     expectSwings(degrees, std::copysign(kHalf, degrees),
                  std::cos((std::abs(degrees) - kHalf) * M_PI / 180));
+}
+
+/// Pressed onto a border it slides to the tip, and from there on falls beside the wedge. Followed
+/// on by the gap of the tip, the mode ended early and the rod hit the other border.
+TEST(WedgeTip, FreesWhatSlidesOverIt) {
+  for (const double side : {-1.0, 1.0}) {
+    const Vec3 border = towards(side * kHalf), inside = towards(side * (kHalf - 90));
+    const Vec3 rod = std::cos(0.1) * Vec3::UnitY() + std::sin(0.1) * border;
+    const Vec3 ahead = std::sin(0.1) * Vec3::UnitY() - std::cos(0.1) * border;
+    const auto end = [&](const std::string& method, int rate) {
+      Scene scene = thrown(rod, ahead, -5 * inside, method);
+      scene.solver.step = 1.0 / rate;
+      World world(scene);
+      world.steps(rate / 20);
+      EXPECT_LT(std::abs(world.x(kEnd).dot(inside)), 1e-9) << side;  // it slides
+      int handed_over = 0;
+      for (int i = 0; i < 3 * rate / 20; ++i) handed_over += world.steps(1).handed_over;
+      EXPECT_EQ(handed_over, 0) << side;
+      return world.x(kEnd);
+    };
+    const Vec3 best = end("rk, events: true", 1000);
+    EXPECT_LT(best.dot(inside), -1e-3);  // it has fallen
+    EXPECT_LT((end("rk, events: true", 60) - best).norm(), 1e-9) << side;
+    for (const int rate : {500, 2000})  // of first order: the force ends within a step
+      EXPECT_LT((end("shake", rate) - best).norm(), 0.6 / rate) << side << " " << rate;
+  }
 }
 
 }  // namespace

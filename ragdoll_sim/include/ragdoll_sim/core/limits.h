@@ -24,13 +24,13 @@ struct LimitRow {
   std::array<Vec3, kMaxParticles> gradient;  ///< [rad/m]
   double value = 0;                          ///< [rad] C; < 0: violated by that angle
   Vec3 allowed = Vec3::Zero();               ///< planes: the direction to return to
-  int border = 0;  ///< kWedge: -1, 1: of that border alone, as if it went on; 0: of the wedge
-  bool returns = false;                      ///< hard planes: was outside, on its way back there
-  double opening = 0;                        ///< [rad] violated by that much at the start, let be
-  double compliance = 0;                     ///< [rad/(N m)]; 0: hard
-  double damping = 0;                        ///< [N m s/rad], soft limits only
-  double start = 0;                          ///< [rad] soft limits: C at the step's start, <= 0
-  double before = 0;                         ///< [rad] direct methods: C at the substep's start
+  int border = 0;        ///< kWedge: -1, 1: of that border alone, as if it went on; 0: of the wedge
+  bool returns = false;  ///< hard planes: was outside, on its way back there
+  double opening = 0;    ///< [rad] violated by that much at the start, let be
+  double compliance = 0;  ///< [rad/(N m)]; 0: hard
+  double damping = 0;     ///< [N m s/rad], soft limits only
+  double start = 0;       ///< [rad] soft limits: C at the step's start, <= 0
+  double before = 0;      ///< [rad] direct methods: C at the substep's start
 
   /// The torque of a soft limit, a spring and a damper that only push, as a row of the position
   /// stage: C + offset + compliance p >= 0, p >= 0, one of the two zero (docs/equations.md#soft).

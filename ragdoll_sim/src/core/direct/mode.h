@@ -63,7 +63,7 @@ struct RowPlace {
   bool inside = true;         ///< likewise: between its ends
   /// -1, 0, 1: beyond which faces of the obstacle's core; of a pair that gives way at which end of
   /// its first and second stick (0: between them), then at which end of their overlap (1, 2) if
-  /// they lie along each other.
+  /// they lie along each other; of a limit LimitRow::border.
   std::array<int, 3> feature{};
   Contact contact;  ///< of all but kLimit
   LimitRow limit;   ///< kLimit

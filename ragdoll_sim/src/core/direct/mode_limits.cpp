@@ -50,9 +50,12 @@ double rateOfLimit(const Body& body, const LimitRow& limit, const double* v) {
   return rate;
 }
 
+int borderOf(const ModeRow& limit) { return limit.presses ? limit.feature[0] : 0; }
+
 void placeLimit(Body& body, const ModeRow& row, const double* x, const double* v, bool curvature,
                 RowPlace& place) {
   place.limit = limitRow(body.context->model, body.index, row.limit);
+  place.limit.border = borderOf(row);
   evaluateAhead(body, x, v, place.limit);
   place.feature[0] = place.limit.border;
   place.gap = place.limit.value;

@@ -190,6 +190,8 @@ bool anyApproachesFree(Island& island) {
 bool settleMode(Island& island, bool pressed) {
   Mode& mode = island.s.mode;
   clearSlowSlips(mode);
+  for (ModeRow& row : mode.rows)
+    if (!row.isContact()) row.presses = row.presses && row.isSoft();  // at no border yet
   const ModePoint& ahead = lookAhead(mode);
   if (anyLiesAcross(island)) return false;
   bool impact = findClosed(island, ahead, pressed, false);

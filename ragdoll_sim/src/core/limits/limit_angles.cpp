@@ -75,7 +75,10 @@ const LimitRow& LimitAngles::Pose::row(int k, const double* ahead) {
     evaluateLimit(limit, reference_[k], child_[k], x, first_, known);
     at_tip_[k] = isAtTip(limit, x);
   }
-  if (at_tip_[k]) evaluateLimit(limit, x, ahead, first_, known);
+  if (at_tip_[k]) {
+    known.border = 0;
+    evaluateLimit(limit, x, ahead, first_, known);
+  }
   return known;
 }
 

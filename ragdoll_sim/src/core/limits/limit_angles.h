@@ -47,8 +47,8 @@ class LimitAngles {
     std::vector<double> coordinates_, value_;
     std::vector<std::uint8_t> known_;  ///< the values
     std::vector<Vec3> reference_, child_;
-    std::vector<double> cosine_;  ///< between the two; NaN where it says nothing
-    std::vector<LimitRow> row_;   ///< with their gradients, or count 0
+    std::vector<double> cosine_;        ///< between the two; NaN where it says nothing
+    std::vector<LimitRow> row_;         ///< with their gradients, or count 0
     std::vector<std::uint8_t> at_tip_;  ///< of those: isAtTip
   };
 

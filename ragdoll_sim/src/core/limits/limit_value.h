@@ -13,15 +13,18 @@ double limitValue(const Limit& limit, const Vec3& r, const Vec3& w, const double
 void evaluateLimit(const Limit& limit, const Vec3& r, const Vec3& w, const double* x, int first,
                    LimitRow& row);
 
+/// [rad] C; border: as LimitRow::border.
+double limitAtBorder(const Limit& limit, const double* x, int border);
+
 /// Sine of the angle from a wedge's tip along that border (LimitRow::border); < 0: beyond the tip.
 double alongBorder(const Limit& limit, const double* x, int border);
 
 /// Whether the child of a kWedge points along the axis, to rounding: there C has no gradient.
 bool isAtTip(const Limit& limit, const double* x);
 
-/// The same of a motion from x that a moment later is at `ahead`: of the border that is nearer
-/// there, also beyond its tip; where the motion leads from the tip into the open, with the gradient
-/// there.
+/// Value and gradient of a motion from x that a moment later is at `ahead`: of row.border, or the
+/// border that is nearer there (then row.border), as if it went on; where the motion leads from the
+/// tip into the open, with the gradient there.
 void evaluateLimit(const Limit& limit, const double* x, const double* ahead, int first,
                    LimitRow& row);
 

@@ -109,8 +109,8 @@ double turnValue(const Limit& limit, const Vec3& z, const Vec3& w, const double*
   return (limit.angle - std::abs(std::atan2(s, c))) * std::hypot(c, s);
 }
 
-double wedgeValue(const Limit& limit, const Vec3& z, const Vec3& w, const double* x) {
-  const Wedge wedge = wedgeOf(limit, w.dot(z), w.dot(valueOf(limit.normal, x)), 0);
+double wedgeValue(const Limit& limit, const Vec3& z, const Vec3& w, const double* x, int border) {
+  const Wedge wedge = wedgeOf(limit, w.dot(z), w.dot(valueOf(limit.normal, x)), border);
   return std::asin(std::clamp(wedge.sine, -1.0, 1.0));
 }
 
@@ -134,7 +134,8 @@ double limitValue(const Limit& limit, const double* x) {
 
 double limitValue(const Limit& limit, const Vec3& r, const Vec3& w, const double* x) {
   if (limit.kind == Limit::Kind::kWithin) return withinValue(limit, r, w);
-  return limit.kind == Limit::Kind::kTurn ? turnValue(limit, r, w, x) : wedgeValue(limit, r, w, x);
+  return limit.kind == Limit::Kind::kTurn ? turnValue(limit, r, w, x)
+                                          : wedgeValue(limit, r, w, x, 0);
 }
 
 namespace {
@@ -158,6 +159,11 @@ int nearerBorder(const Limit& limit, const double* x) {
 
 }  // namespace
 
+double limitAtBorder(const Limit& limit, const double* x, int border) {
+  if (border == 0) return limitValue(limit, x);
+  return wedgeValue(limit, valueOf(limit.reference, x), valueOf(limit.child, x), x, border);
+}
+
 double alongBorder(const Limit& limit, const double* x, int border) {
   const auto [c, s] = polarOf(limit, x);
   return alongBorder(limit, c, s, border);
@@ -171,7 +177,7 @@ bool isAtTip(const Limit& limit, const double* x) {
 
 void evaluateLimit(const Limit& limit, const double* x, const double* ahead, int first,
                    LimitRow& row) {
-  row.border = nearerBorder(limit, ahead);
+  if (row.border == 0) row.border = nearerBorder(limit, ahead);
   const double* at = row.border == 0 && isAtTip(limit, x) ? ahead : x;
   evaluateLimit(limit, valueOf(limit.reference, at), valueOf(limit.child, at), at, first, row);
 }
