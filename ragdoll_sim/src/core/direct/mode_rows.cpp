@@ -317,7 +317,7 @@ double roomOfOwn(const Body& body, const ModeRow& row, const double* x,
                  const std::array<int, 3>& feature) {
   double room = std::numeric_limits<double>::infinity();
   if (row.kind == ModeKind::kLimit)
-    return feature[0] == 0 ? room : alongBorder(body.skeleton->limits[row.limit], x, feature[0]);
+    return feature[0] == 0 ? room : roomAtBorder(body.skeleton->limits[row.limit], x, feature[0]);
   const SweptObstacle& m = obstacleOf(body, row);
   const bool is_plane = m.obstacle->type == ObstacleSpec::Type::kPlane;
   const double t = nearestOf(body, row, x).t;

@@ -27,7 +27,7 @@ void settleSpring(Island& island, const ModePoint& ahead, ModeRow& row) {
   row.presses = false;
   row.gap_start = openingOf(island, row, now.x.data(), now.v.data());
   row.closed = openingOf(island, row, ahead.x.data(), ahead.v.data()) < 0;
-  if (row.closed && row.kind == ModeRow::Kind::kPair)
+  if (row.closed && (row.kind == ModeRow::Kind::kPair || !row.isContact()))
     row.feature = placeOf(island, row, ahead.x.data(), ahead.v.data(), false).feature;
   row.presses = row.closed;
 }

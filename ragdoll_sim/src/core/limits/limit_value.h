@@ -16,8 +16,9 @@ void evaluateLimit(const Limit& limit, const Vec3& r, const Vec3& w, const doubl
 /// [rad] C; border: as LimitRow::border.
 double limitAtBorder(const Limit& limit, const double* x, int border);
 
-/// Sine of the angle from a wedge's tip along that border (LimitRow::border); < 0: beyond the tip.
-double alongBorder(const Limit& limit, const double* x, int border);
+/// How far, as a sine, a child is from leaving a wedge's border, over the tip or through the middle
+/// of the wedge to the other one, as what gives way may; < 0: it has.
+double roomAtBorder(const Limit& limit, const double* x, int border);
 
 /// Whether the child of a kWedge points along the axis, to rounding: there C has no gradient.
 bool isAtTip(const Limit& limit, const double* x);

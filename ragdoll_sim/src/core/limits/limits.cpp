@@ -164,9 +164,9 @@ double limitAtBorder(const Limit& limit, const double* x, int border) {
   return wedgeValue(limit, valueOf(limit.reference, x), valueOf(limit.child, x), x, border);
 }
 
-double alongBorder(const Limit& limit, const double* x, int border) {
+double roomAtBorder(const Limit& limit, const double* x, int border) {
   const auto [c, s] = polarOf(limit, x);
-  return alongBorder(limit, c, s, border);
+  return std::min(alongBorder(limit, c, s, border), border * s);
 }
 
 bool isAtTip(const Limit& limit, const double* x) {

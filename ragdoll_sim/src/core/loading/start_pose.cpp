@@ -16,14 +16,21 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kInside = 2e-4;   ///< [rad] so far inside its limits a joint is brought
-constexpr double kThere = 1e-4;    ///< [rad] give or take this
-constexpr double kLengths = 1e-6;  ///< [-] and with sticks of this accuracy
-constexpr double kApart = 0.1;     ///< [-] a stick this far from its length is drawn in later
-constexpr double kJoined = 1e-9;     ///< [m] so near a point is where its rigid group has it
+constexpr double kInside = 2e-4;      ///< [rad] so far inside its limits a joint is brought
+constexpr double kThere = 1e-4;       ///< [rad] give or take this
+constexpr double kLengths = 1e-6;     ///< [-] and with sticks of this accuracy
+constexpr double kApart = 0.1;        ///< [-] a stick this far from its length is drawn in later
+constexpr double kJoined = 1e-9;      ///< [m] so near a point is where its rigid group has it
 constexpr double kToldLength = 1e-3;  ///< [m] a stick this far from its length is told
+constexpr double kRoundingAngle = 1e-13;  ///< [rad] a joint so far outside is at its limit
 constexpr int kSweeps = 5000;
 constexpr double kLongStep = 1e6;  ///< [s] in which a spring that presses arrives
+
+void setAngle(Limit& limit, double angle) {
+  limit.angle = angle;
+  limit.sin_angle = std::sin(angle);
+  limit.cos_angle = std::cos(angle);
+}
 
 /// One ragdoll alone at x, its sticks as long as they start, its hard limits: regions of planes by
 /// their borders, since the way back to an allowed direction may be long.
@@ -36,9 +43,7 @@ class Corrector {
                  limits.end());
     for (Limit& limit : limits) {
       limit.region = false;
-      limit.angle -= std::min(kInside, limit.angle / 4);
-      limit.sin_angle = std::sin(limit.angle);
-      limit.cos_angle = std::cos(limit.angle);
+      setAngle(limit, limit.angle - std::min(kInside, limit.angle / 4));
     }
     skeleton.plane_limits.clear();
     skeleton.lumped = false;  // sticks alone take too long to hold a flat group flat
@@ -107,11 +112,25 @@ std::string outside(const Skeleton& s, const Points& x) {
   return text;
 }
 
+/// A rest pose that the digits of a file put beside the border of a hard limit is on it. The first
+/// step would draw it back, the faster the shorter it is.
+void reachRest(Limit& limit, const Points& rest) {
+  const double violated = -limitValue(limit, rest.data());
+  if (limit.compliance > 0 || violated < kRoundingAngle || violated > kNegligibleAngle) return;
+  setAngle(limit, limit.angle + violated);
+  // Near an axis C grows slower than the angle.
+  const double left = -limitValue(limit, rest.data());
+  if (left > 0 && left < violated) setAngle(limit, limit.angle + left * left / (violated - left));
+}
+
 }  // namespace
 
 Points startPose(const SkeletonSpec& spec, Skeleton& s) {
   const std::string what = outside(s, s.rest);
-  if (what.empty()) return s.rest;
+  if (what.empty()) {
+    for (Limit& limit : s.limits) reachRest(limit, s.rest);
+    return s.rest;
+  }
   Corrector corrector(s, s.rest, {});
   if (!corrector.run())
     throw Error(spec.where, "joints: the rest pose leaves " + what +
@@ -189,8 +208,8 @@ void tellLengths(Model& model, const Ragdoll& r) {
   if (!worst) return;
   char by[32];
   std::snprintf(by, sizeof by, "%.1f mm", 1e3 * std::abs(off));
-  model.warnings.push_back("ragdoll '" + r.name + "': place leaves stick " +
-                           s.particles[worst->a] + "-" + s.particles[worst->b] + " " + by +
+  model.warnings.push_back("ragdoll '" + r.name + "': place leaves stick " + s.particles[worst->a] +
+                           "-" + s.particles[worst->b] + " " + by +
                            (off > 0 ? " too long" : " too short") +
                            ", the most of all; the first steps draw sticks to their lengths");
 }
