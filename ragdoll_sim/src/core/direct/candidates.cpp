@@ -298,8 +298,13 @@ bool addLimits(Body& body, double margin, double h, Role role) {
   if (limits.empty()) return false;
   const std::size_t known = set.limits.size();
   LimitAngles::Pose &angles = anglesAfter(body), *before = nullptr;
+  // A wedge may be far from where it pressed: its tip was on the way.
+  const auto pressedAtWedge = [&](int k) {
+    return limits[k].kind == Limit::Kind::kWedge &&
+           body.cache.find(limitRow(body.context->model, body.index, k)) != nullptr;
+  };
   for (int k = 0; k < static_cast<int>(limits.size()); ++k) {
-    if (angles.isBeyond(k, margin)) continue;
+    if (angles.isBeyond(k, margin) && !pressedAtWedge(k)) continue;
     const auto same = [k](const LimitRow& l) { return l.limit == k; };
     const auto end = set.limits.begin() + static_cast<std::ptrdiff_t>(known);
     if (std::any_of(set.limits.begin(), end, same)) continue;

@@ -8,6 +8,7 @@
 #include "core/direct/contact_motion.h"
 #include "core/direct/contact_path.h"
 #include "core/direct/impact.h"
+#include "core/limits/limit_value.h"
 
 namespace ragdoll {
 namespace {
@@ -103,14 +104,48 @@ double timeOfEdge(const Owner& owner, const std::vector<Contact>& contacts, doub
   return first;
 }
 
+/// [s] When a limit that presses leaves the border of a wedge, over its tip or, if it gives way,
+/// past its middle. More than h: it does not.
+double timeOfTip(const Body& body, const LimitRow& row, const double* end, double h) {
+  const Limit& limit = body.skeleton->limits[row.limit];
+  if (limit.kind != Limit::Kind::kWedge ||
+      row.before >= (row.isSoft() ? 0 : body.context->tolerances.touching_angle))
+    return 2 * h;
+  const int border = nearerBorder(limit, body.xData());
+  if (border == 0) return 2 * h;
+  constexpr double kAtTip = 1e-8;          // [rad] nearer to it is on it
+  constexpr double kShort = 0.5 * kAtTip;  // before it: beyond, nothing would press on the way
+  const double before = roomAtBorder(limit, body.xData(), border);
+  const double after = roomAtBorder(limit, end, border);
+  if (before < kAtTip || after > 0) return 2 * h;
+  return timeOfZero(before - kShort, (after - before) / h, after - kShort, h);
+}
+
 }  // namespace
+
+double timeOfTip(const Body& body, double h) {
+  double first = 2 * h;
+  const std::vector<LimitRow>& limits = body.constraints.limits;
+  if (limits.empty()) return first;
+  const double* end = poseAfter(body).data() + 3 * body.first;
+  for (const LimitRow& row : limits) first = std::min(first, timeOfTip(body, row, end, h));
+  return first;
+}
+
+double timeOfTip(const Island& island, double h) {
+  double first = 2 * h;
+  for (const Body* body : island.bodies) first = std::min(first, timeOfTip(*body, h));
+  return first;
+}
 
 double timeOfEdge(const Island& island, double h) {
   double first = 2 * h;
   bool all = true;
   for (const Body* body : island.bodies) {
     const bool may = body->located < kMaxLocated;
-    if (may) first = std::min(first, timeOfEdge(*body, body->constraints.contacts, h));
+    if (may)
+      first =
+          std::min({first, timeOfEdge(*body, body->constraints.contacts, h), timeOfTip(*body, h)});
     all = all && may;
   }
   return all ? std::min(first, timeOfEdge(island, island.pairs.contacts, h)) : first;

@@ -7,6 +7,7 @@
 #include "core/direct/constants.h"
 #include "core/direct/contact_motion.h"
 #include "core/direct/driving.h"
+#include "core/direct/edges.h"
 #include "core/direct/graze.h"
 #include "core/direct/impact.h"
 #include "core/direct/mode_events.h"
@@ -71,10 +72,11 @@ bool pressesInMode(const Body& body) {
   return body.context->events && !body.cache.impulses().empty();
 }
 
-/// Whether nothing touches on the way.
-bool isFree(const Body& body) {
+/// Whether nothing touches on the way, over h.
+bool isFree(const Body& body, double h) {
   return !pressesInMode(body) &&
-         !touchesOnTheWay(body, [](const Contact& c) { return c.gap_start; });
+         !touchesOnTheWay(body, [](const Contact& c) { return c.gap_start; }) &&
+         timeOfTip(body, h) > h;
 }
 
 /// Returns the error [m] of a motion over h in a part of a step.
@@ -129,7 +131,7 @@ SmoothTrial moveSmoothly(Island& island, double h) {
   SmoothTrial trial{h};
   SmoothEnd end = integrate(body, h);
   findCandidates(body, h);
-  const bool free = end.ok && isFree(body);
+  const bool free = end.ok && isFree(body, h);
   const double graze = free ? timeOfGraze(body, *end.v, h) : h;
   if (free && graze == h) {
     trial.error = take(body, end, h);
@@ -144,7 +146,7 @@ SmoothTrial moveSmoothly(Island& island, double h) {
   trial.took = graze;
   trial.ok = end.ok;
   if (!trial.ok) return trial;
-  if (!free || !isFree(body)) return stopAtImpact(island, graze);
+  if (!free || !isFree(body, graze)) return stopAtImpact(island, graze);
   trial.error = take(body, end, graze);
   return trial;
 }
@@ -162,7 +164,7 @@ bool moveFreely(Island& island, double h, double& error) {
   Body& body = *island.bodies[0];
   const SmoothEnd end = integrate(body, h);
   findCandidates(body, h);
-  if (!end.ok || !isFree(body) || timeOfGraze(body, *end.v, h) < h) return false;
+  if (!end.ok || !isFree(body, h) || timeOfGraze(body, *end.v, h) < h) return false;
   error = take(body, end, h);
   return std::isfinite(error);
 }

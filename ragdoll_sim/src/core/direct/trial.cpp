@@ -79,8 +79,15 @@ Trial moveToEdge(Island& island, double edge, double h) {
   takeEdge(island);
   Trial trial{edge};
   trial.ok = cutShort(island, edge, h, trial);
+  for (int i = 0; i < kRefinements && trial.ok; ++i) {
+    const double tip = timeOfTip(island, trial.took);
+    if (tip > trial.took) break;
+    trial.took = std::max(tip, kSnap * h);
+    trial.ok = cutShort(island, trial.took, h, trial);
+  }
+  const double took = trial.took;
   if (trial.ok)
-    trial.defect = finishMotion(island, edge, true, Stage::kMotion, edge - 0.5 * h).defect;
+    trial.defect = finishMotion(island, took, true, Stage::kMotion, took - 0.5 * h).defect;
   return trial;
 }
 

@@ -16,6 +16,9 @@ void evaluateLimit(const Limit& limit, const Vec3& r, const Vec3& w, const doubl
 /// [rad] C; border: as LimitRow::border.
 double limitAtBorder(const Limit& limit, const double* x, int border);
 
+/// Which border of a wedge C at x is the angle to, as LimitRow::border; 0: its tip, or no wedge.
+int nearerBorder(const Limit& limit, const double* x);
+
 /// How far, as a sine, a child is from leaving a wedge's border, over the tip or through the middle
 /// of the wedge to the other one, as what gives way may; < 0: it has.
 double roomAtBorder(const Limit& limit, const double* x, int border);

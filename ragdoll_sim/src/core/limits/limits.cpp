@@ -149,15 +149,14 @@ Polar polarOf(const Limit& limit, const double* x) {
   return {w.dot(valueOf(limit.reference, x)), w.dot(valueOf(limit.normal, x))};
 }
 
-/// As LimitRow::border; of no wedge 0.
+}  // namespace
+
 int nearerBorder(const Limit& limit, const double* x) {
   if (limit.kind != Limit::Kind::kWedge) return 0;
   const auto [c, s] = polarOf(limit, x);
   const int side = nearerSide(s);
   return alongBorder(limit, c, s, side) >= 0 ? side : 0;
 }
-
-}  // namespace
 
 double limitAtBorder(const Limit& limit, const double* x, int border) {
   if (border == 0) return limitValue(limit, x);
