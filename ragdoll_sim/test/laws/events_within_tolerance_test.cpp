@@ -148,7 +148,7 @@ TEST(EventsWithinATolerance, SlideOffTheTipOfAWedge) {
     Told kept;
     const double error = (end(0.1, tolerance, kept) - best).colwise().norm().maxCoeff();
     EXPECT_LT(error, 0.3 * tolerance) << tolerance;
-    EXPECT_EQ(kept.handed_over, 0) << tolerance;
+    EXPECT_EQ(kept.missed, 0) << tolerance;
   }
 }
 
