@@ -126,5 +126,41 @@ TEST(WedgeTip, FreesWhatSlidesOverIt) {
   }
 }
 
+/// A limit that gives way lets a rod through its wedge: past the middle the other border pushes. It
+/// comes there slowly, and either way is one.
+TEST(WedgeTip, PushesToTheNearerBorderWhatGivesWay) {
+  const Scene scene = parseScene(R"(
+ragdolls:
+  - position: [0, 0, 2]
+    rpy_deg: [-15.4599, 54.1701, 144.169]
+    velocity: [-0.396781, 0.40898, -0.945574]
+    angular_velocity: [-3.48788, 2.77021, 0.62005]
+    model:
+      particles:
+        a: {position: [0, 0, 0], mass: 1.62557}
+        b: {position: [0.213264, 0.002420, 0], mass: 2.16772}
+        c: {position: [-0.020670, 0.185479, 0.019832], mass: 2.26102}
+        d: {position: [-0.014179, 0, 0.387558], mass: 2.47442}
+        e: {position: [0.408234, 0.017048, -0.296820]}
+      sticks: [[a, b], [a, c], [a, d], [b, c], [b, d], [c, d], [b, e]]
+      segments:
+        trunk: {particles: [a, b, c, d]}
+        rod: {from: b, to: e, mass: 1.30933, gyration: 0.289}
+      joints:
+        j: {type: planes, parent: trunk, child: rod, xz_deg: [-319.484, -87.9504],
+            stiffness: 217.709}
+pins: [ragdoll/e]
+solver: {method: rk, events: true, damping: 0.261829}
+)");
+  const auto end = [&](int rate) {
+    Scene at = scene;
+    at.solver.step = 1.0 / rate;
+    World world(at);
+    world.steps(3 * rate / 10);
+    return world.state.x;
+  };
+  EXPECT_LT((end(500) - end(2000)).cwiseAbs().maxCoeff(), 1e-10);
+}
+
 }  // namespace
 }  // namespace ragdoll::test
