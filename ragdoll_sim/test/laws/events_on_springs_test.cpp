@@ -93,14 +93,13 @@ TEST(EventsOnSprings, ASoftHumanLandsAtFifthOrder) {
   EXPECT_LT(fine, 1e-10);
 }
 
-/// Feet that land on a soft slope and stick, slide a little, or slide freely: shake meets rk, at
-/// its order (it was 1.2, with 3.6e-4 m at 250 Hz).
+/// Feet that land on a soft slope and stick, slide a little, or slide freely: shake meets rk, at its
+/// order (it was 1.2, with 3.6e-4 m at 250 Hz).
 TEST(EventsOnSprings, FeetOnASoftSlopeAreWhereShakeSaysToSecondOrder) {
   for (const double friction : {1.0, 0.1, 0.0}) {
     Scene scene = parseScene(
         "ragdolls: [{model: human, contact: compliant, position: [0, 0, 0.995]}]\n"
-        "obstacles: [{type: plane, normal: [0.17, 0, 1], stiffness: 20000}]\nsolver: {sleep: "
-        "false}\n");
+        "obstacles: [{type: plane, normal: [0.17, 0, 1], stiffness: 20000}]\nsolver: {sleep: false}\n");
     scene.obstacles[0].friction = friction;
     const auto after = [&](Method method, double hz) {
       scene.solver.method = method;
@@ -122,15 +121,11 @@ TEST(EventsOnSprings, FeetOnASoftSlopeAreWhereShakeSaysToSecondOrder) {
 TEST(EventsOnSprings, AStickLeavesASoftSphereWithItsEnergy) {
   for (const double hz : {240, 960}) {
     Scene scene = parseScene(
-        "gravity: [0, 0, 0]\nragdolls:\n  - {contact: compliant, position: [-0.378, -0.095, 0.45], "
-        "rpy_deg: [0, 30, -26.4],\n"
-        "     velocity: [-0.015, 0.48, -2], angular_velocity: [2.8, 1.35, 0.25], model: "
-        "{particles: {a: {position: [0, 0, 0],\n"
-        "     radius: 0.05}, b: {position: [0.4, 0, 0], radius: 0.05}}, sticks: [[a, b]], "
-        "segments: {ab: {from: a,\n"
+        "gravity: [0, 0, 0]\nragdolls:\n  - {contact: compliant, position: [-0.378, -0.095, 0.45], rpy_deg: [0, 30, -26.4],\n"
+        "     velocity: [-0.015, 0.48, -2], angular_velocity: [2.8, 1.35, 0.25], model: {particles: {a: {position: [0, 0, 0],\n"
+        "     radius: 0.05}, b: {position: [0.4, 0, 0], radius: 0.05}}, sticks: [[a, b]], segments: {ab: {from: a,\n"
         "     to: b, mass: 1, gyration: 0.289, contact: {stiffness: 20000}}}}}\n"
-        "obstacles: [{type: sphere, position: [0, 0, -0.2], radius: 0.2, friction: 0, stiffness: "
-        "20000}]\n"
+        "obstacles: [{type: sphere, position: [0, 0, -0.2], radius: 0.2, friction: 0, stiffness: 20000}]\n"
         "solver: {method: rk, events: true, sleep: false}\n");
     scene.solver.step = 1 / hz;
     World world(scene);
@@ -147,8 +142,7 @@ TEST(EventsOnSprings, NoLimitIsPassedBesideOneThatOnlySeemsToClose) {
   Scene scene = parseScene(
       "ragdolls: [{name: b, model: human, position: [0, 0, 1], rpy_deg: [0, 6, 20],\n"
       "  velocity: [0.3, 0.1, 0], angular_velocity: [0, 0.3, 0.5]}]\n"
-      "obstacles: [{type: plane, normal: [0.2, 0.1, 1], friction: 0, stiffness: 2.0e4, damping: "
-      "200}]\n"
+      "obstacles: [{type: plane, normal: [0.2, 0.1, 1], friction: 0, stiffness: 2.0e4, damping: 200}]\n"
       "solver: {method: rk, events: true, sleep: false, step: 0.002}\n");
   World world(scene);
   int handed_over = 0;

@@ -351,7 +351,7 @@ TEST_P(FastFalls, HoldTheBodyTogetherAndEndAtRest) {
   EXPECT_GE(record.sleeping, 98 * kFalls / 100);
 }
 
-/// Hips and shoulders whose regions are wider than a half turn. As cones of that width, which are
+/// Hips whose regions are wider than a half turn. As cones of that width, which are
 /// wider, bodies rested up to 9 degrees beyond them (5 in half of the falls, on the way there).
 TEST(Fast, KeepsWideRegions) {
   constexpr int kFalls = 20;

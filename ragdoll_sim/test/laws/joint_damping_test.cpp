@@ -53,9 +53,9 @@ TEST(JointDamping, InnerVelocityDecaysAtTheRate) {
   EXPECT_LT((v - turning).norm(), 1e-8);
 }
 
-/// A chain on the floor of the Moon whose free end falls and hits: damping takes what lies on
-/// towards it, at a speed that is no impact. Taken for one, again and again, it left no room for
-/// that of the end: 1e-4 m off at any step.
+/// A chain on the floor of the Moon whose free end falls and hits: damping takes what lies on towards
+/// it, at a speed that is no impact. Taken for one, again and again, it left no room for that of the
+/// end: 1e-4 m off at any step.
 TEST(JointDamping, IsNoImpactOfWhatLies) {
   const LimitOf chain(R"(
 gravity: [0, 0, -1.62]

@@ -8,6 +8,7 @@
 
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/rod_on_group.h"
 #include "support/worlds.h"
 
 namespace ragdoll {
@@ -43,34 +44,12 @@ TEST(PlaneEnergy, OfABodyHungByItsFootDoesNotRise) {
   EXPECT_LT(relativeRise(kHung + "[0, 90, 0]}]\nsolver: {preset: reference}\n", 0, 5), 1e-3);
 }
 
-/// A rod of 2 kg on a group that pins hold; the region's axis is y, where a poke throws the rod.
-const std::string kRod = R"(
-gravity: [0, 0, 0]
-ragdolls:
-  - name: r
-    model:
-      name: rod
-      particles:
-        a: {position: [0, 0, 0], mass: 1}
-        b: {position: [0.3, 0, 0], mass: 1}
-        c: {position: [0, 0.3, 0], mass: 1}
-        d: {position: [0, 0, 0.3], mass: 1}
-        e: {position: [0.2, 0, 0.35]}
-      sticks: [[a, b], [a, c], [b, c], [a, d], [b, d], [c, d], [a, e]]
-      segments:
-        trunk: {particles: [a, b, c, d]}
-        rod: {from: a, to: e, mass: 2, gyration: 0.289}
-      joints:
-        j: {type: planes, parent: trunk, child: rod, yz_deg: REGION}
-pins: [r/a, r/b, r/c]
-pokes: [{at: 0, body: rod, force: [5, 3, 0], duration: 0.2}]
-solver: {preset: balanced, method: METHOD}
-)";
-
+/// A rod whose region's axis is y, where a poke throws it.
 std::string rod(const std::string& region, const std::string& method) {
-  std::string scene = kRod;
-  scene.replace(scene.find("REGION"), 6, region);
-  return scene.replace(scene.find("METHOD"), 6, method);
+  return "gravity: [0, 0, 0]\n" + rodOnGroup("[0.2, 0, 0.35]", region) +
+         "pokes: [{at: 0, body: rod, force: [5, 3, 0], duration: 0.2}]\n"
+         "solver: {preset: balanced, method: " +
+         method + "}\n";
 }
 
 TEST(PlaneEnergy, OfARodThatCirclesInItsRegionDoesNotRise) {

@@ -57,9 +57,8 @@ TEST(StickAcrossAnEdge, IsPushedWhereItTouches) {
       }
 }
 
-/// A rod slides and rolls across a box's edge: at the end of a step it neither opens nor goes in.
-/// By the plane where the motion leads before the edge presses it was 4e-5 m and 2.6e-4 m/s off at
-/// 120 Hz.
+/// A rod slides and rolls across a box's edge: at the end of a step it neither opens nor goes in. By
+/// the plane where the motion leads before the edge presses it was 4e-5 m and 2.6e-4 m/s off at 120 Hz.
 TEST(StickAcrossAnEdge, EndsAStepAlongTheEdge) {
   constexpr double kSeconds = 0.4;
   const Scene scene = parseScene(R"(

@@ -9,38 +9,15 @@
 
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/rod_on_group.h"
 #include "support/worlds.h"
 
 namespace ragdoll::test {
 namespace {
 
-/// A rod of 2 kg on a group that pins hold, along the group's axis y; its region is about that.
-constexpr const char* kRod = R"(
-gravity: GRAVITY
-ragdolls:
-  - name: r
-    model:
-      name: rod
-      particles:
-        a: {position: [0, 0, 0], mass: 1}
-        b: {position: [0.3, 0, 0], mass: 1}
-        c: {position: [0, 0.3, 0], mass: 1}
-        d: {position: [0, 0, 0.3], mass: 1}
-        e: {position: END}
-      sticks: [[a, b], [a, c], [b, c], [a, d], [b, d], [c, d], [a, e]]
-      segments:
-        trunk: {particles: [a, b, c, d]}
-        rod: {from: a, to: e, mass: 2, gyration: 0.289}
-      joints:
-        j: {type: planes, parent: trunk, child: rod, yz_deg: [-200, 60]}
-pins: [r/a, r/b, r/c]
-solver: {method: METHOD}
-)";
-
-constexpr double kMiddle = 110, kHalf = 130;  // [deg] from x to z
-
-constexpr double kLength = 0.4;  // [m]
-constexpr int kEnd = 4;          // its particle e
+constexpr double kMiddle = 110, kHalf = 130;  // [deg] of its region, from x to z
+constexpr double kLength = 0.4;               // [m]
+constexpr int kEnd = 4;                       // its particle e
 
 /// In the plane across the axis, `degrees` from the region's middle.
 Vec3 towards(double degrees) {
@@ -50,19 +27,14 @@ Vec3 towards(double degrees) {
 
 /// The rod along `rod`, thrown at 1 rad/s about its end that pins hold: its other end goes `ahead`.
 Scene thrown(const Vec3& rod, const Vec3& ahead, const Vec3& gravity, const std::string& method) {
-  std::string text = kRod;
-  const auto put = [&text](const std::string& what, const std::string& with) {
-    text.replace(text.find(what), what.size(), with);
-  };
   const auto list = [](const Vec3& v) {
     std::ostringstream out;
     out << std::setprecision(17) << "[" << v.x() << ", " << v.y() << ", " << v.z() << "]";
     return out.str();
   };
-  put("GRAVITY", list(gravity));
-  put("END", list(kLength * rod));
-  put("METHOD", method);
-  Scene scene = parseScene(text);
+  Scene scene =
+      parseScene("gravity: " + list(gravity) + rodOnGroup(list(kLength * rod), "[-200, 60]") +
+                 "solver: {method: " + method + "}\n");
   const World still(scene);
   RagdollSpec& body = scene.ragdolls[0];
   body.angular_velocity = rod.cross(ahead);
@@ -100,7 +72,8 @@ TEST(WedgeTip, TurnsWhatMovesIntoTheWedge) {
 }
 
 /// Pressed onto a border it slides to the tip, and from there on falls beside the wedge. Followed
-/// on by the gap of the tip, the mode ended early and the rod hit the other border.
+/// on by the gap of the tip, the step was handed over; and steps across the tip were of first
+/// order.
 TEST(WedgeTip, FreesWhatSlidesOverIt) {
   for (const double side : {-1.0, 1.0}) {
     const Vec3 border = towards(side * kHalf), inside = towards(side * (kHalf - 90));
