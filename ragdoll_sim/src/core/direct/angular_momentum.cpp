@@ -185,8 +185,7 @@ void giveCoupleBack(Island& island, const std::vector<Body*>& bodies, const Push
 /// island. What moves obstacles and pins may give energy (energy.h).
 void takeImpactGain(Island& island, const std::vector<Body*>& bodies, bool held,
                     const std::vector<double>& before) {
-  if (std::any_of(bodies.begin(), bodies.end(), [](const Body* body) { return body->driven; }))
-    return;
+  if (isDriven(bodies)) return;
   const auto energyOf = [](Body& body) { return kineticEnergy(body); };
   const double gain = impactGain(island, bodies, before, energyOf);
   if (gain > 0) takeEnergyOut(island, bodies, held, gain);

@@ -221,7 +221,7 @@ void logImpulse(const Island& island, const Contact& c, const LoggedImpact& impa
   e.impulse = impact.impulse;
   e.approach = impact.approach;
   e.peak = withFriction(c, impact.impulse) * impact.peak;
-  e.slip = tangentialPart(motionOf(island, c, v), c.normal).norm();
+  e.slip = tangentialPart(motionOf(island, c, v) - c.surface_end / step.h, c.normal).norm();
   e.effective_mass = impact.answer > 0 ? 1 / impact.answer : 0;
   e.normal = (c.normal + impact.turn).normalized();
   e.normal = turnedIntoCone(e);

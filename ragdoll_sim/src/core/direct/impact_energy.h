@@ -3,12 +3,18 @@
 // keeps its motion, and what another impact of the same substep lost does not make up for it.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "core/direct/constants.h"
 #include "core/direct/island.h"
 
 namespace ragdoll {
+
+/// Whether what moves obstacles or pins may give energy to one of the bodies.
+inline bool isDriven(const std::vector<Body*>& bodies) {
+  return std::any_of(bodies.begin(), bodies.end(), [](const Body* body) { return body->driven; });
+}
 
 /// [J] What bodies that an impact pressed on each other gained in it; 0: no more than rounding.
 /// before: kinetic energies [J] of all bodies of the island; energyOf(body): now.

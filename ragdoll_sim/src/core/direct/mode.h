@@ -57,7 +57,8 @@ struct RowPlace {
   double gap = 0;        ///< [m], [rad]
   double curvature = 0;  ///< second derivative of the gap along the motion, without accelerations
   Vec3 turn = Vec3::Zero();   ///< [m/s^2] along the surface: as place and normal move
-  Vec3 moves = Vec3::Zero();  ///< [m/s] of a pair: how the way between its places changes
+  Vec3 surface = Vec3::Zero();  ///< [m/s] of the obstacle where it is touched
+  Vec3 moves = Vec3::Zero();    ///< [m/s] of a pair: how the way between its places changes
   bool regular = true;        ///< false: it has no such derivative here
   double at = 0;              ///< of a stick: from a (0) to b (1)
   bool inside = true;         ///< likewise: between its ends
@@ -76,7 +77,12 @@ struct ModeForces {
   Roomy<double> idle;    ///< of what is closed and does not press, as findIdleLoads says
 };
 
-/// A motion's state at one instant: padded coordinates of one body after the other (Mode::offset).
+/// Where a body of n particles has its clock: after its coordinates, so that it goes along with
+/// their motion. It is the time [s] since the beginning of the step, by which obstacles move.
+inline int clockPlace(int n) { return paddedWidth(3 * n); }
+
+/// A motion's state at one instant: padded coordinates of one body after the other (Mode::offset),
+/// each with its clock.
 struct ModePoint {
   RowValues x, v, a;
   ModeForces forces;

@@ -69,6 +69,7 @@ void takeImpactGains(Island& island, const ModeVector& p, const std::vector<doub
     return kineticEnergyAt(island, island.placeOf(body.index), point);
   };
   forEachGroup(island, group_of, [&](const std::vector<Body*>& bodies) {
+    if (isDriven(bodies)) return;
     const double gain = impactGain(island, bodies, before, energyOf);
     if (gain > 0) takeOut(island, bodies, isHeld(island, p, bodies), gain, point);
   });

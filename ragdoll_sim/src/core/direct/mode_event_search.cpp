@@ -9,6 +9,7 @@
 #include "core/direct/constants.h"
 #include "core/direct/mode_constants.h"
 #include "core/direct/mode_motion.h"
+#include "core/direct/mode_obstacles.h"
 #include "core/direct/mode_piece.h"
 #include "core/direct/mode_rows.h"
 
@@ -174,21 +175,13 @@ bool findFirst(Island& island, double h, double before, double share, ModeEvent&
   return true;
 }
 
-/// [m/s] Of the fastest point at either end of the motion, and twice that: two sides may come to
-/// each other so fast.
-double fastestApproach(const Mode& mode) {
-  double square = 0;
-  for (const ModePoint* point : {&mode.start, &mode.end})
-    for (Eigen::Index i = 0; i + 2 < point->v.size(); i += 3)
-      square = std::max(square, point->v.segment<3>(i).squaredNorm());
-  return 2 * std::sqrt(square);
-}
-
 /// The share between two at which a row that is open at both, mode.earlier and mode.event, is
 /// nearest, if it is closed there: it would be left again unseen. kNeverTouched: there is none.
 double shareOfGraze(Island& island, double h, double before, double share) {
   Mode& mode = island.s.mode;
-  const double reach = (share - before) * h * fastestApproach(mode);
+  // Two sides may come to each other so fast.
+  const double approach = 2 * std::max(fastest(island, mode.start), fastest(island, mode.end));
+  const double reach = (share - before) * h * approach;
   double first = kNeverTouched;
   for (std::size_t i = 0; i < mode.rows.size(); ++i) {
     const std::size_t which = kEventsOfRow * i + kGap;

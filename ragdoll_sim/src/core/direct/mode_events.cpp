@@ -149,7 +149,7 @@ void keepMultipliers(Island& island) {
 bool isFit(const Island& island) {
   if (!island.context.events || island.s.all.size() != island.bodies.size()) return false;
   return std::all_of(island.bodies.begin(), island.bodies.end(), [](const Body* body) {
-    return !body->driven && body->isWhole() && body->overlaps == OverlapPolicy::kResolve;
+    return body->isWhole() && body->overlaps == OverlapPolicy::kResolve;
   });
 }
 
@@ -246,17 +246,6 @@ int mostPieces(const Island& island, double h) {
   return kFewPieces + static_cast<int>(std::min<double>(kMostPieces, kPiecesOfParts * parts));
 }
 
-/// [m/s] Of a particle.
-double fastest(const Island& island, const ModePoint& point) {
-  double square = 0;
-  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
-    const double* v = point.v.data() + island.s.mode.offset[k];
-    const Eigen::Map<const Points> of(v, 3, island.bodies[k]->n);
-    square = std::max(square, of.colwise().squaredNorm().maxCoeff());
-  }
-  return std::sqrt(square);
-}
-
 /// went: [m] as far as the fastest went, at the most. error: [m] by the formula.
 bool takePieces(Island& island, double h, double& went, double& error) {
   Mode& mode = island.s.mode;
@@ -294,19 +283,6 @@ bool takePieces(Island& island, double h, double& went, double& error) {
     if (!event || island.context.isPart()) --pieces;
   }
   return false;
-}
-
-/// mode.start <- the bodies as they are.
-void startMotion(Island& island) {
-  Mode& mode = island.s.mode;
-  mode.slow.rows.clear();  // of a step before, of other rows
-  for (ModePoint* point : {&mode.start, &mode.end, &mode.sample, &mode.stage})
-    for (RowValues* values : {&point->x, &point->v, &point->a}) values->setZero(mode.size);
-  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
-    const Body& body = *island.bodies[k];
-    std::copy_n(body.xData(), 3 * body.n, mode.start.x.data() + mode.offset[k]);
-    std::copy_n(body.vData(), 3 * body.n, mode.start.v.data() + mode.offset[k]);
-  }
 }
 
 /// The bodies <- mode.start.
@@ -357,8 +333,7 @@ bool moveThroughEvents(Island& island, double h, int& contacts, double& error) {
   if (!isFit(island)) return false;
   const BeforeMode before(island);
   double reach = reachOf(island, h), went = 0;
-  for (int list = 0; list < kMostLists && listModeRows(island, reach); ++list) {
-    startMotion(island);
+  for (int list = 0; list < kMostLists && startMode(island, reach); ++list) {
     const bool taken = takePieces(island, h, went, error);
     if (taken && went <= reach) {
       keepPressing(island, contacts);

@@ -7,8 +7,8 @@
 namespace ragdoll {
 
 /// Moves the bodies over h. contacts: that press at the end; error: [m] of a part of a step, by the
-/// pieces' formula. False: what they meet is not for this (moving, deep overlaps, sleepers), a mode
-/// is not unique, or events crowd; nothing is moved then.
+/// pieces' formula. False: what they meet is not for this (deep overlaps, sleepers), a mode is not
+/// unique, or events crowd; nothing is moved then.
 bool moveThroughEvents(Island& island, double h, int& contacts, double& error);
 
 }  // namespace ragdoll

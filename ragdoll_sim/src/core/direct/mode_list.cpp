@@ -7,8 +7,10 @@
 #include "core/contact/constants.h"
 #include "core/direct/constants.h"
 #include "core/direct/mode_constants.h"
+#include "core/direct/mode_obstacles.h"
 #include "core/direct/mode_pairs.h"
 #include "core/direct/mode_rows.h"
+#include "core/direct/moving_obstacles.h"
 #include "core/direct/workspace.h"
 
 namespace ragdoll {
@@ -22,8 +24,8 @@ bool hasNormal(const Obstacle& o, const ModeRow& row) {
 }
 
 /// Adds the row if a motion may reach it. False: it is deep in, or has no normal.
-bool consider(Body& body, ModeRow& row, double reach, Mode& mode) {
-  const double gap = gapOfOwn(body, row, body.xData());
+bool consider(const Body& body, ModeRow& row, double reach, Mode& mode) {
+  const double gap = gapOfOwn(body, row, mode.start.x.data() + mode.offset[row.body]);
   if (gap > reach) return true;
   if (row.isContact() && !hasNormal(*body.context->ws.obstacles[row.obstacle].obstacle, row))
     return false;
@@ -36,6 +38,7 @@ bool listObstacle(Body& body, int place, int index, double reach, Mode& mode) {
   const StepContext& step = *body.context;
   const SweptObstacle& m = step.ws.obstacles[index];
   ModeRow row;
+  const double* x = mode.start.x.data() + mode.offset[place];
   row.body = place;
   row.obstacle = index;
   row.friction = m.obstacle->friction;
@@ -59,7 +62,7 @@ bool listObstacle(Body& body, int place, int index, double reach, Mode& mode) {
     row.rb = step.model.radius[body.first + k.b];
     row.give = giveOf(step.model, *m.obstacle, *body.ragdoll, body.skeleton->stick_contact, i);
     sound =
-        consider(body, row, reach, mode) && (row.isSoft() || !liesAcross(body, row, body.xData()));
+        consider(body, row, reach, mode) && (row.isSoft() || !liesAcross(body, row, x));
   }
   return sound;
 }
@@ -86,7 +89,25 @@ void layOut(Island& island) {
   mode.size = 0;
   for (const Body* body : island.bodies) {
     mode.offset.push_back(mode.size);
-    mode.size += paddedWidth(3 * body->n);
+    mode.size += clockPlace(body->n) + paddedWidth(1);
+  }
+}
+
+/// mode.start <- the bodies as they are.
+void placeAtStart(Island& island) {
+  Mode& mode = island.s.mode;
+  for (ModePoint* point : {&mode.start, &mode.end, &mode.sample, &mode.stage})
+    for (RowValues* values : {&point->x, &point->v, &point->a}) values->setZero(mode.size);
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    Body& body = *island.bodies[k];
+    double *x = mode.start.x.data() + mode.offset[k], *v = mode.start.v.data() + mode.offset[k];
+    std::copy_n(body.xData(), 3 * body.n, x);
+    std::copy_n(body.vData(), 3 * body.n, v);
+    x[clockPlace(body.n)] = body.time;
+    v[clockPlace(body.n)] = 1;
+    if (island.context.inputs.pins.empty()) continue;  // else one may be faster or slower now
+    body.memory->response.setEnd(x);
+    body.memory->response.projectAtEnd(v);
   }
 }
 
@@ -95,16 +116,19 @@ void layOut(Island& island) {
 double reachOf(const Island& island, double h) {
   double reach = 0;
   for (const Body* body : island.bodies) {
-    const double speed = std::sqrt(body->v().colwise().squaredNorm().maxCoeff());
+    const double speed =
+        std::sqrt(body->v().colwise().squaredNorm().maxCoeff()) + fastestObstacle(*body);
     const double pull = body->acceleration.colwise().norm().maxCoeff();
     reach = std::max(reach, kReach * h * (speed + h * pull));
   }
   return reach + kClose;
 }
 
-bool listModeRows(Island& island, double reach) {
+bool startMode(Island& island, double reach) {
   Mode& mode = island.s.mode;
   layOut(island);
+  placeAtStart(island);
+  mode.slow.rows.clear();  // of a step before, of other rows
   mode.rows.clear();
   const int count = static_cast<int>(island.bodies.size());
   for (int k = 0; k < count; ++k)

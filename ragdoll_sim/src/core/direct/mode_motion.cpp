@@ -110,8 +110,15 @@ namespace {
 
 /// Rates of the closed rows at v.
 void evaluateModeRates(const Island& island, const double* v, ModeSystem& system) {
-  for (int i = 0; i < system.b.size(); ++i)
-    system.b[i] = island.s.joint.along(i, v, island.s.mode.offset);
+  const Mode& mode = island.s.mode;
+  const JointSchur& joint = island.s.joint;
+  for (int i = 0; i < system.b.size(); ++i) system.b[i] = joint.along(i, v, mode.offset);
+  for (std::size_t i = 0; i < mode.rows.size(); ++i) {
+    const int row = mode.first[i];
+    if (row < 0 || mode.place[i].surface.isZero(0)) continue;
+    for (int k = 0; k < rowsOf(mode.place[i].contact); ++k)
+      system.b[row + k] -= joint.row(row + k).direction.dot(mode.place[i].surface);
+  }
   takeSpinRates(island, system.b);
 }
 
@@ -225,8 +232,8 @@ void pushInMode(Island& island, const ModeVector& p, const double* x, double* ou
 
 Vec3 slipOf(const Island& island, const ModeRow& row, const RowPlace& place, const double* x,
             const double* v) {
-  return tangentialPart(motionOf(island, place.contact, v) - spinMotion(island, row, place, x, v),
-                        place.contact.normal);
+  const Vec3 rate = motionOf(island, place.contact, v) - place.surface;
+  return tangentialPart(rate - spinMotion(island, row, place, x, v), place.contact.normal);
 }
 
 bool buildModeSystem(Island& island, const double* x, const double* v, bool curvature,

@@ -5,6 +5,7 @@
 
 #include "core/direct/dormand_prince.h"
 #include "core/direct/mode_motion.h"
+#include "core/direct/moving_obstacles.h"
 
 namespace ragdoll {
 namespace {
@@ -62,6 +63,17 @@ double errorOfPiece(Island& island, double h, const ModePiece& piece) {
     worst = std::max(worst, of.colwise().squaredNorm().maxCoeff());
   }
   return h * std::sqrt(worst);
+}
+
+double fastest(const Island& island, const ModePoint& point) {
+  double most = 0;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    const Body& body = *island.bodies[k];
+    const Eigen::Map<const Points> v(point.v.data() + island.s.mode.offset[k], 3, body.n);
+    const double own = std::sqrt(v.colwise().squaredNorm().maxCoeff());
+    most = std::max(most, own + fastestObstacle(body));
+  }
+  return most;
 }
 
 void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,

@@ -14,6 +14,9 @@ bool moveInMode(Island& island, double h, ModePoint& end, ModePiece& piece);
 /// of fourth order.
 double errorOfPiece(Island& island, double h, const ModePiece& piece);
 
+/// [m/s] Of the fastest particle, and of what moves there.
+double fastest(const Island& island, const ModePoint& point);
+
 /// x and v at a share of a motion over h, by polynomials of degree 5 and 3 through both ends.
 void interpolate(const ModePoint& start, const ModePoint& end, double h, double share,
                  ModePoint& out);

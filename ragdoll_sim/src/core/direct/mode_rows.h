@@ -18,6 +18,10 @@ RowPlace placeOf(Island& island, const ModeRow& row, const double* x, const doub
 double gapOf(Island& island, const ModeRow& row, const double* x);
 double gapOfOwn(const Body& body, const ModeRow& row, const double* x);
 
+/// [m/s], [rad/s] of the gap by the motion v of the bodies alone; [m/s^2] by accelerations.
+double openingRateOf(const Island& island, const ModeRow& row, const RowPlace& place,
+                     const double* v);
+
 /// [m/s], [rad/s] of the gap.
 double rateOf(const Island& island, const ModeRow& row, const RowPlace& place, const double* v);
 
@@ -37,19 +41,6 @@ double openingOf(Island& island, const ModeRow& row, const double* x, const doub
 /// (face, edge, corner) of the obstacle, the length of the sticks. feature: as RowPlace::feature.
 double roomOf(Island& island, const ModeRow& row, const double* x,
               const std::array<int, 3>& feature);
-
-/// Whether at the body's positions x a stick touches a box at two opposite edges at once: one row
-/// is not enough.
-bool liesAcross(const Body& body, const ModeRow& stick, const double* x);
-
-/// Whether a particle is the end of a stick that touches beside one edge or corner, or what is
-/// round: the place where that touches has to run there first.
-bool isEndOfTouchingStick(const Island& island, const ModeRow& particle, const double* x);
-
-/// Whether it is that a moment later, at positions `later`, and at x already, or the place is at
-/// it.
-bool passesToStick(const Island& island, const ModeRow& particle, const double* x,
-                   const double* later);
 
 /// Whether it pressed in the last motion.
 bool hasPressed(Island& island, const ModeRow& row, const RowPlace& place);

@@ -6,6 +6,7 @@
 #include "core/direct/contact_motion.h"
 #include "core/direct/mode_constants.h"
 #include "core/direct/mode_motion.h"
+#include "core/direct/mode_obstacles.h"
 #include "core/direct/mode_rows.h"
 #include "core/direct/mode_slow_slips.h"
 #include "core/direct/tolerances.h"
@@ -133,7 +134,7 @@ bool closeChatter(Island& island, const ModePoint& ahead) {
     const RowPlace place = placeOf(island, row, now.x.data(), now.v.data(), true);
     if (!staysWithin(island, ahead, row, place)) continue;
     const double rate = rateOf(island, row, place, now.v.data());
-    const double back = -rateOf(island, row, place, now.a.data()) - place.curvature;
+    const double back = -openingRateOf(island, row, place, now.a.data()) - place.curvature;
     const double room = kChatterGap - std::max(0.0, row.gap_start);
     if (!(back > 0) || rate * rate > 2 * room * back) continue;
     row.closed = any = true;

@@ -1,5 +1,8 @@
 #include "core/direct/moving_obstacles.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/direct/constants.h"
 #include "core/direct/workspace.h"
 
@@ -47,6 +50,29 @@ const std::vector<SweptObstacle>& obstaclesOver(const Body& body, double h) {
     m.index = index;
   }
   return swept;
+}
+
+ObstacleMotion motionAt(const SweptObstacle& swept, double time, double h) {
+  ObstacleMotion m{swept.obstacle, swept.moves, swept.R0, swept.p0};
+  if (!swept.moves) return m;
+  const double share = time / h, angle = swept.turn.norm();
+  m.speed = (swept.p1 - swept.p0) / h;
+  m.spin = swept.turn / h;
+  m.p += share * (swept.p1 - swept.p0);
+  if (angle > 0) m.R = Eigen::AngleAxisd(share * angle, swept.turn / angle) * swept.R0;
+  return m;
+}
+
+double fastestObstacle(const Body& body) {
+  const StepContext& step = *body.context;
+  double square = 0;
+  for (const SweptObstacle& swept : step.ws.obstacles) {
+    if (!swept.moves) continue;
+    const ObstacleMotion m = motionAt(swept, 0, step.h);
+    for (int i = 0; i < body.n; ++i)
+      square = std::max(square, m.velocityAt(body.x().col(i)).squaredNorm());
+  }
+  return std::sqrt(square);
 }
 
 void scaleMotion(const StepContext& step, double h, Contact& contact) {

@@ -36,7 +36,7 @@ double worthTaking(Island& island, double gain) {
 /// rk from event to event has no swing, and its pieces are as short as they must be: what it gains
 /// is its error.
 Verdict judgeExact(Island& island, double took, const SubstepControl& control) {
-  const double gain = gainedEnergy(island, took, 0);
+  const double gain = gainedEnergy(island, took, driveSpeed(island));
   if (control.canHalve() && gain > kRedoGain * swingScale(island)) return {false, 0};
   return {true, worthTaking(island, gain)};
 }
@@ -141,7 +141,7 @@ bool stepThroughEvents(Island& island, double& error, StepReport& report) {
   setTime(island, h);
   const SmoothTrial trial = moveTogether(island, h);
   if (!trial.exact) return false;
-  const double gain = gainedEnergy(island, h, 0);
+  const double gain = gainedEnergy(island, h, driveSpeed(island));
   if (gain > kRedoGain * swingScale(island)) return false;
   if (!removeEnergy(island, worthTaking(island, gain), h)) return false;
   error = trial.error;

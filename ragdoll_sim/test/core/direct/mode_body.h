@@ -55,17 +55,10 @@ inline Scene rodOnEnd(double friction, double tilt, double rate) {
 }
 
 struct ModeBody : DirectIsland {
-  bool listed;  ///< what listModeRows says
+  bool listed;  ///< what startMode says
 
   explicit ModeBody(const Scene& scene) : DirectIsland(scene) {
-    listed = listModeRows(island, reachOf(island, h));
-    for (ModePoint* point : {&mode().start, &mode().end, &mode().sample, &mode().stage})
-      for (RowValues* values : {&point->x, &point->v, &point->a}) values->setZero(mode().size);
-    for (std::size_t k = 0; k < island.bodies.size(); ++k) {
-      const Body& one = *island.bodies[k];
-      std::copy_n(one.xData(), 3 * one.n, now().x.data() + mode().offset[k]);
-      std::copy_n(one.vData(), 3 * one.n, now().v.data() + mode().offset[k]);
-    }
+    listed = startMode(island, reachOf(island, h));
   }
   /// All particles move so. A scene's own velocities do not lead into what they touch.
   ModeBody(const Scene& scene, const Vec3& velocity) : ModeBody(scene) {

@@ -19,7 +19,7 @@ TEST(ModeList, HasWhatThreeSuchMotionsReach) {
   for (const double gap : {0.0309, 0.0311}) {
     scene.ragdolls[0].pose.position.z() = kModeRadius + gap;
     ModeBody one(scene);
-    EXPECT_TRUE(listModeRows(one.island, reachOf(one.island, 1e-3)));
+    EXPECT_TRUE(startMode(one.island, reachOf(one.island, 1e-3)));
     EXPECT_EQ(one.mode().rows.size(), gap < 0.031 ? 1u : 0u);
   }
 }
@@ -46,7 +46,7 @@ TEST(ModeList, IsNotForAStickThatLiesAcrossABox) {
     SkeletonSpec rod = oneStick();
     for (ParticleSpec& p : rod.particles) p.radius = kModeRadius, p.position *= 2 * half;
     ModeBody one(modeScene(rod, Vec3(-half, 0, 1 + kModeRadius), plate));
-    EXPECT_EQ(listModeRows(one.island, reachOf(one.island, one.h)), half < 0.25) << half;
+    EXPECT_EQ(startMode(one.island, reachOf(one.island, one.h)), half < 0.25) << half;
   }
 }
 
