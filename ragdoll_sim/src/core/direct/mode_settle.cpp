@@ -40,10 +40,13 @@ bool comesFrom(const ModeRow& row, const RowPlace& place, const RowPlace& later)
 }
 
 /// Whether it touches within its sticks a moment later: where the place comes to a stick's end,
-/// what is the end's takes that of what is the stick's, or the other way round.
-bool staysWithin(Island& island, const ModePoint& ahead, const ModeRow& row,
-                 const RowPlace& place) {
+/// what is the end's takes that of what is the stick's, or the other way round. In an impact, which
+/// changes what the next moment is, a stick touches where it does: one that lies flat may turn
+/// about the one place before it, and about the other after it.
+bool staysWithin(Island& island, const ModePoint& ahead, const ModeRow& row, const RowPlace& place,
+                 bool in_impact) {
   if (!place.regular) return false;
+  if (in_impact && row.kind == ModeRow::Kind::kStick && place.inside) return true;
   if (row.kind == ModeRow::Kind::kParticle)
     return !passesToStick(island, row, island.s.mode.start.x.data(), ahead.x.data());
   if (row.kind != ModeRow::Kind::kStick && row.kind != ModeRow::Kind::kPair) return true;
@@ -107,7 +110,7 @@ bool findClosed(Island& island, const ModePoint& ahead, bool pressed, bool in_im
     const bool may_be_off = pressed && row.gap_start < kTouching / kLever;
     if (row.gap_start >= (may_be_off ? kTouching : close)) continue;
     const RowPlace place = placeOf(island, row, mode.start.x.data(), mode.start.v.data(), false);
-    if (!staysWithin(island, ahead, row, place)) continue;
+    if (!staysWithin(island, ahead, row, place, in_impact)) continue;
     if (pressed && row.gap_start >= close) {
       const Tolerances& tolerances = island.context.tolerances;
       const double touching = row.isContact() ? tolerances.touching : tolerances.touching_angle;
@@ -132,7 +135,7 @@ bool closeChatter(Island& island, const ModePoint& ahead) {
   for (ModeRow& row : mode.rows) {
     if (row.closed || row.isSoft() || row.gap_start >= kClosedGap) continue;
     const RowPlace place = placeOf(island, row, now.x.data(), now.v.data(), true);
-    if (!staysWithin(island, ahead, row, place)) continue;
+    if (!staysWithin(island, ahead, row, place, false)) continue;
     const double rate = rateOf(island, row, place, now.v.data());
     const double back = -openingRateOf(island, row, place, now.a.data()) - place.curvature;
     const double room = kChatterGap - std::max(0.0, row.gap_start);
