@@ -11,8 +11,8 @@
 namespace ragdoll::test {
 namespace {
 
-constexpr double kLands = 0.7, kLanding = 0.1;  ///< [s] it lands on knees and hands
-constexpr double kEventLook = 1.0 / 1920;       ///< [s] in which one contact changes at the most
+constexpr double kWindow = 0.1;            ///< [s]
+constexpr double kEventLook = 1.0 / 1920;  ///< [s] in which one contact changes at the most
 
 Scene fallAt(double rate) {
   Scene scene = loadScene("fall");
@@ -38,7 +38,7 @@ class Changes {
     from_.multipliers.clear();
     std::vector<Change> found;
     int before = contactsAt(0.001 * kEventLook);
-    for (double end = start.time + kLanding; from_.time < end - 0.5 * kEventLook;) {
+    for (double end = start.time + kWindow; from_.time < end - 0.5 * kEventLook;) {
       double last = 0;
       for (double t = kEventLook; t < step_ + 0.5 * kEventLook; t += kEventLook) {
         const int now = contactsAt(t);
@@ -76,12 +76,18 @@ class Changes {
   World probe_;
 };
 
-TEST(EventTimes, OfAFallAreTheSameForAnyStep) {
+/// From that time on, at that rate.
+struct FallWindow {
+  double from, rate;
+};
+class EventTimes : public testing::TestWithParam<FallWindow> {};
+
+TEST_P(EventTimes, OfAFallAreTheSameForAnyStep) {
   World first(fallAt(480));
-  while (first.state.time < kLands - 1e-9) first.steps(1);
+  while (first.state.time < GetParam().from - 1e-9) first.steps(1);
   const std::vector<Change> fine = Changes(1920).after(first.state);
-  EXPECT_GT(fine.size(), 15u);
-  const std::vector<Change> coarse = Changes(120).after(first.state);
+  EXPECT_GT(fine.size(), 5u);
+  const std::vector<Change> coarse = Changes(GetParam().rate).after(first.state);
   ASSERT_EQ(coarse.size(), fine.size());
   for (std::size_t i = 0; i < fine.size(); ++i) {
     EXPECT_NEAR(coarse[i].time, fine[i].time, 1e-9);
@@ -89,6 +95,12 @@ TEST(EventTimes, OfAFallAreTheSameForAnyStep) {
     EXPECT_EQ(coarse[i].now, fine[i].now) << fine[i].time;
   }
 }
+
+// It lands on its feet, on knees and hands, and comes to lie. Later windows are dear: those up to
+// 1.8 s agree, too (23 changes more; one of their probes is handed over).
+INSTANTIATE_TEST_SUITE_P(Windows, EventTimes,
+                         testing::Values(FallWindow{0.6, 240}, FallWindow{0.7, 120},
+                                         FallWindow{0.8, 240}));
 
 }  // namespace
 }  // namespace ragdoll::test

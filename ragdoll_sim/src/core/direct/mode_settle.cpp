@@ -145,13 +145,17 @@ bool closeChatter(Island& island, const ModePoint& ahead) {
   return any;
 }
 
-/// Impacts of what touches at mode.start, and what touches after them.
+/// Impacts of what touches at mode.start, and what touches after them. Where energy is taken out, or
+/// a couple comes back as a spin, what has opened may approach again.
 bool settleImpact(Island& island, const ModePoint& ahead, bool pressed) {
-  findClosed(island, ahead, pressed, true);
-  if (!takeModeImpact(island, island.s.mode.start)) return false;
-  for (Body* body : island.bodies) ++body->located;
-  lookAhead(island.s.mode);
-  return !findClosed(island, ahead, pressed, false);
+  for (int k = 0; k < kModeProjections; ++k) {
+    findClosed(island, ahead, pressed, true);
+    if (!takeModeImpact(island, island.s.mode.start)) return false;
+    for (Body* body : island.bodies) ++body->located;
+    lookAhead(island.s.mode);
+    if (!findClosed(island, ahead, pressed, false)) return true;
+  }
+  return false;
 }
 
 /// The mode of what touches, and positions and velocities as it has them. What hops and is not to
