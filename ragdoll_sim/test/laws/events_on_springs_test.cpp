@@ -6,6 +6,7 @@
 
 #include "ragdoll_sim/core/measures.h"
 #include "ragdoll_sim/io/scene_yaml.h"
+#include "support/ends.h"
 #include "support/gravity.h"
 #include "support/worlds.h"
 
@@ -134,6 +135,22 @@ TEST(EventsOnSprings, AStickLeavesASoftSphereWithItsEnergy) {
     EXPECT_GT(world.v(0).z() + world.v(1).z(), -2) << "it is met";
     EXPECT_NEAR(kineticEnergy(world.model, world.state) / before, 1, 1e-6) << hz;
   }
+}
+
+/// A rod sinks into a soft sphere until its shallower end touches, too. To shake that end was the
+/// stick's as of rigid contact, and had no spring (4 cm apart at any step).
+TEST(EventsOnSprings, ARodSinksInUpToItsEndByBothMethods) {
+  const Scene scene = parseScene(
+      "ragdolls: [{position: [-0.2, 0, 1.05], rpy_deg: [0, 4, 0], velocity: [0, 0, -3.5], model: "
+      "{particles: {a: {position: [0, 0, 0], radius: 0.03}, b: {position: [0.5, 0, 0], radius: "
+      "0.03}}, sticks: [[a, b]], segments: {ab: {from: a, to: b, mass: 3, gyration: 0.289}}}}]\n"
+      "obstacles: [{type: sphere, position: [0, 0, 0.5], radius: 0.5, friction: 0.3, stiffness: "
+      "3000, damping: 50}]\n");
+  constexpr double kTime = 0.3;
+  const Points best = endOfImpacts(scene, Method::kRk, 1.0 / 4000, kTime);
+  EXPECT_LT(largest(endOfImpacts(scene, Method::kRk, 1.0 / 500, kTime) - best), 1e-10);
+  EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1.0 / 1000, kTime) - best), 1e-4);
+  EXPECT_LT(largest(endOfImpacts(scene, Method::kShake, 1.0 / 8000, kTime) - best), 2e-6);
 }
 
 /// The hips' cones end in several rows at once, which depend on each other: those that do not press
