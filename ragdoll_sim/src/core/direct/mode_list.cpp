@@ -94,7 +94,7 @@ void layOut(Island& island) {
 }
 
 /// mode.start <- the bodies as they are.
-void placeAtStart(Island& island) {
+void startCoordinates(Island& island) {
   Mode& mode = island.s.mode;
   for (ModePoint* point : {&mode.start, &mode.end, &mode.sample, &mode.stage})
     for (RowValues* values : {&point->x, &point->v, &point->a}) values->setZero(mode.size);
@@ -127,7 +127,7 @@ double reachOf(const Island& island, double h) {
 bool startMode(Island& island, double reach) {
   Mode& mode = island.s.mode;
   layOut(island);
-  placeAtStart(island);
+  startCoordinates(island);
   mode.slow.rows.clear();  // of a step before, of other rows
   mode.rows.clear();
   const int count = static_cast<int>(island.bodies.size());
