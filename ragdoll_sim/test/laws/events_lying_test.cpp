@@ -24,6 +24,17 @@ Scene sceneAt(const char* name, double rate) {
   return scene;
 }
 
+/// Where it ends by events at a rate, with no step handed over.
+Points endByEvents(Scene scene, double rate, double seconds) {
+  scene.solver.method = Method::kRk;
+  scene.solver.events = true;
+  scene.solver.sleep = false;
+  int handed_over = 0;
+  const Points x = endInSteps(scene, 1 / rate, seconds, &handed_over);
+  EXPECT_EQ(handed_over, 0) << rate;
+  return x;
+}
+
 struct FallByEvents : World {
   int handed_over = 0;
 
@@ -112,16 +123,7 @@ obstacles: [{type: box, position: [0, 0, 0], size: [0.5, 0.8, 0.4], friction: 0.
 /// hop less than 1e-9 m and are held; which of them press must not come from the speeds of that hop
 /// (1.4e-4 m apart after 0.4 s, whether a step began in between or not).
 TEST(Events, OfAPlateThatLandsAcrossAnEdgeAreTheSameForAnyStep) {
-  const auto end = [](double rate) {
-    Scene scene = plateAcrossAnEdge();
-    scene.solver.method = Method::kRk;
-    scene.solver.events = true;
-    scene.solver.sleep = false;
-    int handed_over = 0;
-    const Points x = endInSteps(scene, 1 / rate, 0.4, &handed_over);
-    EXPECT_EQ(handed_over, 0) << rate;
-    return x;
-  };
+  const auto end = [](double rate) { return endByEvents(plateAcrossAnEdge(), rate, 0.4); };
   const Points best = end(4000);
   for (const double rate : {250, 1000}) EXPECT_LT(largest(end(rate) - best), 1e-10) << rate;
 }
@@ -132,40 +134,28 @@ TEST(Events, OfAPlateThatLandsAcrossAnEdgeAreTheSameForAnyStep) {
 TEST(Events, OfARodThatTopplesBackOntoABoxAreThoseOfItsEdge) {
   constexpr double kTilt = 0.2, kRadius = 0.05, kPivot = 0.25;
   const Vec3 along(std::cos(kTilt), 0, -std::sin(kTilt)), up(std::sin(kTilt), 0, std::cos(kTilt));
-  const auto end = [&](double rate) {
-    Scene scene = parseScene(
-        "ragdolls: [{model: {particles: {a: {position: [-0.5, 0, 0], radius: 0.05}, b: {position: "
-        "[0.5, 0, 0], radius: 0.05}}, sticks: [[a, b]], segments: {ab: {from: a, to: b, mass: 3, "
-        "gyration: 0.288675}}}}]\nobstacles: [{type: box, position: [-1, 0, -0.4], size: [2, 2, "
-        "0.8], restitution: 0.3, friction: 0.4}]\nsolver: {method: rk, events: true, sleep: "
-        "false}\n");
-    RagdollSpec& rod = scene.ragdolls[0];
-    rod.pose.position = kRadius * up - kPivot * along;
-    rod.pose.orientation = Quat(Eigen::AngleAxisd(kTilt, Vec3::UnitY()));
-    int handed_over = 0;
-    const Points x = endInSteps(scene, 1 / rate, 0.4, &handed_over);
-    EXPECT_EQ(handed_over, 0) << rate;
-    return x;
-  };
-  const Points best = end(2000);
-  for (const double rate : {125, 500}) EXPECT_LT(largest(end(rate) - best), 1e-10) << rate;
+  Scene scene = parseScene(
+      "ragdolls: [{model: {particles: {a: {position: [-0.5, 0, 0], radius: 0.05}, b: {position: "
+      "[0.5, 0, 0], radius: 0.05}}, sticks: [[a, b]], segments: {ab: {from: a, to: b, mass: 3, "
+      "gyration: 0.288675}}}}]\nobstacles: [{type: box, position: [-1, 0, -0.4], size: [2, 2, "
+      "0.8], restitution: 0.3, friction: 0.4}]\n");
+  RagdollSpec& rod = scene.ragdolls[0];
+  rod.pose.position = kRadius * up - kPivot * along;
+  rod.pose.orientation = Quat(Eigen::AngleAxisd(kTilt, Vec3::UnitY()));
+  const Points best = endByEvents(scene, 2000, 0.4);
+  for (const double rate : {125, 500})
+    EXPECT_LT(largest(endByEvents(scene, rate, 0.4) - best), 1e-10) << rate;
 }
 
 /// A human that hangs by a hand and falls over a capsule. Its chest is a plate of many sticks, and
 /// lies along a line on the capsule: four places touch, of which two hold it.
 Points hungOverCapsule(const std::string& start, double rate, double seconds) {
-  Scene scene = parseScene("ragdolls: [{model: human_lumped, " + start + R"(}]
+  return endByEvents(parseScene("ragdolls: [{model: human_lumped, " + start + R"(}]
 pins: [ragdoll/left_hand]
 obstacles:
   - {type: capsule, from: [-1, 0.1, 0.6], to: [1, -0.1, 0.7], radius: 0.1, friction: 0.5, restitution: 0.1}
-)");
-  scene.solver.method = Method::kRk;
-  scene.solver.events = true;
-  scene.solver.sleep = false;
-  int handed_over = 0;
-  const Points x = endInSteps(scene, 1 / rate, seconds, &handed_over);
-  EXPECT_EQ(handed_over, 0) << rate;
-  return x;
+)"),
+                     rate, seconds);
 }
 
 class AHungHuman : public testing::TestWithParam<const char*> {};

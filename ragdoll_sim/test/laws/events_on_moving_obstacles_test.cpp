@@ -16,6 +16,15 @@
 namespace ragdoll::test {
 namespace {
 
+SolverSpec byEventsAt(double hz) {
+  SolverSpec solver;
+  solver.method = Method::kRk;
+  solver.events = true;
+  solver.step = 1 / hz;
+  solver.sleep = false;
+  return solver;
+}
+
 /// A scene whose obstacles and pins move evenly.
 struct LedScene {
   std::string text;
@@ -49,10 +58,9 @@ class LedWorld : public World {
  private:
   static Scene sceneAt(const std::string& text, double hz, Method method) {
     Scene scene = parseScene(text);
+    scene.solver = byEventsAt(hz);
     scene.solver.method = method;
     scene.solver.events = method == Method::kRk;
-    scene.solver.step = 1 / hz;
-    scene.solver.sleep = false;
     return scene;
   }
   Pose poseAt(double time) const {
@@ -72,15 +80,16 @@ class LedWorld : public World {
 };
 
 const char* const kBlock =
-    "ragdolls: [{position: [0, 0, 0.05], model: {particles: {p: {position: [0, 0, 0], mass: 2, radius: 0.05}}}}]\n";
+    "ragdolls: [{position: [0, 0, 0.05], model: {particles: {p: {position: [0, 0, 0], mass: 2, "
+    "radius: 0.05}}}}]\n";
 
 /// Laid on a belt it slips until it is as fast.
 TEST(EventsOnMovingObstacles, ABeltTakesABlockAlong) {
   constexpr double kSpeed = 1, kFriction = 0.5;
   for (const double hz : {60.0, 120.0}) {
-    LedWorld world({std::string(kBlock) + "obstacles: [{type: plane, friction: 0.5}]\n",
-                    Vec3(kSpeed, 0, 0)},
-                   hz);
+    LedWorld world(
+        {std::string(kBlock) + "obstacles: [{type: plane, friction: 0.5}]\n", Vec3(kSpeed, 0, 0)},
+        hz);
     for (const double time : {0.1, 0.2, 0.5}) {
       world.runTo(time);
       const double slips = std::min(time, kSpeed / (kFriction * kG));
@@ -92,11 +101,34 @@ TEST(EventsOnMovingObstacles, ABeltTakesABlockAlong) {
   }
 }
 
+/// A belt that gains speed does so from step to step. At each of these what stands on it slips
+/// until friction has made it as fast, which is before the next one.
+TEST(EventsOnMovingObstacles, ABeltThatGainsSpeedLosesABlockByItsSteps) {
+  constexpr double kGains = 1, kTime = 0.5, kSlows = 0.5 * kG;  // [m/s^2], [s], [m/s^2]
+  for (const double hz : {60.0, 240.0}) {
+    Scene scene = parseScene(std::string(kBlock) + "obstacles: [{type: plane, friction: 0.5}]\n");
+    scene.solver = byEventsAt(hz);
+    World world(scene);
+    const int steps = static_cast<int>(std::lround(kTime * hz));
+    double belt = 0, behind = 0;
+    for (int i = 0; i < steps; ++i) {
+      const double speed = kGains * (i + 1) / hz;  // over the step
+      behind += std::pow(kGains / hz, 2) / (2 * kSlows);
+      belt += speed / hz;
+      world.inputs.obstacles = {world.model.obstacles[0].pose};
+      world.inputs.obstacles[0].position.x() += belt;
+      EXPECT_EQ(world.steps(1).handed_over, 0);
+    }
+    EXPECT_NEAR(belt - world.x(0).x(), behind, 1e-9) << hz;
+  }
+}
+
 /// A ball falls onto a floor that rises: seen from there it falls faster.
 TEST(EventsOnMovingObstacles, AFloorThatRisesThrowsABallBack) {
   constexpr double kRise = 0.7, kBack = 0.6, kHigh = 0.3;
   LedWorld world(
-      {"ragdolls: [{position: [0, 0, 0.35], model: {particles: {p: {position: [0, 0, 0], mass: 2, radius: 0.05}}}}]\n"
+      {"ragdolls: [{position: [0, 0, 0.35], model: {particles: {p: {position: [0, 0, 0], mass: 2, "
+       "radius: 0.05}}}}]\n"
        "obstacles: [{type: box, position: [0, 0, -0.5], size: [2, 2, 1], restitution: 0.6}]\n",
        Vec3(0, 0, kRise)},
       120);
@@ -119,7 +151,8 @@ TEST(EventsOnMovingObstacles, ADiscTakesAlongWhatSticks) {
   constexpr double kSpin = 2, kAway = 0.5;
   LedWorld world(
       {"ragdolls: [{position: [0.5, 0, 0.05], velocity: [0, 1, 0], model: {particles: {p: "
-       "{position: [0, 0, 0], mass: 2, radius: 0.05}}}}]\nobstacles: [{type: box, position: [0, 0, -0.5], size: [2, 2, 1], "
+       "{position: [0, 0, 0], mass: 2, radius: 0.05}}}}]\nobstacles: [{type: box, position: [0, 0, "
+       "-0.5], size: [2, 2, 1], "
        "friction: 0.3}]\n",
        Vec3::Zero(), Vec3(0, 0, kSpin)},
       60);
@@ -152,7 +185,8 @@ TEST(EventsOnMovingObstacles, ADiscTurnsWhatSlips) {
   const Vec3 spin(0, 0, 3), start(0.3, 0.1, 0), speed(0.4, -0.2, 0);
   LedWorld world(
       {"ragdolls: [{position: [0.3, 0.1, 0.05], velocity: [0.4, -0.2, 0], model: {particles: {p: "
-       "{position: [0, 0, 0], mass: 2, radius: 0.05}}}}]\nobstacles: [{type: box, position: [0, 0, -0.5], size: [3, 3, "
+       "{position: [0, 0, 0], mass: 2, radius: 0.05}}}}]\nobstacles: [{type: box, position: [0, 0, "
+       "-0.5], size: [3, 3, "
        "1], friction: 0.15}]\n",
        Vec3::Zero(), spin},
       60);

@@ -208,8 +208,8 @@ void placeContacts(const SweptObstacle& m, const StickSearch& k, std::vector<Con
     if (k.start >= -kGapResolution)
       c.gap_start = from ? k.at_start.gap(*from) : gapAtStart(k, share);
     if (from && touchesAtStart(k.give, c.gap_start)) setStart(m, k.at_start, *from, c);
-    // Taken as it starts, its place is not followed: its ends are hit by themselves. So are those of
-    // what gives way, as far as dropDeeperEnds leaves them.
+    // Taken as it starts, its place is not followed: its ends are hit by themselves. So are those
+    // of what gives way, as far as dropDeeperEnds leaves them.
     if (c.isSoft() || (k.axis.a == k.at_start.a && k.axis.b == k.at_start.b)) c.has_end = {};
     c.runs = touches && !from && !c.isSoft();
     contacts.push_back(c);

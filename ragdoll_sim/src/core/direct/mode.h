@@ -56,12 +56,12 @@ struct ModeRow {
 struct RowPlace {
   double gap = 0;        ///< [m], [rad]
   double curvature = 0;  ///< second derivative of the gap along the motion, without accelerations
-  Vec3 turn = Vec3::Zero();   ///< [m/s^2] along the surface: as place and normal move
+  Vec3 turn = Vec3::Zero();     ///< [m/s^2] along the surface: as place and normal move
   Vec3 surface = Vec3::Zero();  ///< [m/s] of the obstacle where it is touched
   Vec3 moves = Vec3::Zero();    ///< [m/s] of a pair: how the way between its places changes
-  bool regular = true;        ///< false: it has no such derivative here
-  double at = 0;              ///< of a stick: from a (0) to b (1)
-  bool inside = true;         ///< likewise: between its ends
+  bool regular = true;          ///< false: it has no such derivative here
+  double at = 0;                ///< of a stick: from a (0) to b (1)
+  bool inside = true;           ///< likewise: between its ends
   /// -1, 0, 1: beyond which faces of the obstacle's core; of a pair that gives way at which end of
   /// its first and second stick (0: between them), then at which end of their overlap (1, 2) if
   /// they lie along each other; of a limit LimitRow::border.

@@ -61,8 +61,7 @@ bool listObstacle(Body& body, int place, int index, double reach, Mode& mode) {
     row.ra = step.model.radius[body.first + k.a];
     row.rb = step.model.radius[body.first + k.b];
     row.give = giveOf(step.model, *m.obstacle, *body.ragdoll, body.skeleton->stick_contact, i);
-    sound =
-        consider(body, row, reach, mode) && (row.isSoft() || !liesAcross(body, row, x));
+    sound = consider(body, row, reach, mode) && (row.isSoft() || !liesAcross(body, row, x));
   }
   return sound;
 }

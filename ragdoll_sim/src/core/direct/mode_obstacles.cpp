@@ -66,8 +66,8 @@ bool restsOnEnds(const Body& body, const ModeRow& row) {
 }
 
 StickEnds endsOf(const Body& body, const ModeRow& stick) {
-  return endsOf(body.context->model, obstacleOf(body, stick), *body.ragdoll,
-                body.first + stick.a, body.first + stick.b, stick.give);
+  return endsOf(body.context->model, obstacleOf(body, stick), *body.ragdoll, body.first + stick.a,
+                body.first + stick.b, stick.give);
 }
 
 /// A stick in the obstacle's frame.
@@ -145,8 +145,7 @@ void visitSticksAt(const Body& body, const ModeRow& particle, const Visit& visit
     if ((k.a != particle.a && k.b != particle.a) || k.a >= s.named || k.b >= s.named) continue;
     ModeRow stick = particle;
     stick.kind = ModeKind::kStick;
-    stick.give =
-        giveOf(model, obstacleOf(body, particle), *body.ragdoll, s.stick_contact, i);
+    stick.give = giveOf(model, obstacleOf(body, particle), *body.ragdoll, s.stick_contact, i);
     stick.a = k.a;
     stick.b = k.b;
     stick.ra = model.radius[body.first + k.a];
@@ -187,8 +186,7 @@ struct Cover {
 
 Cover coverOf(const Body& body, const ModeRow& row, const double* x) {
   Cover cover;
-  if (row.kind != ModeKind::kParticle ||
-      obstacleOf(body, row).type != ObstacleSpec::Type::kBox)
+  if (row.kind != ModeKind::kParticle || obstacleOf(body, row).type != ObstacleSpec::Type::kBox)
     return cover;
   visitSticksAt(body, row, [&](const ModeRow& stick) {
     if (!restsOnEnds(body, stick)) return;
@@ -202,8 +200,7 @@ Cover coverOf(const Body& body, const ModeRow& row, const double* x) {
 
 /// Of a particle's spring, whether sticks take all of it: by how much; negative: they do not.
 double roomUnder(const Body& body, const ModeRow& row, const double* x) {
-  if (obstacleOf(body, row).type != ObstacleSpec::Type::kBox)
-    return roundCover(body, row, x);
+  if (obstacleOf(body, row).type != ObstacleSpec::Type::kBox) return roundCover(body, row, x);
   const Cover cover = coverOf(body, row, x);
   return cover.all > 0 ? cover.room : -1.0;
 }
@@ -375,7 +372,7 @@ double gapToObstacle(const Body& body, const ModeRow& row, const double* x) {
 }
 
 double roomOnObstacle(const Body& body, const ModeRow& row, const double* x,
-                 const std::array<int, 3>& feature) {
+                      const std::array<int, 3>& feature) {
   double room = std::numeric_limits<double>::infinity();
   const ObstacleMotion m = obstacleAt(body, row, x);
   const bool is_plane = m.obstacle->type == ObstacleSpec::Type::kPlane;

@@ -1,5 +1,5 @@
-// A particle or a stick of a body on an obstacle, which may move, as a row of a mode (mode.h). x, v:
-// the body's coordinates, with its clock (clockPlace).
+// A particle or a stick of a body on an obstacle, which may move, as a row of a mode (mode.h). x,
+// v: the body's coordinates, with its clock (clockPlace).
 #pragma once
 
 #include "core/direct/island.h"

@@ -145,8 +145,8 @@ bool closeChatter(Island& island, const ModePoint& ahead) {
   return any;
 }
 
-/// Impacts of what touches at mode.start, and what touches after them. Where energy is taken out, or
-/// a couple comes back as a spin, what has opened may approach again.
+/// Impacts of what touches at mode.start, and what touches after them. Where energy is taken out,
+/// or a couple comes back as a spin, what has opened may approach again.
 bool settleImpact(Island& island, const ModePoint& ahead, bool pressed) {
   for (int k = 0; k < kModeProjections; ++k) {
     findClosed(island, ahead, pressed, true);

@@ -55,9 +55,9 @@ struct FastLimit {
 
 /// A particle, or a stick between two particles of one link (attach among them).
 struct Feature {
-  int a = 0, b = -1;          ///< particles; b: -1 of a particle
-  int stick = -1;             ///< of the skeleton
-  int link = -1;              ///< -1: the root particle itself
+  int a = 0, b = -1;  ///< particles; b: -1 of a particle
+  int stick = -1;     ///< of the skeleton
+  int link = -1;      ///< -1: the root particle itself
   static constexpr int kOnAxis = -2;
   /// Points of the link that a and b are; -1: its attach; kOnAxis: a fold's axis ends there.
   int at[2] = {-1, -1};

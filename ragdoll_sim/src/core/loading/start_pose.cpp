@@ -208,8 +208,8 @@ void tellLengths(Model& model, const Ragdoll& r) {
   if (!worst) return;
   char by[32];
   std::snprintf(by, sizeof by, "%.1f mm", 1e3 * std::abs(off));
-  model.warnings.push_back("ragdoll '" + r.name + "': place leaves stick " +
-                           s.particles[worst->a] + "-" + s.particles[worst->b] + " " + by +
+  model.warnings.push_back("ragdoll '" + r.name + "': place leaves stick " + s.particles[worst->a] +
+                           "-" + s.particles[worst->b] + " " + by +
                            (off > 0 ? " too long" : " too short") +
                            ", the most of all; the first steps draw sticks to their lengths");
 }
