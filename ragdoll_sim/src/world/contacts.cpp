@@ -241,8 +241,9 @@ void Contacts::spread(const Model& model, const std::vector<Vec3>& rest) {
   for (ContactImpulse& c : step_) {
     if (isInner(c)) continue;
     c.impulse = (next++)->impulse;
-    // The spin that gives friction's couple back is no force along any normal of two bodies.
-    if (!gives && partnerOf(c) >= 0) c.normal = turnedIntoCone(c);
+    // The spin that gives friction's couple back is no force along any normal of two bodies, and on
+    // an edge the normal turns between parts of a step.
+    if (!gives) c.normal = turnedIntoCone(c);
   }
 }
 

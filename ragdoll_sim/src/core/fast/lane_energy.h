@@ -152,7 +152,8 @@ RAGDOLL_INLINE R motionShare(const R& before, const R& after, const R& work) {
   return atLeast((work + root) / atLeast(N(2) * after, N(1e-30)), N(0));
 }
 
-/// Draws back a motion that lifts a body by more than its energy: scales the coordinates.
+/// Draws back a motion that lifts a body by more than its energy: scales the coordinates. Little is
+/// left to the velocities' bound, as scaling takes momentum.
 template <class L>
 RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* lanes, L& w,
                                  const typename L::R& held) {
@@ -161,7 +162,7 @@ RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* 
   const R after = energyOf<L>(b, w.dx, 1 / (step.h * step.h));
   const R bound = select(less(R{}, held), energyBound(b, step, lanes, w, 0.5),  // w.dx: its middle
                          R{} + N(kNoBound));
-  const auto much = less(bound + N(kReportedShare) * after, after);
+  const auto much = less(bound + N(kUnseenShare) * after, after);
   if (!any(much)) return;
   const R share = motionShare(w.before, after, R(bound - w.before));
   const R scale = select(much, share, R{} + N(1));
@@ -184,7 +185,8 @@ RAGDOLL_INLINE void checkEnergy(const FastBody& b, const PackStep& step, const t
 }
 
 /// The same of the velocities at the end (w.dx, times h), against kept + slack. Where no obstacle
-/// takes momentum, motion against the rigid one with the same momenta alone, if that is enough.
+/// takes momentum, and where little is drawn back, motion against the rigid one with the same
+/// momenta alone, if that is enough: what obstacles gave stays within their cones.
 template <class L>
 RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, Lane* lanes, L& w,
                                      const typename L::R& kept, const typename L::R& slack,
@@ -203,7 +205,11 @@ RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, La
     w.v[i] = rate * w.dx[i];
   }
   dampInside(b, N(0), w);
-  const R rigid = select(less(R{}, touched), R{}, energyOf<L>(b, w.v, 1.0));
+  // What touches is scaled as a whole, as then nothing comes nearer, but for less than shows there.
+  const R alone = energyOf<L>(b, w.v, 1.0);
+  const auto shows = either(less(bound + N(kUnseenShare) * after, after), less(bound, alone));
+  const auto as_one = both(less(R{}, touched), shows);
+  const R rigid = select(as_one, R{}, alone);
   const R inside =
       select(much, atLeast(bound - rigid, N(0)) / atLeast(after - rigid, N(1e-30)), R{} + N(1));
   const R hung = select(less(R{}, touched), R{} + N(1), R{} + N(b.tree.roots[0].pinned ? 1 : 0));
@@ -211,7 +217,7 @@ RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, La
                          squareRoot(atLeast(bound, N(0)) / atLeast(rigid, N(1e-30))), R{} + N(1));
   const R scale = squareRoot(inside);
   for (int i = 0; i < n; ++i) {
-    const R base = select(less(R{}, touched), R{}, h * w.v[i]);
+    const R base = select(as_one, R{}, h * w.v[i]);
     w.dx[i] = select(much, whole * (base + scale * (w.spare[i] - base)), w.spare[i]);
   }
   for (int l = 0; l < L::W; ++l)

@@ -157,6 +157,7 @@ RAGDOLL_INLINE void addTouches(const Solid& o, const PairBatch<L>& batch,
         end.place = e == 0 ? over.lo : over.hi;
         end.at = k.at(end.place);
         end.distance = over.height + end.place * over.across;
+        take(e == 0 ? less(t.place, over.lo) : less(over.hi, t.place), t, end);  // over an edge
         const R radius = k.radius + k.taper * end.place;
         set(end, both(flat, less(end.distance - radius, batch.margin)), found[e]);
       }

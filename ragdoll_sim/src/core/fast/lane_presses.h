@@ -65,14 +65,14 @@ RAGDOLL_INLINE void push(L& w, const ContactRow<typename L::R>& row, const typen
   pushAlong<3>(row.feature->row, row.z, p, w);
 }
 
-/// Presses a row so that moved[0] comes to nothing, and rubs against the other two within the cone;
-/// moved: at the impulses (press, pull), which change by `change` where `takes` is true. most: the
-/// largest change of a sweep, [m]. Returns whether anything changes.
+/// Presses a row so that moved[0] comes to nothing, but not less than `least`, and rubs against the
+/// other two within the cone; moved: at the impulses (press, pull), which change by `change` where
+/// `takes` is true. most: the largest change of a sweep, [m]. Returns whether anything changes.
 template <class R, class M>
-RAGDOLL_INLINE bool solveRow(const ContactRow<R>& row, const R* moved, const M& takes, R& press,
-                             R* pull, R* change, R& most) {
+RAGDOLL_INLINE bool solveRow(const ContactRow<R>& row, const R* moved, const M& takes,
+                             const R& least, R& press, R* pull, R* change, R& most) {
   using N = typename tree::NumberOf<R>::Type;
-  const R pressed = select(takes, larger(press - moved[0] * row.inverse_normal, R{}), press);
+  const R pressed = select(takes, larger(press - moved[0] * row.inverse_normal, least), press);
   if (!any(either(less(R{}, pressed), less(R{}, press)))) return false;
   R wanted[2];
   for (int c = 0; c < 2; ++c) wanted[c] = pull[c] - row.inverse_tangent * moved[c + 1];
@@ -96,10 +96,10 @@ RAGDOLL_INLINE bool solveRow(const ContactRow<R>& row, const R* moved, const M& 
 
 template <class L>
 RAGDOLL_INLINE void pressRow(L& w, const ContactRow<typename L::R>& row, const typename L::R* moved,
-                             const typename L::Mask& takes, typename L::R& press,
-                             typename L::R* pull) {
+                             const typename L::Mask& takes, const typename L::R& least,
+                             typename L::R& press, typename L::R* pull) {
   typename L::R change[3];
-  if (solveRow(row, moved, takes, press, pull, change, w.change))
+  if (solveRow(row, moved, takes, least, press, pull, change, w.change))
     push(w, row, change[0], change + 1);
 }
 
@@ -110,7 +110,7 @@ RAGDOLL_SECTION void sweepContacts(L& w) {
     ContactRow<R>& row = w.contacts[w.awake[i]];
     R moved[3] = {row.gap, row.slip[0], row.slip[1]};
     addAlong<3>(w, row.feature->row, row.z, moved);
-    pressRow(w, row, moved, w.unsettled, row.press, row.pull);
+    pressRow(w, row, moved, w.unsettled, R{}, row.press, row.pull);
   }
 }
 

@@ -18,7 +18,7 @@ RAGDOLL_SECTION void sweepRates(L& w) {
     ContactRow<R>& row = w.contacts[w.pressing[i]];
     R rate[3] = {row.gap, row.slip[0], row.slip[1]};
     addAlong<3>(w, row.feature->row, row.z, rate);
-    pressRow(w, row, rate, w.unsettled, row.rate_press, row.rate_pull);
+    pressRow(w, row, rate, w.unsettled, row.stopped, row.rate_press, row.rate_pull);
   }
   for (int i = 0; i < w.pressing_limits; ++i) {
     LimitRow<R>& row = w.limits[w.pressing[w.pressing_contacts + i]];
@@ -29,21 +29,23 @@ RAGDOLL_SECTION void sweepRates(L& w) {
   w.unsettled = both(w.unsettled, less(R{} + w.settled, w.change));
 }
 
-/// Where a row that presses starts in the velocity stage: what pressed as hard before goes on, the
-/// rest was an impact. rate: [m] h times what its point does.
+/// Where a row that presses starts in the velocity stage: at all that it pressed with in the step,
+/// whose cone friction has, however much of an impact is in the motion already. Returns the share
+/// that goes on: what pressed as hard before. rate: [m] h times what its point does.
 template <class R, class M>
-RAGDOLL_INLINE void startRate(const M& presses, const V3<R>& rate, ContactRow<R>& row) {
+RAGDOLL_INLINE R startRate(const M& presses, const V3<R>& rate, ContactRow<R>& row) {
   using N = typename tree::NumberOf<R>::Type;
   row.inverse_normal = select(presses, row.inverse_normal, R{});
   row.inverse_tangent = select(presses, row.inverse_tangent, R{});
   row.gap = dot(row.axes[0], rate);
-  const R lasting = select(less(row.last, row.press), row.last, row.press);
-  const R share = lasting / atLeast(row.press, N(1e-30));
-  row.rate_press = share * row.press;
+  row.rate_press = row.press;
   for (int c = 0; c < 2; ++c) {
     row.slip[c] = dot(row.axes[c + 1], rate);
-    row.rate_pull[c] = share * row.pull[c];
+    row.rate_pull[c] = row.pull[c];
   }
+  const R lasting = select(less(row.last, row.press), row.last, row.press);
+  row.stopped = row.press - lasting;
+  return lasting / atLeast(row.press, N(1e-30));
 }
 
 /// Where the velocity stage starts: half of what pressed in the step, against half of gravity.
@@ -62,11 +64,13 @@ RAGDOLL_SECTION void startRates(const FastBody& b, const PackStep& step,
     if (!any(presses)) continue;
     *list++ = w.awake[i];
     const V3<R> rate = atFeature(*row.feature, row.weight, w.dx) + kick - row.motion;
-    startRate(presses, rate, row);
+    const R share = startRate(presses, rate, row);
     const R back = N(step.h) * row.restitution * row.approach;
     const auto impact = less(least, row.approach);
     row.gap = row.gap - select(impact, back, R{});
-    if (any(less(R{}, row.rate_press))) push(w, row, row.rate_press, row.rate_pull);
+    if (!any(less(R{}, share))) continue;
+    const R pull[2] = {share * row.pull[0], share * row.pull[1]};
+    push(w, row, share * row.press, pull);
   }
   w.pressing_contacts = static_cast<int>(list - w.pressing);
   const int* const limits = list;

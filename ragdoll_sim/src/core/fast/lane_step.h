@@ -278,12 +278,26 @@ RAGDOLL_INLINE typename L::Mask beganDeep(const L& w) {
   return both(deep, either(rests, less(R{} + N(0.5 * kNoBound), w.recovery)));
 }
 
+/// Where something is hit that comes too fast for a step that does not find when.
+template <class L>
+RAGDOLL_INLINE typename L::Mask isHit(const PackStep& step, const L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  auto hit = less(R{}, R{});
+  if (!std::isfinite(step.bounds.stopped)) return hit;
+  const R fast = R{} + N(step.bounds.stopped / step.h);
+  for (int i = 0; i < w.contact_count; ++i)
+    hit = either(hit, both(less(fast, w.contacts[i].approach), less(R{}, w.contacts[i].press)));
+  return hit;
+}
+
 /// What the rounds have not brought to its bounds is not for a pack (w.off above its own).
 template <class L>
 RAGDOLL_SECTION void checkBounds(const PackStep& step, L& w) {
   using R = typename L::R;
   using N = typename L::N;
-  w.off = select(either(tooDeep(step, w), beganDeep(w)), R{} + N(1), w.off);
+  const auto leaves = either(isHit(step, w), either(tooDeep(step, w), beganDeep(w)));
+  w.off = select(leaves, R{} + N(1), w.off);
   for (int i = 0; i < w.limit_count; ++i) {
     const LimitRow<R>& row = w.limits[i];
     if (row.limit->compliance > 0) continue;

@@ -31,7 +31,7 @@ RAGDOLL_SECTION bool sweepTogether(const PackStep& step, const Partners& all, Pa
       if (row.waits > 0) continue;
       R moved[3] = {row.gap, row.slip[0], row.slip[1]}, by[3];
       addBetween(pairs[k], moved);
-      if (solveRow(row, moved, true, row.press, row.pull, by, change))
+      if (solveRow(row, moved, true, R{}, row.press, row.pull, by, change))
         pushApart(pairs[k], by[0], by + 1);
     }
     forPartners<L>(all, [&change](const FastBody&, Lane*, L& w) {
@@ -116,7 +116,7 @@ RAGDOLL_SECTION void limitMotions(const PackStep& step, const Partners& all) {
     before += w.before;
     work += energyBound(b, step, lane, w, 0.5) - w.before;
   });
-  if (!(before + work + kReportedShare * after < after)) return;
+  if (!(before + work + kUnseenShare * after < after)) return;
   const double share = motionShare(before, after, work);
   forPartners<L>(all, [&](const FastBody& b, Lane* lane, L& w) {
     for (int k = 0; k < b.tree.size; ++k) w.q[k] = share * w.q[k];
@@ -141,8 +141,9 @@ RAGDOLL_SECTION void startAllRates(const PackStep& step, const Partners& all, Pa
     V3<R> rate = between(p, [](const L& w) { return w.dx; });
     if (!p.side[1].w) rate = rate + kick;
     if (!p.side[0].w) rate = rate - kick;
-    startRate(true, rate - turnedBy<L>(step.h, all.contacts[k], groups), p.row);
-    pushApart(p, p.row.rate_press, p.row.rate_pull);
+    const R share = startRate(true, rate - turnedBy<L>(step.h, all.contacts[k], groups), p.row);
+    const R pull[2] = {share * p.row.pull[0], share * p.row.pull[1]};
+    pushApart(p, share * p.row.press, pull);
   }
 }
 
@@ -157,7 +158,7 @@ RAGDOLL_SECTION void sweepAllRates(const PackStep& step, const Partners& all, Pa
       if (!(row.press > 0)) continue;
       R rate[3] = {row.gap, row.slip[0], row.slip[1]}, by[3];
       addBetween(pairs[k], rate);
-      if (solveRow(row, rate, true, row.rate_press, row.rate_pull, by, change))
+      if (solveRow(row, rate, true, row.stopped, row.rate_press, row.rate_pull, by, change))
         pushApart(pairs[k], by[0], by + 1);
     }
     unsettled = change > R(kSettledSpeed * step.h);
