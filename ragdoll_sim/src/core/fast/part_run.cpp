@@ -32,6 +32,8 @@ class Parts {
     const auto first = scratch.again.begin() + batch.begin;
     pack.again.assign(first, first + batch.count);
     n_ = 3 * scratch.bodies[batch.system].tree.particles;
+    const std::size_t room = 2 * n_ * pack.again.size();  // a worker may have had no pack before
+    if (pack.start.size() < room) pack.start.resize(room);
   }
 
   /// Leaves what does not come through either where it was.
