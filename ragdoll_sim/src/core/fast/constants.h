@@ -68,10 +68,9 @@ struct StepBounds {
 /// What leaves more is made again (kParts): the median of falls' penetrations is 0.6 to 0.8 mm,
 /// with 4 mm of particles 1.4 to 2.4, for a tenth of the time. Sticks at 3 mm: a fifth more of it.
 /// Energy, 2 J in a human: after 1 s of `hang` 70 mm off (without 266), with free joints 27 (798);
-/// what falls is hardly ever made again. Ways, as an impact's time is not found: 33 mm, 2 m/s at 60
-/// Hz, leave 0.7 of the error for 1.1 to 1.3 of the time of a body alone; 50 and 67 mm 0.73 and
-/// 0.8.
-constexpr StepBounds kOfStep = {0.0008, 0.008, 0.24, 0.033};
+/// what falls is hardly ever made again. Ways, as an impact's time is not found: 40 mm, 2.4 m/s at
+/// 60 Hz, leave 0.7 to 0.75 of the error; 33 mm 0.65 to 0.7 for 1.4 of the time on stairs, not 1.3.
+constexpr StepBounds kOfStep = {0.0008, 0.008, 0.24, 0.04};
 constexpr double kNone = std::numeric_limits<double>::infinity();
 /// What leaves more goes to shake.
 constexpr StepBounds kOfPart = {0.004, 0.015, kNone, kNone};
