@@ -242,8 +242,10 @@ void Contacts::spread(const Model& model, const std::vector<Vec3>& rest) {
     if (isInner(c)) continue;
     c.impulse = (next++)->impulse;
     // The spin that gives friction's couple back is no force along any normal of two bodies, and on
-    // an edge the normal turns between parts of a step.
-    if (!gives) c.normal = turnedIntoCone(c);
+    // an edge the normal turns between parts of a step; a plane has but one.
+    const bool plane =
+        c.obstacle >= 0 && model.obstacles[c.obstacle].type == ObstacleSpec::Type::kPlane;
+    if (!gives && !plane) c.normal = turnedIntoCone(c);
   }
 }
 
