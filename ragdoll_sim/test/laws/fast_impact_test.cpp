@@ -15,7 +15,7 @@ namespace {
 
 using namespace test;
 
-State after(Scene scene, Method method, double step, double seconds) {
+State stateAtEnd(Scene scene, Method method, double step, double seconds) {
   scene.solver.method = method;
   scene.solver.step = step;
   scene.solver.sleep = false;
@@ -58,8 +58,8 @@ TEST(FastImpact, RubsAlikeWheneverInTheStep) {
   std::vector<double> off;  // [m/s]
   for (int k = 0; k < 100; ++k) {
     const Scene scene = thrownTriangle(random);
-    const State exact = after(scene, Method::kShake, 1.0 / 8000, 0.38);
-    off.push_back(largest(after(scene, Method::kFast, 1.0 / 1000, 0.38).v - exact.v));
+    const State exact = stateAtEnd(scene, Method::kShake, 1.0 / 8000, 0.38);
+    off.push_back(largest(stateAtEnd(scene, Method::kFast, 1.0 / 1000, 0.38).v - exact.v));
   }
   std::sort(off.begin(), off.end());
   EXPECT_LT(off[50], 0.012);
@@ -85,8 +85,8 @@ Scene rodOverAnEdge(double dips) {
 TEST(FastImpact, OfARodOverAnEdgeIsAlongTheNormalThere) {
   for (const double dips : {0.02, 0.05, 0.1, 0.15}) {
     const Scene scene = rodOverAnEdge(dips);
-    const State exact = after(scene, Method::kShake, 1.0 / 8000, 0.04);
-    const State fast = after(scene, Method::kFast, 1.0 / 8000, 0.04);
+    const State exact = stateAtEnd(scene, Method::kShake, 1.0 / 8000, 0.04);
+    const State fast = stateAtEnd(scene, Method::kFast, 1.0 / 8000, 0.04);
     EXPECT_GT(std::abs(exact.v(0, 0)), 0.5 * dips);  // [m/s] hit aside
     EXPECT_LT(largest(fast.v - exact.v), 0.02) << dips;
   }
