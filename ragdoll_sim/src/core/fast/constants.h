@@ -63,13 +63,13 @@ constexpr double kTouchOverlap = 2e-3;  ///< [m] bodies that overlap by more tak
 struct StepBounds {
   double particle, stick;  ///< [m] in an obstacle, deeper than it was
   double missed;           ///< [m/s] of what touches none: as much energy as this speed has
-  double stopped;          ///< [m] of what would have been its way, of what is hit
+  double stopped;          ///< [m] by which what is hit would have gone on
 };
 /// What leaves more is made again (kParts): the median of falls' penetrations is 0.6 to 0.8 mm,
 /// with 4 mm of particles 1.4 to 2.4, for a tenth of the time. Sticks at 3 mm: a fifth more of it.
 /// Energy, 2 J in a human: after 1 s of `hang` 70 mm off (without 266), with free joints 27 (798);
 /// what falls is hardly ever made again. Ways, as an impact's time is not found: 40 mm, 2.4 m/s at
-/// 60 Hz, leave 0.7 to 0.75 of the error; 33 mm 0.65 to 0.7 for 1.4 of the time on stairs, not 1.3.
+/// 60 Hz, leave 0.7 to 0.75 of the error; 33 mm 0.65 to 0.7 for 1.5 of the time on stairs, not 1.4.
 constexpr StepBounds kOfStep = {0.0008, 0.008, 0.24, 0.04};
 constexpr double kNone = std::numeric_limits<double>::infinity();
 /// What leaves more goes to shake.

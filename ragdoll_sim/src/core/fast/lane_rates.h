@@ -18,7 +18,7 @@ RAGDOLL_SECTION void sweepRates(L& w) {
     ContactRow<R>& row = w.contacts[w.pressing[i]];
     R rate[3] = {row.gap, row.slip[0], row.slip[1]};
     addAlong<3>(w, row.feature->row, row.z, rate);
-    pressRow(w, row, rate, w.unsettled, row.stopped, row.rate_press, row.rate_pull);
+    pressRow(w, row, rate, w.unsettled, row.impact, row.rate_press, row.rate_pull);
   }
   for (int i = 0; i < w.pressing_limits; ++i) {
     LimitRow<R>& row = w.limits[w.pressing[w.pressing_contacts + i]];
@@ -44,7 +44,7 @@ RAGDOLL_INLINE R startRate(const M& presses, const V3<R>& rate, ContactRow<R>& r
     row.rate_pull[c] = row.pull[c];
   }
   const R lasting = select(less(row.last, row.press), row.last, row.press);
-  row.stopped = row.press - lasting;
+  row.impact = row.press - lasting;
   return lasting / atLeast(row.press, N(1e-30));
 }
 

@@ -158,7 +158,7 @@ RAGDOLL_SECTION void sweepAllRates(const PackStep& step, const Partners& all, Pa
       if (!(row.press > 0)) continue;
       R rate[3] = {row.gap, row.slip[0], row.slip[1]}, by[3];
       addBetween(pairs[k], rate);
-      if (solveRow(row, rate, true, row.stopped, row.rate_press, row.rate_pull, by, change))
+      if (solveRow(row, rate, true, row.impact, row.rate_press, row.rate_pull, by, change))
         pushApart(pairs[k], by[0], by + 1);
     }
     unsettled = change > R(kSettledSpeed * step.h);

@@ -39,7 +39,7 @@ struct ContactRow {
   R gap;                              ///< [m] at the present coordinates, less what is allowed
   R slip[2];                          ///< [m] along the tangents, likewise
   R rate_press, rate_pull[2];         ///< [kg m] of the step and the velocity stage
-  R stopped;                          ///< [kg m] of them, what an impact pressed with in the step
+  R impact;                           ///< [kg m] of them, what an impact pressed with in the step
 };
 
 template <class R>
