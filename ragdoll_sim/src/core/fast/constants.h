@@ -41,8 +41,9 @@ constexpr double kLocated = 2e-4;   ///< [m] a first touch is where the gap is l
 constexpr int kLocations = 5;       ///< tries at most
 constexpr double kGrazed = 5e-3;    ///< [m] what may enter by less on its way touches half way
 constexpr double kFlat = 2e-3;      ///< [m] flat: a stick's gap over a face varies by less
-constexpr double kStickTip = 0.02;  ///< of a stick: nearer to an end the particle touches
+constexpr double kStickTip = 0.002;  ///< of a stick: nearer to an end the particle touches
 
+constexpr double kHeld = 1e-3;  ///< of what a point answers with: less is held by its links
 constexpr double kBounce = 4;  ///< [g h] slower approaches do not bounce: they are rest
 
 constexpr double kMostSine2 = 0.9;     ///< a link that turns by more in a step is not for a pack

@@ -57,7 +57,7 @@ RAGDOLL_INLINE void setRows(const FastBody& b, L& w, ContactRow<typename L::R>& 
 /// What a push along a row's axes answers with: z . z.
 template <class R>
 struct Answer {
-  R own{}, first{}, second{}, mixed{};
+  R own{}, first{}, second{}, mixed{}, couple[2]{};
 
   /// share: 1, or -1 to take away.
   template <class N>
@@ -66,13 +66,35 @@ struct Answer {
     first += share * (a[1] * b[1]);
     second += share * (a[2] * b[2]);
     mixed += share * (a[1] * b[2]);
+    for (int c = 0; c < 2; ++c) couple[c] += share * (a[0] * b[c + 1]);
   }
 };
+
+/// The inverse of the whole block: what stops a point. It may have directions in which nothing
+/// moves it.
+template <class R>
+RAGDOLL_INLINE void setGrip(const Answer<R>& sum, ContactRow<R>& row) {
+  using N = typename tree::NumberOf<R>::Type;
+  const R whole = N(kHeld) * (sum.own + sum.first + sum.second);
+  const R n = sum.own + whole, s = sum.first + whole, t = sum.second + whole;
+  const R ns = sum.couple[0], nt = sum.couple[1], st = sum.mixed;
+  R* c = row.grip;
+  c[0] = s * t - st * st;
+  c[1] = nt * st - ns * t;
+  c[2] = ns * st - nt * s;
+  c[3] = n * t - nt * nt;
+  c[4] = ns * nt - n * st;
+  c[5] = n * s - ns * ns;
+  const R inverse = N(1) / atLeast(n * c[0] + ns * c[1] + nt * c[2], N(1e-30));
+  for (int k = 0; k < 6; ++k) c[k] = inverse * c[k];
+}
 
 /// The larger eigenvalue of the tangents' block.
 template <class R>
 RAGDOLL_INLINE void setAnswer(const Answer<R>& sum, ContactRow<R>& row) {
   using N = typename tree::NumberOf<R>::Type;
+  setGrip(sum, row);
+  for (int c = 0; c < 2; ++c) row.couple[c] = sum.couple[c];
   const R apart = sum.first - sum.second;
   const R largest =
       N(0.5) * (sum.first + sum.second + squareRoot(apart * apart + N(4) * sum.mixed * sum.mixed));
@@ -93,6 +115,8 @@ RAGDOLL_SECTION void setAnswer(const FastBody& b, L& w, ContactRow<typename L::R
     sum.first += z[3 * k + 1] * z[3 * k + 1];
     sum.second += z[3 * k + 2] * z[3 * k + 2];
     sum.mixed += z[3 * k + 1] * z[3 * k + 2];
+    sum.couple[0] += z[3 * k] * z[3 * k + 1];
+    sum.couple[1] += z[3 * k] * z[3 * k + 2];
   }
   setAnswer(sum, row);
 }

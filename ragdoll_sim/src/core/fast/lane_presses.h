@@ -65,6 +65,19 @@ RAGDOLL_INLINE void push(L& w, const ContactRow<typename L::R>& row, const typen
   pushAlong<3>(row.feature->row, row.z, p, w);
 }
 
+/// What stops the point altogether, and where that takes a pull within the cone.
+template <class R, class M>
+RAGDOLL_INLINE M gripped(const ContactRow<R>& row, const R* moved, const M& takes, const R& least,
+                         const R& press, const R* pull, R* stops) {
+  const R* c = row.grip;
+  stops[0] = press - (c[0] * moved[0] + c[1] * moved[1] + c[2] * moved[2]);
+  stops[1] = pull[0] - (c[1] * moved[0] + c[3] * moved[1] + c[4] * moved[2]);
+  stops[2] = pull[1] - (c[2] * moved[0] + c[4] * moved[1] + c[5] * moved[2]);
+  const R cone = row.friction * stops[0];
+  const auto within = less(stops[1] * stops[1] + stops[2] * stops[2], cone * cone);
+  return both(both(takes, less(R{}, row.inverse_normal)), both(within, less(least, stops[0])));
+}
+
 /// Presses a row so that moved[0] comes to nothing, but not less than `least`, and rubs against the
 /// other two within the cone; moved: at the impulses (press, pull), which change by `change` where
 /// `takes` is true. most: the largest change of a sweep, [m]. Returns whether anything changes.
@@ -72,18 +85,21 @@ template <class R, class M>
 RAGDOLL_INLINE bool solveRow(const ContactRow<R>& row, const R* moved, const M& takes,
                              const R& least, R& press, R* pull, R* change, R& most) {
   using N = typename tree::NumberOf<R>::Type;
-  const R pressed = select(takes, larger(press - moved[0] * row.inverse_normal, least), press);
+  R pressed = select(takes, larger(press - moved[0] * row.inverse_normal, least), press);
   if (!any(either(less(R{}, pressed), less(R{}, press)))) return false;
-  R wanted[2];
-  for (int c = 0; c < 2; ++c) wanted[c] = pull[c] - row.inverse_tangent * moved[c + 1];
+  R stops[3], wanted[2];
+  const auto grips = gripped(row, moved, takes, least, press, pull, stops);
+  for (int c = 0; c < 2; ++c)
+    wanted[c] = pull[c] - row.inverse_tangent * (moved[c + 1] + row.couple[c] * (pressed - press));
   const R size2 = wanted[0] * wanted[0] + wanted[1] * wanted[1], cone = row.friction * pressed;
   const auto slips = less(cone * cone, size2);
   if (any(slips)) {
     const R share = select(slips, cone / squareRoot(atLeast(size2, N(1e-30))), R{} + N(1));
     for (int c = 0; c < 2; ++c) wanted[c] = share * wanted[c];
   }
+  pressed = select(grips, stops[0], pressed);
   for (int c = 0; c < 2; ++c) {
-    wanted[c] = select(takes, wanted[c], pull[c]);
+    wanted[c] = select(grips, stops[c + 1], select(takes, wanted[c], pull[c]));
     change[c + 1] = wanted[c] - pull[c];
     most = larger(most, row.answer_tangent * (signOf(change[c + 1]) * change[c + 1]));
   }

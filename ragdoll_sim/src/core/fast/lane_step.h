@@ -285,7 +285,7 @@ RAGDOLL_INLINE typename L::Mask isHit(const PackStep& step, const L& w) {
   using N = typename L::N;
   auto hit = less(R{}, R{});
   if (!std::isfinite(step.bounds.stopped)) return hit;
-  const R fast = R{} + N(step.bounds.stopped / step.h);
+  const R fast = R{} + N(step.bounds.stopped * 60);
   for (int i = 0; i < w.contact_count; ++i)
     hit = either(hit, both(less(fast, w.contacts[i].approach), less(R{}, w.contacts[i].press)));
   return hit;

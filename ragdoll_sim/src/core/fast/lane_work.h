@@ -32,6 +32,8 @@ struct ContactRow {
   R allowed;      ///< [m] least gap that the step has to reach
   R friction, restitution, approach;
   R answer_normal, answer_tangent;    ///< [1/kg] the larger one of the tangents
+  R couple[2];                        ///< [1/kg] along the tangents, to a push along the normal
+  R grip[6];                          ///< [kg] inverse of all answers: nn, n1, n2, 11, 12, 22
   R waits;                            ///< 1 where there is a contact that takes no part
   R inverse_normal, inverse_tangent;  ///< 1 / answers; 0 where none takes part
   R press, last;                      ///< [kg m] along the normal, and in the last step
