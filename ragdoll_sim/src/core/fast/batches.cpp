@@ -134,6 +134,7 @@ void sortBodies(const Model& model, const State& state, const std::vector<int>& 
   s.batch_count = used;
   while (s.again_batches.size() < s.batches.size()) s.again_batches.emplace_back();
   s.again.reserve(model.ragdolls.size());
+  s.again_hits.reserve(model.ragdolls.size());
 }
 
 /// What packs have left, of all of them: in batches that are stepped in parts, or for the direct
@@ -141,11 +142,14 @@ void sortBodies(const Model& model, const State& state, const std::vector<int>& 
 void sortLeft(const StepContext& context, FastScratch& s, std::vector<int>& left) {
   const bool parts = stepsInParts(context, s);
   s.again.clear();
+  s.again_hits.clear();
   s.again_count = 0;
   for (int i = 0; i < s.batch_count;) {
     const int system = s.batches[i].system, begin = static_cast<int>(s.again.size());
-    for (; i < s.batch_count && s.batches[i].system == system; ++i)
+    for (; i < s.batch_count && s.batches[i].system == system; ++i) {
       append(s.batches[i].left, parts ? s.again : left);
+      if (parts) append(s.batches[i].hits, s.again_hits);
+    }
     addBatches(context.model, s.most_lanes, system, begin, static_cast<int>(s.again.size()),
                s.again_batches, s.again_count);
   }

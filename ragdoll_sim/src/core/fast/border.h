@@ -45,6 +45,10 @@ struct Lane {
   double* predicted = nullptr;      ///< [m] 3 n, out: where the free motion leads; may be null
   const double* force = nullptr;    ///< [N] 3 n of pokes; null: none
   double pin[3] = {0, 0, 0};        ///< [m] motion of the pin
+  double h = 0;                     ///< [s] of its step, or part of one
+  double keep = 1;                  ///< of velocities, damping
+  double keep_inner = 1;            ///< of velocities against the rigid motion, joint damping
+  StepBounds bounds = kOfPart;      ///< what leaves more is not for a pack
   bool driven = false;              ///< pins or obstacles move: they may give it energy
   LaneContact* contacts = nullptr;  ///< with solids; out of `predict`, in of `finish`
   int contact_count = 0, contact_room = 0;
@@ -55,6 +59,7 @@ struct Lane {
   LaneImpulse* impulses = nullptr;  ///< in: of the last step; out: room for impulse_room
   int impulse_count = 0;
   bool good = true;       ///< out: x and v are there
+  double hit = 1;         ///< out: share of the step after which it is hit too fast for one; 1: not
   bool pressed = false;   ///< out: an obstacle pressed
   bool limited = false;   ///< out: its energy was limited
   bool deep = false;      ///< out: something may be deep in a solid
@@ -84,15 +89,13 @@ struct Solid {
 };
 
 struct PackStep {
-  double h = 0;  ///< [s]
+  double h = 0;  ///< [s] of bodies that take it together; else each lane has its own
   double gravity[3] = {0, 0, 0};
-  double keep = 1;        ///< of velocities, damping
-  double keep_inner = 1;  ///< of velocities against the rigid motion, joint damping
   const StillPlane* planes = nullptr;
   int plane_count = 0;
   const Solid* solids = nullptr;
   int solid_count = 0;
-  StepBounds bounds = kOfPart;  ///< what leaves more is not for a pack
+  StepBounds bounds = kOfPart;  ///< the least of the lanes'
   bool whole = true;  ///< `predicted` of all lanes is wanted; else of those with what is left over
 };
 

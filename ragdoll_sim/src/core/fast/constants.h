@@ -11,11 +11,12 @@ constexpr int kNewton = 3;     ///< linearised solves a step
 constexpr int kMostRounds = 6;
 constexpr int kSweeps = 4;                ///< Gauss-Seidel sweeps of each
 constexpr int kRateSweeps = 20;           ///< of the velocities at the end
-constexpr int kSweepsTogether = 8;        ///< of bodies that touch each other
+constexpr int kSweepsTogether = 16;       ///< of bodies that touch each other: heaps sink with 8
 constexpr double kSettledSpeed = 1.2e-4;  ///< [m/s], [rad/s] sweeps that change less are the last
 constexpr double kSettled = 1e-6;  ///< [rad] linearised solves that leave less, by second order
 
-constexpr double kRecovery = 0.2;  ///< of a violation, undone a step; 1 throws bodies up
+constexpr double kRecovery = 0.2;     ///< of a violation, undone a step; 1 throws bodies up
+constexpr double kRecoveryRate = 48;  ///< [1/s] of it: in short parts no faster
 // As near boxes, spheres and capsules are looked for at most, beyond where the free motion leads:
 // what contacts and joints may turn it aside by in a step.
 constexpr double kMargin = 0.05;  ///< [m] at most
@@ -34,16 +35,18 @@ constexpr double kOwnTurn = 2;       ///< times what a link turns by, where no o
 constexpr double kLeastSine = 0.2;   ///< of a limit's angle: nearer to a pole its cosine is flat
 
 // How solids are looked for in packs.
-constexpr double kOnCore = 1e-9;    ///< [m] nearer there is no direction; guards divisions
-constexpr double kInside = 1e-6;    ///< [m] a stick's axis nearer to a core runs through it
-constexpr double kTouching = 1e-4;  ///< [m] what is as near does not come to touch
-constexpr double kLocated = 2e-4;   ///< [m] a first touch is where the gap is less
-constexpr int kLocations = 5;       ///< tries at most
-constexpr double kGrazed = 5e-3;    ///< [m] what may enter by less on its way touches half way
-constexpr double kFlat = 2e-3;      ///< [m] flat: a stick's gap over a face varies by less
+constexpr double kOnCore = 1e-9;     ///< [m] nearer there is no direction; guards divisions
+constexpr double kInside = 1e-6;     ///< [m] a stick's axis nearer to a core runs through it
+constexpr double kTouching = 1e-4;   ///< [m] what is as near does not come to touch
+constexpr double kLocated = 2e-4;    ///< [m] a first touch is where the gap is less
+constexpr int kLocations = 5;        ///< tries at most
+constexpr double kGrazed = 5e-3;     ///< [m] what may enter by less on its way touches half way
+constexpr double kFlat = 2e-3;       ///< [m] flat: a stick's gap over a face varies by less
 constexpr double kStickTip = 0.002;  ///< of a stick: nearer to an end the particle touches
 
-constexpr double kHeld = 1e-3;  ///< of what a point answers with: less is held by its links
+/// Of the product of what a point answers with along its axes, the determinant: with less it is
+/// held by its links. Single precision tells no less.
+constexpr double kHeld = 1e-5;
 constexpr double kBounce = 4;  ///< [g h] slower approaches do not bounce: they are rest
 
 constexpr double kMostSine2 = 0.9;     ///< a link that turns by more in a step is not for a pack
@@ -64,14 +67,18 @@ constexpr double kTouchOverlap = 2e-3;  ///< [m] bodies that overlap by more tak
 struct StepBounds {
   double particle, stick;  ///< [m] in an obstacle, deeper than it was
   double missed;           ///< [m/s] of what touches none: as much energy as this speed has
-  double stopped;          ///< [m] by which what is hit would have gone on
+  double stopped;          ///< [m/s] what comes faster is hit at a time that is looked for
 };
 /// What leaves more is made again (kParts): the median of falls' penetrations is 0.6 to 0.8 mm,
 /// with 4 mm of particles 1.4 to 2.4, for a tenth of the time. Sticks at 3 mm: a fifth more of it.
 /// Energy, 2 J in a human: after 1 s of `hang` 70 mm off (without 266), with free joints 27 (798);
-/// what falls is hardly ever made again. Ways, as an impact's time is not found: 40 mm, 2.4 m/s at
-/// 60 Hz, leave 0.7 to 0.75 of the error; 33 mm 0.65 to 0.7 for 1.5 of the time on stairs, not 1.4.
-constexpr StepBounds kOfStep = {0.0008, 0.008, 0.24, 0.04};
+/// what falls is hardly ever made again. Impacts, found in time: 1 m/s leaves 0.8 of the error that
+/// 2 m/s leave, for 1.2 of the instructions.
+constexpr StepBounds kOfStep = {0.0008, 0.008, 0.24, 2};
+constexpr double kStopReach = 4;           ///< [rad/m] of limits' speeds
+constexpr double kImpactShare = 1.0 / 16;  ///< of the step: a part that has an impact
+constexpr double kBeforeImpact = 0.9;      ///< of that part
+constexpr int kMostFound = 6;              ///< impacts of a body in a step
 constexpr double kNone = std::numeric_limits<double>::infinity();
 /// What leaves more goes to shake.
 constexpr StepBounds kOfPart = {0.004, 0.015, kNone, kNone};
@@ -94,7 +101,7 @@ constexpr double kNoBound = 1e30;  ///< [J]
 constexpr double kGuessSine2 = 0.1;
 
 constexpr double kReportedShare = 1e-6;  ///< of a motion: less that is drawn back is rounding
-constexpr double kUnseenShare = 1e-3;    ///< of an energy: less hardly moves what touches
+constexpr double kUnseenShare = 5e-3;    ///< of an energy: less hardly moves what touches
 
 constexpr int kSlots = 4;  ///< contacts of one particle or stick beside those with planes
 

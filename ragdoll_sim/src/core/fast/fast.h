@@ -33,11 +33,23 @@ struct Batch {
   int begin = 0, count = 0;  ///< of FastScratch::order, or `again`
   Roomy<CachedImpulse> impulses;
   Roomy<int> left;     ///< ragdolls for the direct method
+  Roomy<double> hits;  ///< of these: Lane::hit
   Roomy<int> limited;  ///< ragdolls whose energy was limited
   int contacts = 0;
 };
 
 struct IslandRoom;
+
+/// The part of a step that a body takes next.
+struct PartTask {
+  int ragdoll = 0;
+  double done = 0, share = 1;  ///< of the step: before it, and it
+  double last = 1;             ///< share of the part before
+  StepBounds bounds = kOfPart;
+  bool even = false;     ///< the step goes on in kParts
+  bool strikes = false;  ///< the part after this one has an impact
+  int found = 0;         ///< impacts whose time was found
+};
 
 /// What one pack is prepared in.
 struct PackScratch {
@@ -51,8 +63,10 @@ struct PackScratch {
   Roomy<Contact> found;
   PairDetector detector;
   Points predicted;           ///< [m] 3 x N: where free motions lead; of the pack's bodies only
-  Batch parts[2];             ///< of a step in parts, in turn
+  Batch part;                 ///< of a step in parts
   Roomy<int> again, moving;   ///< ragdolls that are stepped in parts; that came through so far
+  Roomy<PartTask> parts;      ///< of those that move
+  Roomy<CachedImpulse> last;  ///< what they pressed with in the part before
   std::vector<double> start;  ///< x and v of these before: 6 n each
 };
 
@@ -65,6 +79,7 @@ struct FastScratch {
   std::vector<std::pair<std::uint32_t, int>> pressed;  ///< of a system: links that did, ragdoll
   std::vector<fast::Batch> batches;
   std::vector<int> again;  ///< ragdolls that packs have left and are stepped in parts, likewise
+  std::vector<double> again_hits;  ///< of these: Lane::hit
   std::vector<fast::Batch> again_batches;
   int batch_count = 0, again_count = 0;  ///< of these that are in use
   std::vector<SweptObstacle> obstacles;  ///< but planes

@@ -88,7 +88,7 @@ class IslandRun {
   bool findPairs() {
     margin_ = 0;
     for (std::size_t k = 0; k < bodies_.size(); ++k)
-      margin_ = std::max(margin_, room_.runs[k].searchMargin(bodies_[k]));
+      margin_ = std::max(margin_, room_.runs[k].searchMargin(0));
     search(room_.predicted, PairSearch::touches(margin_), room_.found);
     room_.pairs.clear();
     for (std::size_t k = 0; k < room_.found.size(); ++k)
@@ -167,7 +167,7 @@ class IslandRun {
   bool holds() {
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
       const Lane& lane = room_.runs[k].firstLane();
-      if (!lane.good || (lane.deep && room_.runs[k].sinks(bodies_[k]))) return false;
+      if (!lane.good || (lane.deep && room_.runs[k].sinks(0))) return false;
     }
     if (!wentAstray()) return true;
     search(room_.tried, PairSearch::overlaps(kOfPart.particle), room_.overlaps);
@@ -243,7 +243,7 @@ bool stepInParts(const StepContext& context, const FastScratch& scratch, IslandR
       return false;
     }
     last = &own.impulses;
-    addPart(own.impulses, part + 1 == kParts, outcome.impulses);
+    addPart(own.impulses, -1, 1.0 / kParts, part + 1 == kParts, outcome.impulses);
   }
   Outcome& end = room.parts[(kParts - 1) % 2];
   outcome.report = end.report;

@@ -70,13 +70,12 @@ struct Answer {
   }
 };
 
-/// The inverse of the whole block: what stops a point. It may have directions in which nothing
-/// moves it.
+/// The inverse of the whole block, which stops a point. A point that some push hardly moves, as one
+/// on a rod that a pin holds, has none: 0.
 template <class R>
 RAGDOLL_INLINE void setGrip(const Answer<R>& sum, ContactRow<R>& row) {
   using N = typename tree::NumberOf<R>::Type;
-  const R whole = N(kHeld) * (sum.own + sum.first + sum.second);
-  const R n = sum.own + whole, s = sum.first + whole, t = sum.second + whole;
+  const R n = sum.own, s = sum.first, t = sum.second;
   const R ns = sum.couple[0], nt = sum.couple[1], st = sum.mixed;
   R* c = row.grip;
   c[0] = s * t - st * st;
@@ -85,7 +84,9 @@ RAGDOLL_INLINE void setGrip(const Answer<R>& sum, ContactRow<R>& row) {
   c[3] = n * t - nt * nt;
   c[4] = ns * nt - n * st;
   c[5] = n * s - ns * ns;
-  const R inverse = N(1) / atLeast(n * c[0] + ns * c[1] + nt * c[2], N(1e-30));
+  const R whole = n * c[0] + ns * c[1] + nt * c[2];
+  const R inverse =
+      select(less(N(kHeld) * (n * s * t), whole), N(1) / atLeast(whole, N(1e-30)), R{});
   for (int k = 0; k < 6; ++k) c[k] = inverse * c[k];
 }
 
@@ -190,7 +191,7 @@ RAGDOLL_INLINE void warmPlanes(const PackStep& step, const Lane* lanes, L& w) {
   for (int l = 0; l < L::W; ++l)
     for (int k = 0; k < lanes[l].impulse_count; ++k) {
       const LaneImpulse& press = lanes[l].impulses[k];
-      const double share = 0.5 * step.h * step.h;
+      const double share = 0.5 * lanes[l].h * lanes[l].h;
       for (int p = 0; p < step.plane_count; ++p) {
         const int at = w.row_of[press.feature * w.slots + p];
         if (step.planes[p].obstacle != press.obstacle || at < 0) continue;
@@ -217,15 +218,14 @@ RAGDOLL_INLINE void setTangents(ContactRow<R>& row) {
 
 /// Tangents; where the row starts, and at which impulse.
 template <class L>
-RAGDOLL_SECTION void setStart(const PackStep& step, const L& w, ContactRow<typename L::R>& row) {
+RAGDOLL_SECTION void setStart(const L& w, ContactRow<typename L::R>& row) {
   using R = typename L::R;
-  using N = typename L::N;
   setTangents(row);
   const V3<R> n = row.axes[0];
   row.start += dot(n, atFeature(*row.feature, row.weight, w.x));
   const R moved = dot(n, row.motion), before = row.start + moved;
-  row.allowed = allowedOf(before, w.recovery);
-  row.approach = N(1 / step.h) * moved - dot(n, atFeature(*row.feature, row.weight, w.v));
+  row.allowed = allowedOf(before, w.opens, w.recovery);
+  row.approach = w.rate * moved - dot(n, atFeature(*row.feature, row.weight, w.v));
 }
 
 /// All rows, in the order of features, then slots, whichever lanes have them.
@@ -252,13 +252,13 @@ RAGDOLL_SECTION void setContacts(const FastBody& b, const PackStep& step, const 
     for (int k = 0; k < lanes[l].contact_count; ++k) {
       const LaneContact& c = lanes[l].contacts[k];
       const int at = w.row_of[c.feature * w.slots + c.slot];
-      setLaneContact<L>(c, l, w.contacts[at], 0.5 * step.h * step.h);
+      setLaneContact<L>(c, l, w.contacts[at], 0.5 * lanes[l].h * lanes[l].h);
       w.obstacle_of[at * L::W + l] = c.obstacle;
     }
   warmPlanes(step, lanes, w);
   for (int i = 0; i < w.contact_count; ++i) {
     ContactRow<R>& row = w.contacts[i];
-    setStart(step, w, row);
+    setStart(w, row);
     w.met = either(w.met, less(R{}, row.waits));
   }
 }

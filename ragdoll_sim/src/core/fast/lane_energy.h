@@ -7,7 +7,8 @@ namespace ragdoll::fast {
 
 /// [J] of the particles' motion by dx in a time whose square is 1 / rate2.
 template <class L>
-RAGDOLL_SECTION typename L::R energyOf(const FastBody& b, const typename L::R* dx, double rate2) {
+RAGDOLL_SECTION typename L::R energyOf(const FastBody& b, const typename L::R* dx,
+                                       const typename L::R& rate2) {
   using R = typename L::R;
   using N = typename L::N;
   R sum{};
@@ -21,7 +22,7 @@ RAGDOLL_SECTION typename L::R energyOf(const FastBody& b, const typename L::R* d
     }
     sum += dot(p, d);
   }
-  return N(rate2) * sum;
+  return rate2 * sum;
 }
 
 /// [kg m^2] Of particles about a point: sums of m r^T.
@@ -58,7 +59,7 @@ RAGDOLL_INLINE V3<R> spinOf(const SecondMoments<R>& s, const V3<R>& angular) {
 /// As joint_damping.h: velocities against those of the rigid motion with the same momenta. w.dx:
 /// used.
 template <class L>
-RAGDOLL_SECTION void dampInside(const FastBody& b, typename L::N keep, L& w) {
+RAGDOLL_SECTION void dampInside(const FastBody& b, const typename L::R& keep, L& w) {
   using R = typename L::R;
   using N = typename L::N;
   const Tree& t = b.tree;
@@ -110,17 +111,16 @@ RAGDOLL_INLINE double massOf(const FastBody& b) {
 /// [J] of the velocities w.v, from the momentum of the free motion h v + fall (w.tree.force), whose
 /// sum is w.whole.
 template <class L>
-RAGDOLL_INLINE typename L::R energyBefore(const FastBody& b, double h,
-                                          const V3<typename L::R>& fall, const L& w) {
+RAGDOLL_INLINE typename L::R energyBefore(const FastBody& b, const V3<typename L::R>& fall,
+                                          const L& w) {
   using R = typename L::R;
   using N = typename L::N;
   R sum{};
   for (int i = 0; i < 3 * b.tree.particles; i += 3)
     sum += dot(load3(w.tree.force + i), load3(w.v + i));
   // What `fall` has of that: fall . sum of m v.
-  const N rate = N(1 / h);
-  const V3<R> momentum = rate * (w.whole - N(massOf(b)) * fall);
-  return N(0.5) * rate * (sum - dot(fall, momentum));
+  const V3<R> momentum = w.rate * (w.whole - N(massOf(b)) * fall);
+  return N(0.5) * w.rate * (sum - dot(fall, momentum));
 }
 
 /// [J] that a body may have after a share of the step: what it had, and the work of forces along
@@ -136,7 +136,7 @@ typename L::R energyBound(const FastBody& b, const PackStep& step, const Lane* l
       const int k = 3 * i + c;
       const R moved = N(share) * w.dx[k];
       bound += N(b.tree.mass[i] * step.gravity[c]) * moved;
-      if (w.forced) bound += N(1 / (step.h * step.h)) * w.force[k] * moved;
+      if (w.forced) bound += w.rate * w.rate * w.force[k] * moved;
     }
   for (int l = 0; l < L::W; ++l)
     if (lanes[l].driven) setLane(bound, l, N(kNoBound));
@@ -159,7 +159,7 @@ RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* 
                                  const typename L::R& held) {
   using R = typename L::R;
   using N = typename L::N;
-  const R after = energyOf<L>(b, w.dx, 1 / (step.h * step.h));
+  const R after = energyOf<L>(b, w.dx, w.rate * w.rate);
   const R bound = select(less(R{}, held), energyBound(b, step, lanes, w, 0.5),  // w.dx: its middle
                          R{} + N(kNoBound));
   const auto much = less(bound + N(kUnseenShare) * after, after);
@@ -174,39 +174,42 @@ RAGDOLL_SECTION void limitMotion(const FastBody& b, const PackStep& step, Lane* 
 /// What touches no obstacle has its energy, but for what limits take in an impact: what it misses
 /// tells how far the step has gone astray.
 template <class L>
-RAGDOLL_INLINE void checkEnergy(const FastBody& b, const PackStep& step, const typename L::R& kept,
+RAGDOLL_INLINE void checkEnergy(const FastBody& b, const Lane* lanes, const typename L::R& kept,
                                 const typename L::R& after, const typename L::R& touched, L& w) {
   using R = typename L::R;
   using N = typename L::N;
-  const N most = N(0.5 * step.bounds.missed * step.bounds.missed * massOf(b));
+  R most;
+  for (int l = 0; l < L::W; ++l) {
+    const double missed = lanes[l].bounds.missed;
+    setLane(most, l, N(0.5 * missed * missed * massOf(b)));
+  }
   const R missed = signOf(after - kept) * (after - kept);
   const auto known = both(less(touched, R{} + N(0.5)), less(kept, R{} + N(0.5 * kNoBound)));
-  w.off = select(both(known, less(R{} + most, missed)), R{} + N(1), w.off);
+  w.off = select(both(known, less(most, missed)), R{} + N(1), w.off);
 }
 
 /// The same of the velocities at the end (w.dx, times h), against kept + slack. Where no obstacle
 /// takes momentum, and where little is drawn back, motion against the rigid one with the same
 /// momenta alone, if that is enough: what obstacles gave stays within their cones.
 template <class L>
-RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, Lane* lanes, L& w,
+RAGDOLL_SECTION void limitVelocities(const FastBody& b, Lane* lanes, L& w,
                                      const typename L::R& kept, const typename L::R& slack,
                                      const typename L::R& touched) {
   using R = typename L::R;
   using N = typename L::N;
   const int n = 3 * b.tree.particles;
-  const N h = N(step.h), rate = N(1 / step.h);
-  const R after = energyOf<L>(b, w.dx, 1 / (step.h * step.h));
-  if (std::isfinite(step.bounds.missed)) checkEnergy(b, step, kept, after, touched, w);
+  const R after = energyOf<L>(b, w.dx, w.rate * w.rate);
+  checkEnergy(b, lanes, kept, after, touched, w);
   const R bound = kept + slack;
   const auto much = less(bound + N(kReportedShare) * after, after);
   if (!any(much)) return;
   for (int i = 0; i < n; ++i) {
     w.spare[i] = w.dx[i];
-    w.v[i] = rate * w.dx[i];
+    w.v[i] = w.rate * w.dx[i];
   }
-  dampInside(b, N(0), w);
+  dampInside(b, R{}, w);
   // What touches is scaled as a whole, as then nothing comes nearer, but for less than shows there.
-  const R alone = energyOf<L>(b, w.v, 1.0);
+  const R alone = energyOf<L>(b, w.v, R{} + N(1));
   const auto shows = either(less(bound + N(kUnseenShare) * after, after), less(bound, alone));
   const auto as_one = both(less(R{}, touched), shows);
   const R rigid = select(as_one, R{}, alone);
@@ -217,7 +220,7 @@ RAGDOLL_SECTION void limitVelocities(const FastBody& b, const PackStep& step, La
                          squareRoot(atLeast(bound, N(0)) / atLeast(rigid, N(1e-30))), R{} + N(1));
   const R scale = squareRoot(inside);
   for (int i = 0; i < n; ++i) {
-    const R base = select(as_one, R{}, h * w.v[i]);
+    const R base = select(as_one, R{}, w.h * w.v[i]);
     w.dx[i] = select(much, whole * (base + scale * (w.spare[i] - base)), w.spare[i]);
   }
   for (int l = 0; l < L::W; ++l)

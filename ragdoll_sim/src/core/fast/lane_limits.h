@@ -36,7 +36,7 @@ RAGDOLL_INLINE auto wake(const FastBody& b, L& w, LimitRow<typename L::R>& row) 
 
 /// Rows of the limits that the free motion (where w is) comes near, or that pressed.
 template <class L>
-RAGDOLL_SECTION void setLimits(const FastBody& b, const PackStep& step, L& w) {
+RAGDOLL_SECTION void setLimits(const FastBody& b, L& w) {
   using N = typename L::N;
   using R = typename L::R;
   w.limit_count = 0;
@@ -54,16 +54,18 @@ RAGDOLL_SECTION void setLimits(const FastBody& b, const PackStep& step, L& w) {
     row.z = nullptr;
     const R violated = select(less(start, R{}), start, R{});
     row.compliance = R{};
-    row.allowed = allowedOf(start, N(kTurnReach) * w.recovery);
+    row.allowed = allowedOf(start, w.opens, R(N(kTurnReach) * w.recovery));
     if (limit.compliance > 0) {  // docs/equations.md#soft
-      const double spring = 1 / limit.compliance, damper = limit.damping / step.h;
-      row.compliance = R{} + N(2 / (step.h * step.h * (spring + damper)));
-      row.allowed = N(damper / (spring + damper)) * violated;
+      const R damper = N(limit.damping) * w.rate, whole = N(1 / limit.compliance) + damper;
+      row.compliance = N(2) * w.rate * w.rate / whole;
+      row.allowed = damper / whole * violated;
     }
     row.answer = row.inverse = R{};
     row.waits = select(near, R{} + N(1), R{});
     row.press = row.last = select(near, press, R{});
     row.value = there - row.allowed;
+    row.start = start;
+    row.free = there;
     wake(b, w, row);
   }
 }

@@ -120,7 +120,7 @@ RAGDOLL_INLINE void setPair(const PackStep& step, const Partners& all, const Pai
   R recovery{};
   for (const PairSide<L>& s : p.side)
     if (s.w) recovery = larger(recovery, s.w->recovery);
-  row.allowed = allowedOf(row.start, recovery);
+  row.allowed = allowedOf(row.start, R(kRecovery), recovery);
 }
 
 /// As measureContacts. turned: [m] what does not count as slip.
@@ -140,9 +140,9 @@ RAGDOLL_INLINE bool measurePair(const V3<typename L::R>& turned, PairRow<L>& p) 
 }
 
 template <class L>
-RAGDOLL_INLINE bool tooDeep(const PackStep& step, const PairRow<L>& p) {
+RAGDOLL_INLINE bool tooDeep(const StepBounds& bounds, const PairRow<L>& p) {
   const ContactRow<typename L::R>& row = p.row;
-  return row.gap + row.allowed < -step.bounds.particle && row.gap < -kWorse * step.bounds.particle;
+  return row.gap + row.allowed < -bounds.particle && row.gap < -kWorse * bounds.particle;
 }
 
 /// As of a body's own rows (lane_step.h), where both rest: what moves opens it itself.

@@ -75,7 +75,8 @@ RAGDOLL_INLINE M gripped(const ContactRow<R>& row, const R* moved, const M& take
   stops[2] = pull[1] - (c[2] * moved[0] + c[4] * moved[1] + c[5] * moved[2]);
   const R cone = row.friction * stops[0];
   const auto within = less(stops[1] * stops[1] + stops[2] * stops[2], cone * cone);
-  return both(both(takes, less(R{}, row.inverse_normal)), both(within, less(least, stops[0])));
+  const auto may = both(less(R{}, row.inverse_normal), less(R{}, c[0]));
+  return both(both(takes, may), both(within, less(least, stops[0])));
 }
 
 /// Presses a row so that moved[0] comes to nothing, but not less than `least`, and rubs against the

@@ -26,7 +26,7 @@ RAGDOLL_SECTION void sweepRates(L& w) {
     addAlong<1>(w, row.limit->row, row.z, &rate);
     pressLimit(w, row, rate, row.allowed);
   }
-  w.unsettled = both(w.unsettled, less(R{} + w.settled, w.change));
+  w.unsettled = both(w.unsettled, less(w.settled, w.change));
 }
 
 /// Where a row that presses starts in the velocity stage: at all that it pressed with in the step,
@@ -56,7 +56,7 @@ RAGDOLL_SECTION void startRates(const FastBody& b, const PackStep& step,
   using N = typename L::N;
   const double g = std::sqrt(step.gravity[0] * step.gravity[0] + step.gravity[1] * step.gravity[1] +
                              step.gravity[2] * step.gravity[2]);
-  const R least = R{} + N(kBounce * g * step.h);
+  const R least = N(kBounce * g) * w.h;
   int* list = w.pressing;
   for (int i = 0; i < w.awake_count; ++i) {
     ContactRow<R>& row = w.contacts[w.awake[i]];
@@ -65,7 +65,7 @@ RAGDOLL_SECTION void startRates(const FastBody& b, const PackStep& step,
     *list++ = w.awake[i];
     const V3<R> rate = atFeature(*row.feature, row.weight, w.dx) + kick - row.motion;
     const R share = startRate(presses, rate, row);
-    const R back = N(step.h) * row.restitution * row.approach;
+    const R back = w.h * row.restitution * row.approach;
     const auto impact = less(least, row.approach);
     row.gap = row.gap - select(impact, back, R{});
     if (!any(less(R{}, share))) continue;
@@ -109,8 +109,8 @@ RAGDOLL_SECTION void holdVelocities(const FastBody& b, L& w) {
 
 /// [m] Half a step of gravity, of velocities times h.
 template <class L>
-RAGDOLL_INLINE V3<typename L::R> kickOf(const PackStep& step) {
-  return typename L::N(0.5 * step.h * step.h) * spread3<L>(step.gravity);
+RAGDOLL_INLINE V3<typename L::R> kickOf(const PackStep& step, const L& w) {
+  return w.half * spread3<L>(step.gravity);
 }
 
 /// What the velocity stage's rows have pushed (w.y) goes into w.dx.
@@ -133,7 +133,7 @@ RAGDOLL_INLINE void endRates(const FastBody& b, const V3<typename L::R>& kick, L
 template <class L>
 RAGDOLL_SECTION void endVelocities(const FastBody& b, const PackStep& step, L& w) {
   using R = typename L::R;
-  const V3<typename L::R> kick = kickOf<L>(step);
+  const V3<typename L::R> kick = kickOf(step, w);
   if (w.contact_count + w.limit_count > 0) {
     for (int k = 0; k < b.tree.size; ++k) w.y[k] = typename L::R{};
     startRates(b, step, kick, w);

@@ -145,8 +145,7 @@ RAGDOLL_SECTION void findSolids(const FastBody& b, const PackStep& step, Lane* l
   using R = typename L::R;
   using N = typename L::N;
   if (step.solid_count == 0) return;
-  const R margin =
-      smaller(R{} + N(kMargin < kAside * step.h ? kMargin : kAside * step.h), w.margin);
+  const R margin = smaller(smaller(R{} + N(kMargin), N(kAside) * w.h), w.margin);
   V3<R> centre, half;
   setBounds<L>(
       b, [&](int i) { return w.x + 3 * i; }, margin + w.travel, centre, half);

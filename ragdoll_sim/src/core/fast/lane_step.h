@@ -41,7 +41,12 @@ RAGDOLL_SECTION void load(const FastBody& b, const PackStep& step, const Lane* l
   for (int l = 0; l < L::W; ++l) {
     const Lane& lane = lanes[l];
     for (int c = 0; c < L::W + 3; ++c) w.origin[l][c] = lane.x[root + c % 3];
-    const double share = 0.5 * step.h * step.h;
+    const double share = 0.5 * lane.h * lane.h;
+    setLane(w.h, l, N(lane.h));
+    setLane(w.rate, l, N(1 / lane.h));
+    setLane(w.half, l, N(share));
+    setLane(w.bound, l, N(lane.bounds.particle));
+    setLane(w.opens, l, N(std::min(kRecovery, kRecoveryRate * lane.h)));
     for (int i = 0; i < (lane.limits_pressed ? limits : 0); ++i)
       setLane(w.last_press[i], l, N(share * lane.limit_impulse[i]));
     for (int p = 0; p < step.plane_count; ++p)
@@ -57,11 +62,10 @@ RAGDOLL_SECTION void load(const FastBody& b, const PackStep& step, const Lane* l
   gatherLanes<L>(
       n, [&](int l) { return lanes[l].v; }, [](int) -> const double* { return nullptr; }, w.v);
   if (!w.forced) return;
-  const double h2 = step.h * step.h;
   for (int i = 0; i < n; ++i) {
     w.force[i] = R{};
     for (int l = 0; l < L::W; ++l)
-      if (lanes[l].force) setLane(w.force[i], l, N(h2 * lanes[l].force[i]));
+      if (lanes[l].force) setLane(w.force[i], l, N(lanes[l].h * lanes[l].h * lanes[l].force[i]));
   }
 }
 
@@ -86,10 +90,10 @@ RAGDOLL_SECTION void keepWhole(const FastBody& b, const Lane* lanes, L& w) {
 
 /// w.goal and the energy before of the free motion, which stands in w.spare: h v + fall.
 template <class L>
-RAGDOLL_SECTION void setGoal(const FastBody& b, double h, const V3<typename L::R>& fall, L& w) {
+RAGDOLL_SECTION void setGoal(const FastBody& b, const V3<typename L::R>& fall, L& w) {
   tree::momentum(b.tree, w.spare, w.tree);
   w.whole = wholeOf<L>(b, w.spare);
-  w.before = energyBefore(b, h, fall, w);
+  w.before = energyBefore(b, fall, w);
   if (w.forced)
     for (int i = 0; i < 3 * b.tree.particles; i += 3) {
       const V3<typename L::R> poke = load3(w.force + i);
@@ -129,6 +133,24 @@ RAGDOLL_SECTION void checkLengths(const FastBody& b, L& w) {
   }
 }
 
+/// Damping, where there is any.
+template <class L>
+RAGDOLL_INLINE void damp(const FastBody& b, const Lane* lanes, L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  R keep, keep_inner;
+  bool all = false, inner = false;
+  for (int l = 0; l < L::W; ++l) {
+    setLane(keep, l, N(lanes[l].keep));
+    setLane(keep_inner, l, N(lanes[l].keep_inner));
+    all = all || lanes[l].keep != 1;
+    inner = inner || lanes[l].keep_inner != 1;
+  }
+  if (all)
+    for (int i = 0; i < 3 * b.tree.particles; ++i) w.v[i] = keep * w.v[i];
+  if (inner) dampInside(b, keep_inner, w);
+}
+
 template <class L>
 void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) {
   using R = typename L::R;
@@ -137,20 +159,17 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
   const Tree& t = b.tree;
   const int n = 3 * t.particles;
   load(b, step, lanes, w);
-  if (step.keep != 1)
-    for (int i = 0; i < n; ++i) w.v[i] = N(step.keep) * w.v[i];
-  if (step.keep_inner != 1) dampInside(b, N(step.keep_inner), w);
+  damp(b, lanes, w);
   w.off = R{};
   checkLengths(b, w);
   setTree(b, w);
   R fastest{};
   for (int i = 0; i < n; i += 3) fastest = larger(fastest, dot(load3(w.v + i), load3(w.v + i)));
-  w.travel = N(step.h) * squareRoot(fastest);
+  w.travel = w.h * squareRoot(fastest);
   w.margin = N(kNear) + N(kReach) * w.travel;
-  const V3<R> fall = N(0.5 * step.h * step.h) * spread3<L>(step.gravity);
-  const N h = N(step.h);
-  for (int i = 0; i < n; i += 3) store3(h * load3(w.v + i) + fall, w.spare + i);
-  setGoal(b, step.h, fall, w);
+  const V3<R> fall = w.half * spread3<L>(step.gravity);
+  for (int i = 0; i < n; i += 3) store3(w.h * load3(w.v + i) + fall, w.spare + i);
+  setGoal(b, fall, w);
   for (int k = 0; k < t.size; ++k) w.q[k] = R{};
   if (t.roots[0].pinned) {
     setPose(b, w);
@@ -170,11 +189,10 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
 /// Positions (w.x) and velocities (w.dx, times h), which it uses up, of the bodies that came
 /// through.
 template <class L>
-RAGDOLL_SECTION void store(const FastBody& b, const PackStep& step, Lane* lanes, L& w) {
+RAGDOLL_SECTION void store(const FastBody& b, Lane* lanes, L& w) {
   using R = typename L::R;
   using N = typename L::N;
   const int n = 3 * b.tree.particles;
-  const double rate = 1 / step.h;
   R sum[2] = {R{}, R{}};
   for (int i = 0; i < n; ++i) {
     sum[0] += w.x[i];
@@ -194,7 +212,7 @@ RAGDOLL_SECTION void store(const FastBody& b, const PackStep& step, Lane* lanes,
         if (!lanes[l].good) continue;
         Doubles<L::W> x = doublesOf(w.x[i + l]), v = doublesOf(w.dx[i + l]);
         x.v += Doubles<L::W>::at(w.origin[l] + i % 3).v;
-        v.v *= rate;
+        v.v *= 1 / lanes[l].h;
         x.to((lanes[l].tried() ? lanes[l].tried_x : lanes[l].x1) + i);
         v.to((lanes[l].tried() ? lanes[l].tried_v : lanes[l].v1) + i);
       }
@@ -204,8 +222,19 @@ RAGDOLL_SECTION void store(const FastBody& b, const PackStep& step, Lane* lanes,
       const Lane& out = lanes[l];
       if (!out.good) continue;
       (out.tried() ? out.tried_x : out.x1)[i] = w.origin[l][i % 3] + lane(w.x[i], l);
-      (out.tried() ? out.tried_v : out.v1)[i] = rate * lane(w.dx[i], l);
+      (out.tried() ? out.tried_v : out.v1)[i] = 1 / out.h * lane(w.dx[i], l);
     }
+}
+
+/// [kg m] h times the impulse of a row that presses: of the step and of the velocity stage.
+template <class R>
+RAGDOLL_INLINE R pressOf(const ContactRow<R>& row) {
+  return row.rate_press + (row.press - row.impact);
+}
+template <class R>
+RAGDOLL_INLINE R pullOf(const ContactRow<R>& row, int c) {
+  using N = typename tree::NumberOf<R>::Type;
+  return row.rate_pull[c] + (row.press - row.impact) / atLeast(row.press, N(1e-30)) * row.pull[c];
 }
 
 /// Whether friction is less than it could be, as isInsideCone (mechanics/supports.h).
@@ -215,46 +244,45 @@ RAGDOLL_INLINE bool grips(double friction, double press, double first, double se
 }
 
 template <class L>
-RAGDOLL_SECTION void storePresses(const FastBody& b, const PackStep& step, Lane* lanes,
-                                  const L& w) {
+RAGDOLL_SECTION void storePresses(const FastBody& b, Lane* lanes, const L& w) {
   using R = typename L::R;
   for (int l = 0; l < L::W; ++l) {
     Lane& out = lanes[l];
     if (!out.good) continue;
-    const double rate2 = 2 / (step.h * step.h);
+    const double rate2 = 1 / (out.h * out.h);
     out.impulse_count = 0;
     for (int i = 0; i < w.contact_count; ++i) {
       const ContactRow<R>& row = w.contacts[i];
-      const double press = rate2 * lane(row.press, l);
-      if (!(press > 0)) continue;
+      if (!(lane(row.press, l) > 0)) continue;
+      const R f[] = {pressOf(row), pullOf(row, 0), pullOf(row, 1)};
       LaneImpulse& to = out.impulses[out.impulse_count++];
       to.feature = static_cast<int>(row.feature - b.features.data());
       to.obstacle = w.obstacle_of[i * L::W + l];
-      const double f[] = {press, rate2 * lane(row.pull[0], l), rate2 * lane(row.pull[1], l)};
-      to.grips = grips(lane(row.friction, l), f[0], f[1], f[2]);
+      to.grips = grips(lane(row.friction, l), lane(f[0], l), lane(f[1], l), lane(f[2], l));
       for (int c = 0; c < 3; ++c) to.impulse[c] = 0;
       for (int k = 0; k < 3; ++k) {
-        to.impulse[0] += f[k] * lane(row.axes[k].x, l);
-        to.impulse[1] += f[k] * lane(row.axes[k].y, l);
-        to.impulse[2] += f[k] * lane(row.axes[k].z, l);
+        to.impulse[0] += rate2 * lane(f[k], l) * lane(row.axes[k].x, l);
+        to.impulse[1] += rate2 * lane(f[k], l) * lane(row.axes[k].y, l);
+        to.impulse[2] += rate2 * lane(f[k], l) * lane(row.axes[k].z, l);
       }
     }
     for (std::size_t i = 0; i < b.limits.size(); ++i) out.limit_impulse[i] = 0;
     for (int i = 0; i < w.limit_count; ++i)
-      out.limit_impulse[w.limits[i].limit - b.limits.data()] = rate2 * lane(w.limits[i].press, l);
+      out.limit_impulse[w.limits[i].limit - b.limits.data()] =
+          2 * rate2 * lane(w.limits[i].press, l);
   }
 }
 
 /// Where something is deeper than it may be left.
 template <class L>
-RAGDOLL_INLINE typename L::Mask tooDeep(const PackStep& step, const L& w) {
+RAGDOLL_INLINE typename L::Mask tooDeep(const L& w) {
   using R = typename L::R;
   using N = typename L::N;
   auto deep = less(R{}, R{});
   for (int i = 0; i < w.contact_count; ++i) {
     const ContactRow<R>& row = w.contacts[i];
-    const auto worse = both(less(row.gap + row.allowed, R{} - N(step.bounds.particle)),
-                            less(row.gap, R{} - N(kWorse * step.bounds.particle)));
+    const auto worse =
+        both(less(row.gap + row.allowed, R{} - w.bound), less(row.gap, N(-kWorse) * w.bound));
     deep = either(deep, both(worse, less(R{}, row.inverse_normal + row.waits)));
   }
   return deep;
@@ -278,25 +306,53 @@ RAGDOLL_INLINE typename L::Mask beganDeep(const L& w) {
   return both(deep, either(rests, less(R{} + N(0.5 * kNoBound), w.recovery)));
 }
 
-/// Where something is hit that comes too fast for a step that does not find when.
+/// Takes the time of an impact into account, as a share of the step, where it comes faster than
+/// `fast` and is the first: at either end of the step it is as if it were found. gap: at its start
+/// and where the free motion leads, between them a parabola that closes as `approach` at first.
 template <class L>
-RAGDOLL_INLINE typename L::Mask isHit(const PackStep& step, const L& w) {
+RAGDOLL_INLINE void takeHit(const typename L::R& gap, const typename L::R& free,
+                            const typename L::R& approach, const typename L::R& press,
+                            const typename L::R& fast, const L& w, typename L::R& first) {
   using R = typename L::R;
   using N = typename L::N;
-  auto hit = less(R{}, R{});
-  if (!std::isfinite(step.bounds.stopped)) return hit;
-  const R fast = R{} + N(step.bounds.stopped * 60);
-  for (int i = 0; i < w.contact_count; ++i)
-    hit = either(hit, both(less(fast, w.contacts[i].approach), less(R{}, w.contacts[i].press)));
-  return hit;
+  const R speed = w.rate * (gap - free);
+  const auto comes = both(less(fast, speed), less(R{}, press));
+  if (!any(comes)) return;
+  const R before = atLeast(gap, N(0)), closes = w.h * approach, bends = free - gap + closes;
+  const R root = squareRoot(atLeast(closes * closes - N(4) * bends * before, N(0)));
+  const R after = N(2) * before / atLeast(closes + root, N(1e-30));
+  first = select(both(comes, less(after, first)), after, first);
+}
+
+/// Where something is hit, or reaches its limit, that comes too fast for a step that does not find
+/// when; when the first of it comes goes to the lanes.
+template <class L>
+RAGDOLL_INLINE typename L::Mask findHits(Lane* lanes, const L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  R fast, first = R{} + N(1);
+  for (int l = 0; l < L::W; ++l) setLane(fast, l, N(lanes[l].bounds.stopped));
+  for (int i = 0; i < w.contact_count; ++i) {
+    const ContactRow<R>& row = w.contacts[i];
+    takeHit(R(row.start + dot(row.axes[0], row.motion)), row.free, row.approach, row.press, fast, w,
+            first);
+  }
+  for (int i = 0; i < w.limit_count; ++i) {
+    const LimitRow<R>& row = w.limits[i];
+    if (row.limit->compliance == 0)
+      takeHit(row.start, row.free, R(w.rate * (row.start - row.free)), row.press,
+              R(N(kStopReach) * fast), w, first);
+  }
+  for (int l = 0; l < L::W; ++l) lanes[l].hit = lane(first, l);
+  return less(first, R{} + N(1));
 }
 
 /// What the rounds have not brought to its bounds is not for a pack (w.off above its own).
 template <class L>
-RAGDOLL_SECTION void checkBounds(const PackStep& step, L& w) {
+RAGDOLL_SECTION void checkBounds(Lane* lanes, L& w) {
   using R = typename L::R;
   using N = typename L::N;
-  const auto leaves = either(isHit(step, w), either(tooDeep(step, w), beganDeep(w)));
+  const auto leaves = either(findHits(lanes, w), either(tooDeep(w), beganDeep(w)));
   w.off = select(leaves, R{} + N(1), w.off);
   for (int i = 0; i < w.limit_count; ++i) {
     const LimitRow<R>& row = w.limits[i];
@@ -329,7 +385,7 @@ RAGDOLL_SECTION void sweepRows(L& w) {
     w.change = R{};
     sweepContacts(w);
     sweepLimits(w);
-    w.unsettled = both(w.unsettled, less(R{} + w.settled, w.change));
+    w.unsettled = both(w.unsettled, less(w.settled, w.change));
   }
 }
 
@@ -374,7 +430,7 @@ RAGDOLL_INLINE void setRecovery(const FastBody& b, const PackStep& step, const L
   double pull = 0;
   for (int c = 0; c < 3; ++c) pull += step.gravity[c] * step.gravity[c];
   w.square = N(2 / massOf(b)) * atLeast(w.before, N(0));  // r^2 / h^2 + 2 g r
-  const R root = squareRoot(R{} + N(pull) + N(1 / (step.h * step.h)) * w.square);
+  const R root = squareRoot(R{} + N(pull) + w.rate * w.rate * w.square);
   w.recovery = w.square / atLeast(N(std::sqrt(pull)) + root, N(1e-30));
   for (int l = 0; l < L::W; ++l)
     if (lanes[l].driven) setLane(w.recovery, l, N(kNoBound));
@@ -385,12 +441,14 @@ template <class L>
 RAGDOLL_INLINE void beginRounds(const FastBody& b, const PackStep& step, Lane* lanes, L& w) {
   using R = typename L::R;
   w.z_next = w.z;
-  w.settled = typename L::N(kSettledSpeed * step.h);
+  w.settled = typename L::N(kSettledSpeed) * w.h;
   setRecovery(b, step, lanes, w);
   setContacts(b, step, lanes, w);
-  setLimits(b, step, w);
+  setLimits(b, w);
   w.unsolved = less(R{}, R{} + typename L::N(1));
   measureContacts(b, w);
+  for (int i = 0; i < w.contact_count; ++i)
+    w.contacts[i].free = w.contacts[i].gap + w.contacts[i].allowed;
 }
 
 /// 1 in the lanes that an obstacle presses.
@@ -426,7 +484,7 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
   beginRounds(b, step, lanes, w);
   for (int round = 0; round < kMostRounds && any(w.unsolved); ++round) {
     if (round >= kNewton) {
-      w.unsolved = both(w.unsolved, tooDeep(step, w));
+      w.unsolved = both(w.unsolved, tooDeep(w));
       if (!any(w.unsolved)) break;
     }
     setRest(b, w);
@@ -434,7 +492,7 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
     sweepRows(w);
     endRound(b, w);
   }
-  checkBounds(step, w);
+  checkBounds(lanes, w);
   const R touched = touchedOf(w), pressed = pressedOf(w, touched);
   if (any(less(R{}, touched))) limitMotion(b, step, lanes, w, touched);
   keepWhole(b, lanes, w);
@@ -442,10 +500,10 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
   const R slack = select(less(R{}, pressed), R{}, R{} + N(freeGain(b)));
   const R kept = energyBound(b, step, lanes, w, 1);
   endVelocities(b, step, w);
-  limitVelocities(b, step, lanes, w, kept, slack, touched);
+  limitVelocities(b, lanes, w, kept, slack, touched);
   findDeep(b, step, lanes, w);
-  store(b, step, lanes, w);
-  storePresses(b, step, lanes, w);
+  store(b, lanes, w);
+  storePresses(b, lanes, w);
 }
 
 }  // namespace ragdoll::fast

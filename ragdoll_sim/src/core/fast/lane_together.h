@@ -59,8 +59,8 @@ RAGDOLL_SECTION void solveTogether(const PackStep& step, const Partners& all, Pa
   measure();
   const auto isDeep = [&] {
     bool deep = false;
-    forPartners<L>(all, [&](const FastBody&, Lane*, L& w) { deep = deep || tooDeep(step, w); });
-    for (int k = 0; k < all.contact_count; ++k) deep = deep || tooDeep(step, pairs[k]);
+    forPartners<L>(all, [&](const FastBody&, Lane*, L& w) { deep = deep || tooDeep(w); });
+    for (int k = 0; k < all.contact_count; ++k) deep = deep || tooDeep(step.bounds, pairs[k]);
     return deep;
   };
   bool unsolved = true;
@@ -112,7 +112,7 @@ template <class L>
 RAGDOLL_SECTION void limitMotions(const PackStep& step, const Partners& all) {
   double before = 0, after = 0, work = 0;
   forPartners<L>(all, [&](const FastBody& b, Lane* lane, L& w) {
-    after += energyOf<L>(b, w.dx, 1 / (step.h * step.h));
+    after += energyOf<L>(b, w.dx, w.rate * w.rate);
     before += w.before;
     work += energyBound(b, step, lane, w, 0.5) - w.before;
   });
@@ -130,7 +130,7 @@ template <class L>
 RAGDOLL_SECTION void startAllRates(const PackStep& step, const Partners& all, PairRow<L>* pairs,
                                    const Group* groups) {
   using R = typename L::R;
-  const V3<R> kick = kickOf<L>(step);
+  const V3<R> kick = kickOf(step, workIn<L>(all.bodies[0].memory));
   forPartners<L>(all, [&](const FastBody& b, Lane*, L& w) {
     for (int k = 0; k < b.tree.size; ++k) w.y[k] = R{};
     startRates(b, step, kick, w);
@@ -179,7 +179,7 @@ RAGDOLL_SECTION void solveRates(const PackStep& step, const Partners& all, PairR
   sweepAllRates(step, all, pairs);
   forPartners<L>(all, [&](const FastBody& b, Lane*, L& w) {
     takePushes(b, w);
-    endRates(b, kickOf<L>(step), w);
+    endRates(b, kickOf(step, w), w);
   });
 }
 
@@ -219,8 +219,8 @@ RAGDOLL_SECTION void limitRates(const PackStep& step, const Partners& all, const
 template <class L>
 RAGDOLL_INLINE void storePair(const PackStep& step, const PairRow<L>& p, PairContact& c) {
   const ContactRow<typename L::R>& row = p.row;
-  const double rate2 = 2 / (step.h * step.h);
-  const double f[] = {rate2 * row.press, rate2 * row.pull[0], rate2 * row.pull[1]};
+  const double rate2 = row.press > 0 ? 1 / (step.h * step.h) : 0;
+  const double f[] = {rate2 * pressOf(row), rate2 * pullOf(row, 0), rate2 * pullOf(row, 1)};
   for (int i = 0; i < 3; ++i) c.impulse[i] = 0;
   for (int k = 0; k < 3; ++k) {
     c.impulse[0] += f[k] * row.axes[k].x;
@@ -243,10 +243,10 @@ void finishTogether(const PackStep& step, const Partners& all) {
   }
   for (int k = 0; k < all.contact_count; ++k) setPair(step, all, all.contacts[k], pairs[k]);
   solveTogether(step, all, pairs, groups);
-  forPartners<L>(all, [&](const FastBody&, Lane*, L& w) { checkBounds(step, w); });
+  forPartners<L>(all, [](const FastBody&, Lane* lane, L& w) { checkBounds(lane, w); });
   for (int k = 0; k < all.contact_count; ++k)
     for (PairSide<L>& s : pairs[k].side)
-      if (s.w && (tooDeep(step, pairs[k]) || beganDeep(pairs[k]))) s.w->off = R(1);
+      if (s.w && (tooDeep(step.bounds, pairs[k]) || beganDeep(pairs[k]))) s.w->off = R(1);
   const Hold hold = holdOf(all, pairs);
   if (hold.outside && !hold.driven) limitMotions<L>(step, all);
   for (int k = 0; k < all.contact_count; ++k) {
@@ -267,8 +267,8 @@ void finishTogether(const PackStep& step, const Partners& all) {
   if (!hold.driven) limitRates<L>(step, all, hold, bound);
   forPartners<L>(all, [&](const FastBody& b, Lane* lane, L& w) {
     findDeep(b, step, lane, w);
-    store(b, step, lane, w);
-    storePresses(b, step, lane, w);
+    store(b, lane, w);
+    storePresses(b, lane, w);
   });
   for (int k = 0; k < all.contact_count; ++k) storePair(step, pairs[k], all.contacts[k]);
 }

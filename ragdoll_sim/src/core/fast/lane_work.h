@@ -31,6 +31,7 @@ struct ContactRow {
   R start;        ///< [m] gap at the pose's coordinates zero
   R allowed;      ///< [m] least gap that the step has to reach
   R friction, restitution, approach;
+  R free;                             ///< [m] gap where the free motion leads
   R answer_normal, answer_tangent;    ///< [1/kg] the larger one of the tangents
   R couple[2];                        ///< [1/kg] along the tangents, to a push along the normal
   R grip[6];                          ///< [kg] inverse of all answers: nn, n1, n2, 11, 12, 22
@@ -47,11 +48,12 @@ struct ContactRow {
 template <class R>
 struct LimitRow {
   const FastLimit* limit;
-  R* z;       ///< null: not worked out
-  R answer;   ///< [1/(kg m^2)]
-  R waits;    ///< 1 where it is near and takes no part
-  R inverse;  ///< 0 where it does not take part
-  R value;    ///< [rad] at the present coordinates, less what is allowed
+  R* z;           ///< null: not worked out
+  R answer;       ///< [1/(kg m^2)]
+  R waits;        ///< 1 where it is near and takes no part
+  R inverse;      ///< 0 where it does not take part
+  R value;        ///< [rad] at the present coordinates, less what is allowed
+  R start, free;  ///< [rad] at the step's start, and where the free motion leads
   R allowed;
   R compliance;   ///< of a soft limit (LimitRow::eulerSoftness)
   R press, last;  ///< [kg m^2], and in the last step
@@ -104,9 +106,12 @@ struct LaneWork {
   V3<R> shift;              ///< [m] of the pin
   V3<R> whole;              ///< [kg m] h times the momentum of the free motion
   R off;                    ///< largest squared sine; stretch at the start
+  R h, rate, half;          ///< [s], [1/s], [s^2] half of h^2
+  R bound;                  ///< [m] that a particle may be left deep
+  R opens;                  ///< of an overlap, in the step
   R travel, margin;         ///< [m] of the fastest particle in the step; contacts nearer take part
   R change;                 ///< [m], [rad] the largest of a sweep's
-  N settled;                ///< [m], [rad] sweeps that change less are the last
+  R settled;                ///< [m], [rad] sweeps that change less are the last
   Mask met;                 ///< who comes near an obstacle
   Mask unsettled;           ///< whose sweeps still change something
   Mask unsolved;            ///< whose Newton rounds still do
@@ -163,11 +168,11 @@ struct LaneWork {
   }
 };
 
-/// What of a violation may stay, of a gap or a limit's value at the start. recovery: in its units.
+/// What of a violation may stay, of a gap or a limit's value at the start. opens: the share of it
+/// that goes; recovery: at most, in its units.
 template <class R>
-RAGDOLL_INLINE R allowedOf(const R& start, const R& recovery) {
-  using N = typename tree::NumberOf<R>::Type;
-  const R violated = select(less(start, R{}), start, R{}), undone = R{} - N(kRecovery) * violated;
+RAGDOLL_INLINE R allowedOf(const R& start, const R& opens, const R& recovery) {
+  const R violated = select(less(start, R{}), start, R{}), undone = R{} - opens * violated;
   return violated + select(less(undone, recovery), undone, recovery);
 }
 

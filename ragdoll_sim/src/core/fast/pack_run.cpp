@@ -44,12 +44,9 @@ void PackRun::endSearch() {
 }
 
 void PackRun::setStep() {
-  const SolverSpec& solver = model_.solver;
   step_.h = task_.h;
   step_.bounds = task_.bounds;
   for (int c = 0; c < 3; ++c) step_.gravity[c] = model_.gravity[c];
-  step_.keep = solver.damping > 0 ? std::exp(-solver.damping * task_.h) : 1;
-  step_.keep_inner = solver.joint_damping > 0 ? std::exp(-solver.joint_damping * task_.h) : 1;
   step_.planes = scratch_.planes.data();
   step_.plane_count = static_cast<int>(scratch_.planes.size());
   step_.solids = scratch_.solids.data();
@@ -83,6 +80,7 @@ void PackRun::prepare() {
     lanes_[l].impulses = pack_.impulses.data() + l * room_;
     if (l < batch_.count) {
       fill(l);
+      setTime(l);
       lanes_[l].contacts = pack_.contacts.data() + l * contact_room_;
       lanes_[l].contact_room = contact_room_;
       lanes_[l].hard = pack_.left_over.data() + l * hard;
@@ -90,6 +88,7 @@ void PackRun::prepare() {
     } else {  // a lane for no body: the first one's again
       lanes_[l].x = lanes_[0].x;
       lanes_[l].v = lanes_[0].v;
+      lanes_[l].h = lanes_[0].h;
       lanes_[l].x1 = lanes_[l].tried_x = pack_.spare.data() + n * (lanes + l);
       lanes_[l].v1 = pack_.spare.data() + n * l;
     }
@@ -110,25 +109,44 @@ void PackRun::fill(int l) {
   if (!scratch_.obstacles.empty() || step_.whole) lane.predicted = predicted_.data() + 3 * r.first;
   if (force_) lane.force = force_->data() + 3 * r.first;
   lane.driven = scratch_.driven;
-  if (task_.last)
+  const PartTask* part = task_.parts ? task_.parts + batch_.begin + l : nullptr;
+  if (task_.last && !(part && part->done == 0)) {
+    // What a shorter part was pressed with may be an impact's.
+    const double shorter = part ? std::min(1.0, part->last / part->share) : 1;
     for (const CachedImpulse& last : *task_.last) {
-      if (last.ragdoll == index) takeImpulse(last, r, lane);
+      if (last.ragdoll == index) takeImpulse(last, shorter * shorter, r, lane);
     }
-  else
+  } else {
     for (int k = scratch_.first_impulse[index]; k < scratch_.first_impulse[index + 1]; ++k)
-      takeImpulse(state_.impulses[scratch_.cached[k]], r, lane);
+      takeImpulse(state_.impulses[scratch_.cached[k]], 1, r, lane);
+  }
   for (std::size_t p = 0; p < inputs_.pins.size(); ++p) {
     if (model_.pins[p].ragdoll != index) continue;
     const Vec3 motion = inputs_.pins[p] - state_.x.col(model_.pins[p].particle);
-    for (int c = 0; c < 3; ++c) lane.pin[c] = motion[c] / task_.left;
+    const double share = part ? part->share / (1 - part->done) : 1.0 / task_.left;
+    for (int c = 0; c < 3; ++c) lane.pin[c] = share * motion[c];
     lane.driven = lane.driven || motion != Vec3::Zero();
   }
 }
 
-void PackRun::takeImpulse(const CachedImpulse& last, const Ragdoll& r, Lane& lane) const {
+void PackRun::setTime(int l) {
+  Lane& lane = lanes_[l];
+  lane.h = task_.h;
+  lane.bounds = task_.bounds;
+  if (task_.parts) {
+    lane.h = task_.parts[batch_.begin + l].share * task_.h;
+    lane.bounds = task_.parts[batch_.begin + l].bounds;
+  }
+  const SolverSpec& solver = model_.solver;
+  lane.keep = solver.damping > 0 ? std::exp(-solver.damping * lane.h) : 1;
+  lane.keep_inner = solver.joint_damping > 0 ? std::exp(-solver.joint_damping * lane.h) : 1;
+}
+
+void PackRun::takeImpulse(const CachedImpulse& last, double share, const Ragdoll& r,
+                          Lane& lane) const {
   if (last.a < 0) {
     if (-1 - last.a < static_cast<int>(body_.limits.size()))
-      lane.limit_impulse[-1 - last.a] = last.impulse.x() / kKept;
+      lane.limit_impulse[-1 - last.a] = share / kKept * last.impulse.x();
     lane.limits_pressed = true;
     return;
   }
@@ -138,7 +156,7 @@ void PackRun::takeImpulse(const CachedImpulse& last, const Ragdoll& r, Lane& lan
   LaneImpulse& to = lane.impulses[lane.impulse_count++];
   to.feature = feature;
   to.obstacle = last.obstacle;
-  for (int c = 0; c < 3; ++c) to.impulse[c] = last.impulse[c] / kKept;
+  for (int c = 0; c < 3; ++c) to.impulse[c] = share / kKept * last.impulse[c];
 }
 
 int PackRun::featureOf(int a, int b) const {
@@ -153,7 +171,7 @@ void PackRun::endSearch(int l) {
   const int index = ragdollOf(l);
   Lane& lane = lanes_[l];
   pack_.found.clear();
-  const double margin = lane.hard_count > 0 || step_.whole ? searchMargin(index) : 0;
+  const double margin = lane.hard_count > 0 || step_.whole ? searchMargin(l) : 0;
   for (int k = 0; k < lane.hard_count; ++k) {
     const Feature& f = body_.features[lane.hard[k].feature];
     const SweptObstacle& m = scratch_.obstacles[lane.hard[k].solid];
@@ -170,11 +188,12 @@ void PackRun::endSearch(int l) {
 }
 
 /// [m] As the packs' own.
-double PackRun::searchMargin(int index) const {
-  const int first = model_.ragdolls[index].first;
+double PackRun::searchMargin(int l) const {
+  const int first = model_.ragdolls[ragdollOf(l)].first;
+  const double h = lanes_[l].h;
   const double speed = std::sqrt(
       state_.v.middleCols(first, body_.tree.particles).colwise().squaredNorm().maxCoeff());
-  return std::min({kMargin, kAside * task_.h, kNear + kReach * task_.h * speed});
+  return std::min({kMargin, kAside * h, kNear + kReach * h * speed});
 }
 
 void PackRun::addContact(const Contact& c, int first, Lane& lane) const {
@@ -226,40 +245,42 @@ Bounds PackRun::boundsOf(const Skeleton& s, int first, int a, int b) const {
 }
 
 /// Whether a particle has gone deep where no row held it off; tried_: where the body is now.
-bool PackRun::particlesSink(const Ragdoll& r, const SweptObstacle& m) const {
+bool PackRun::particlesSink(const Ragdoll& r, const StepBounds& bounds,
+                            const SweptObstacle& m) const {
   const Skeleton& s = model_.skeletonOf(r);
   for (int i = 0; i < s.named; ++i) {
     if (body_.tree.roots[0].pinned && body_.tree.roots[0].particle == i) continue;
-    if (!overlap(boundsOf(s, r.first, i, i), m.bounds, -task_.bounds.particle)) continue;
+    if (!overlap(boundsOf(s, r.first, i, i), m.bounds, -bounds.particle)) continue;
     const Vec3 x0 = state_.x.col(r.first + i), x1 = tried_.col(r.first + i);
     const double gap = signedDistanceValue(*m.obstacle, m.toEnd(x1)) - s.radius[i];
     const double before = signedDistanceValue(*m.obstacle, m.toStart(x0)) - s.radius[i];
-    if (gap < -task_.bounds.particle && gap < before - kDeeper * task_.bounds.particle) return true;
+    if (gap < -bounds.particle && gap < before - kDeeper * bounds.particle) return true;
   }
   return false;
 }
 
 /// Whether a stick has turned over an edge into an obstacle, maybe with its axis; tried_:
 /// where the body is now. By how much bounds overlap along an axis bounds the depth.
-bool PackRun::sticksSink(const Ragdoll& r, const SweptObstacle& m) const {
+bool PackRun::sticksSink(const Ragdoll& r, const StepBounds& bounds, const SweptObstacle& m) const {
   const Skeleton& s = model_.skeletonOf(r);
   return std::any_of(s.sticks.begin(), s.sticks.end(), [&](const Stick& k) {
     if (k.a >= s.named || k.b >= s.named ||
-        !overlap(boundsOf(s, r.first, k.a, k.b), m.bounds, -task_.bounds.stick))
+        !overlap(boundsOf(s, r.first, k.a, k.b), m.bounds, -bounds.stick))
       return false;
     const int a = r.first + k.a, b = r.first + k.b;
     const double gap = stickGap(*m.obstacle, m.toEnd(tried_.col(a)), m.toEnd(tried_.col(b)),
                                 s.radius[k.a], s.radius[k.b]);
-    if (gap >= -task_.bounds.stick) return false;
+    if (gap >= -bounds.stick) return false;
     const double before = stickGap(*m.obstacle, m.toStart(state_.x.col(a)),
                                    m.toStart(state_.x.col(b)), s.radius[k.a], s.radius[k.b]);
-    return gap < before - kDeeper * task_.bounds.stick;
+    return gap < before - kDeeper * bounds.stick;
   });
 }
 
 /// Whether something is deep in an obstacle that no row has kept out.
-bool PackRun::sinks(int index) const {
-  const Ragdoll& r = model_.ragdolls[index];
+bool PackRun::sinks(int l) const {
+  const Ragdoll& r = model_.ragdolls[ragdollOf(l)];
+  const StepBounds& bounds = lanes_[l].bounds;
   const Skeleton& s = model_.skeletonOf(r);
   Bounds all = boundsOf(s, r.first, 0, 0);
   for (int i = 1; i < s.named; ++i) {
@@ -268,8 +289,8 @@ bool PackRun::sinks(int index) const {
   }
   return std::any_of(scratch_.obstacles.begin(), scratch_.obstacles.end(),
                      [&](const SweptObstacle& m) {
-                       return overlap(all, m.bounds, -task_.bounds.particle) &&
-                              (particlesSink(r, m) || sticksSink(r, m));
+                       return overlap(all, m.bounds, -bounds.particle) &&
+                              (particlesSink(r, bounds, m) || sticksSink(r, bounds, m));
                      });
 }
 
@@ -286,8 +307,9 @@ bool PackRun::touchesItself(int index) {
 void PackRun::keep(int l) {
   const Lane& lane = lanes_[l];
   const int index = ragdollOf(l);
-  if (!lane.good || (lane.deep && sinks(index)) || touchesItself(index)) {
+  if (!lane.good || (lane.deep && sinks(l)) || touchesItself(index)) {
     batch_.left.push_back(index);
+    batch_.hits.push_back(lane.hit);
     return;
   }
   accept(l);
@@ -329,6 +351,7 @@ void PackRun::accept(int l) {
 void clear(Batch& batch) {
   batch.impulses.clear();
   batch.left.clear();
+  batch.hits.clear();
   batch.limited.clear();
   batch.contacts = 0;
 }

@@ -13,6 +13,7 @@ struct PackTask {
   double h = 0;  ///< [s]
   int left = 1;  ///< parts like this one, it too, until the step's end
   StepBounds bounds = kOfPart;
+  const PartTask* parts = nullptr;                   ///< of each of `order`; null: all as above
   const int* order = nullptr;                        ///< ragdolls, of which the batch has some
   const std::vector<CachedImpulse>* last = nullptr;  ///< of the part before; null: the state's
   bool together = false;  ///< its one body takes the step with others (island_run.h)
@@ -42,9 +43,9 @@ class PackRun {
   const PackMethod& method() const { return method_; }
   int featureOf(int a, int b) const;
   /// [m] What is as near may touch: as the packs' own.
-  double searchMargin(int index) const;
+  double searchMargin(int l) const;
   /// Whether something is deep in an obstacle that no row has kept out; the body is at `tried`.
-  bool sinks(int index) const;
+  bool sinks(int l) const;
   /// The body is where it has gone on trial; its impulses.
   void accept(int l);
 
@@ -52,13 +53,14 @@ class PackRun {
   int ragdollOf(int l) const { return task_.order[batch_.begin + l]; }
   void setStep();
   void fill(int l);
-  void takeImpulse(const CachedImpulse& last, const Ragdoll& r, Lane& lane) const;
+  void setTime(int l);
+  void takeImpulse(const CachedImpulse& last, double share, const Ragdoll& r, Lane& lane) const;
   void endSearch(int l);
   void addContact(const Contact& c, int first, Lane& lane) const;
   void sortContacts(Lane& lane);
   Bounds boundsOf(const Skeleton& s, int first, int a, int b) const;
-  bool particlesSink(const Ragdoll& r, const SweptObstacle& m) const;
-  bool sticksSink(const Ragdoll& r, const SweptObstacle& m) const;
+  bool particlesSink(const Ragdoll& r, const StepBounds& bounds, const SweptObstacle& m) const;
+  bool sticksSink(const Ragdoll& r, const StepBounds& bounds, const SweptObstacle& m) const;
   bool touchesItself(int index);
   void keep(int l);
 
@@ -81,9 +83,10 @@ class PackRun {
 
 void clear(Batch& batch);
 
-/// Impulses of a step in kParts, part by part: contacts press with their mean, limits as at its
-/// end.
-void addPart(const std::vector<CachedImpulse>& part, bool last, std::vector<CachedImpulse>& all);
+/// Adds a ragdoll's (-1: all) impulses of a part of a step, of which it is a share: contacts press
+/// with their mean, limits as at its end, in the last part.
+void addPart(const std::vector<CachedImpulse>& part, int ragdoll, double share, bool last,
+             std::vector<CachedImpulse>& all);
 
 /// Whether an obstacle moves: what happens in parts of a step is known of none.
 inline bool isDriven(const FastScratch& scratch) {

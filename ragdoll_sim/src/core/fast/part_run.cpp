@@ -1,7 +1,8 @@
-// What packs have left, in parts of the step: what turns over an edge or is stopped errs by less
-// the shorter they are.
+// What packs have left, in parts of the step: until something is hit, or even ones, as what turns
+// over an edge errs by less the shorter they are.
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 
 #include "core/direct/impulse_cache.h"
 #include "core/fast/constants.h"
@@ -25,6 +26,9 @@ CachedImpulse& sameAs(const std::vector<CachedImpulse>& part, std::size_t i,
   return all.back();
 }
 
+/// Shares of the step that end at its end.
+constexpr double kWhole = 1 - 1e-9;
+
 class Parts {
  public:
   Parts(const StepContext& context, const FastScratch& scratch, PackScratch& pack, Batch& batch)
@@ -39,27 +43,15 @@ class Parts {
   /// Leaves what does not come through either where it was.
   void run() {
     exchange(false);
-    pack_.moving = pack_.again;
-    const std::vector<CachedImpulse>* last = nullptr;
-    for (int part = 0; part < kParts && !pack_.moving.empty(); ++part) {
-      Batch& own = pack_.parts[part % 2];
-      clear(own);
-      own.system = batch_.system;
-      own.begin = 0;
-      own.count = static_cast<int>(pack_.moving.size());
-      PackTask task;
-      task.h = context_.h / kParts;
-      task.left = kParts - part;
-      task.order = pack_.moving.data();
-      task.last = last;
-      PackRun(context_, task, scratch_, pack_.predicted, pack_.predicted, pack_, own).run();
-      append(own.left, batch_.left);
-      const auto stays = [&own](int index) { return has(own.left, index); };
-      pack_.moving.erase(std::remove_if(pack_.moving.begin(), pack_.moving.end(), stays),
-                         pack_.moving.end());
-      last = &own.impulses;
-      add(own, part + 1 == kParts);
+    pack_.last.clear();
+    pack_.parts.clear();
+    for (std::size_t i = 0; i < pack_.again.size(); ++i) {
+      PartTask part;
+      part.ragdoll = pack_.again[i];
+      retry(scratch_.again_hits[batch_.begin + i], part);
+      pack_.parts.push_back(part);
     }
+    while (!pack_.parts.empty()) takeParts();
     Roomy<CachedImpulse>& all = batch_.impulses;
     const auto stayed = [this](const CachedImpulse& p) { return has(batch_.left, p.ragdoll); };
     all.erase(std::remove_if(all.begin(), all.end(), stayed), all.end());
@@ -71,11 +63,83 @@ class Parts {
     return std::find(all.begin(), all.end(), index) != all.end();
   }
 
-  void add(const Batch& part, bool last) {
-    addPart(part.impulses, last, batch_.impulses);
-    if (!last) return;
-    batch_.contacts += part.contacts;
-    append(part.limited, batch_.limited);
+  /// What a part of that length is held to: a short one to less.
+  static void setBounds(PartTask& part) {
+    const bool is_long = part.share > 1.0 / kParts + (1 - kWhole);
+    part.bounds = is_long ? kOfStep : kOfPart;
+    if (part.found >= kMostFound) part.bounds.stopped = kNone;
+  }
+
+  /// A part that was not taken, again: until it is hit, or in even parts. False: it was one.
+  static bool retry(double hit, PartTask& part) {
+    const double even = std::min(1.0 / kParts, 1 - part.done);
+    if (hit < 1) {
+      const double before = part.share * hit - kBeforeImpact * kImpactShare;
+      part.strikes = before > 0;
+      part.share = part.strikes ? before : std::min(kImpactShare, 1 - part.done);
+      ++part.found;
+    } else {
+      if (part.even || !(part.share > even + (1 - kWhole))) return false;
+      part.even = true;
+      part.strikes = false;
+      part.share = even;
+    }
+    setBounds(part);
+    return true;
+  }
+
+  /// The next part of each body; what has come to the step's end or is left moves no more.
+  void takeParts() {
+    pack_.moving.clear();
+    for (const PartTask& part : pack_.parts) pack_.moving.push_back(part.ragdoll);
+    Batch& own = pack_.part;
+    clear(own);
+    own.system = batch_.system;
+    own.begin = 0;
+    own.count = static_cast<int>(pack_.parts.size());
+    PackTask task;
+    task.h = context_.h;
+    task.bounds = kOfStep;
+    task.parts = pack_.parts.data();
+    task.order = pack_.moving.data();
+    task.last = &pack_.last;
+    PackRun(context_, task, scratch_, pack_.predicted, pack_.predicted, pack_, own).run();
+    std::size_t kept = 0;
+    for (const PartTask& part : pack_.parts) {
+      PartTask next = part;
+      if (goesOn(own, next)) pack_.parts[kept++] = next;
+    }
+    pack_.parts.resize(kept);
+  }
+
+  /// Whether the step goes on for a body after its part.
+  bool goesOn(const Batch& own, PartTask& part) {
+    const auto at = std::find(own.left.begin(), own.left.end(), part.ragdoll);
+    if (at != own.left.end()) {
+      if (retry(own.hits[at - own.left.begin()], part)) return true;
+      batch_.left.push_back(part.ragdoll);
+      return false;
+    }
+    const bool ends = part.done + part.share > kWhole;
+    addPart(own.impulses, part.ragdoll, part.share, ends, batch_.impulses);
+    if (ends) {
+      for (const CachedImpulse& p : own.impulses)
+        batch_.contacts += p.ragdoll == part.ragdoll && p.a >= 0;
+      if (has(own.limited, part.ragdoll)) batch_.limited.push_back(part.ragdoll);
+      return false;
+    }
+    const auto of = [&part](const CachedImpulse& p) { return p.ragdoll == part.ragdoll; };
+    Roomy<CachedImpulse>& last = pack_.last;
+    last.erase(std::remove_if(last.begin(), last.end(), of), last.end());
+    std::copy_if(own.impulses.begin(), own.impulses.end(), std::back_inserter(last), of);
+    part.done += part.share;
+    part.last = part.share;
+    part.share = 1 - part.done;
+    if (part.even) part.share = std::min(1.0 / kParts, part.share);
+    if (part.strikes) part.share = std::min(kImpactShare, part.share);
+    part.strikes = false;
+    setBounds(part);
+    return true;
   }
 
   /// Keeps x and v, or gives them back to what is left.
@@ -103,10 +167,12 @@ class Parts {
 
 }  // namespace
 
-void addPart(const std::vector<CachedImpulse>& part, bool last, std::vector<CachedImpulse>& all) {
+void addPart(const std::vector<CachedImpulse>& part, int ragdoll, double share, bool last,
+             std::vector<CachedImpulse>& all) {
   for (std::size_t i = 0; i < part.size(); ++i) {
+    if (ragdoll >= 0 && part[i].ragdoll != ragdoll) continue;
     if (part[i].a >= 0)
-      sameAs(part, i, all).impulse += (1.0 / kParts) * part[i].impulse;
+      sameAs(part, i, all).impulse += share * part[i].impulse;
     else if (last)
       all.push_back(part[i]);
   }

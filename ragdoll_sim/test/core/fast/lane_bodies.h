@@ -47,6 +47,8 @@ struct LaneBodies {
       one.limits.assign(body.limits.size() + 1, 0.0);
       one.impulses.resize(fast::impulseRoom(body, step.plane_count));
       bind(one, lanes[l]);
+      lanes[l].h = step.h;
+      lanes[l].bounds = step.bounds;
     }
   }
 
@@ -71,7 +73,7 @@ struct LaneBodies {
     OneLane& w = predicted();
     w.recovery = 1;  // [m] more than there is to recover
     fast::setContacts(body, step, lanes.data(), w);
-    fast::setLimits(body, step, w);
+    fast::setLimits(body, w);
     w.unsettled = w.unsolved = true;
     for (int k = 0; k < body.tree.size; ++k) w.q[k] = w.y[k] = 0;
     fast::setPose(body, w);
