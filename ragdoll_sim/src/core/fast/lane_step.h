@@ -306,9 +306,9 @@ RAGDOLL_INLINE typename L::Mask beganDeep(const L& w) {
   return both(deep, either(rests, less(R{} + N(0.5 * kNoBound), w.recovery)));
 }
 
-/// Takes the time of an impact into account, as a share of the step, where it comes faster than
-/// `fast` and is the first: at either end of the step it is as if it were found. gap: at its start
-/// and where the free motion leads, between them a parabola that closes as `approach` at first.
+/// first <- the share of the step after which something is hit, where it presses, comes faster than
+/// `fast` and is the first. gap: at the step's start; free: where the free motion leads, by a
+/// parabola that closes as `approach` at first.
 template <class L>
 RAGDOLL_INLINE void takeHit(const typename L::R& gap, const typename L::R& free,
                             const typename L::R& approach, const typename L::R& press,
