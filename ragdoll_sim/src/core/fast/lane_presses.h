@@ -87,9 +87,10 @@ RAGDOLL_INLINE bool solveRow(const ContactRow<R>& row, const R* moved, const M& 
                              const R& least, R& press, R* pull, R* change, R& most) {
   using N = typename tree::NumberOf<R>::Type;
   R pressed = select(takes, larger(press - moved[0] * row.inverse_normal, least), press);
-  if (!any(either(less(R{}, pressed), less(R{}, press)))) return false;
+  const auto works = either(less(R{}, pressed), less(R{}, press));
+  if (!any(works)) return false;
   R stops[3], wanted[2];
-  const auto grips = gripped(row, moved, takes, least, press, pull, stops);
+  const auto grips = gripped(row, moved, M(both(takes, works)), least, press, pull, stops);
   for (int c = 0; c < 2; ++c)
     wanted[c] = pull[c] - row.inverse_tangent * (moved[c + 1] + row.couple[c] * (pressed - press));
   const R size2 = wanted[0] * wanted[0] + wanted[1] * wanted[1], cone = row.friction * pressed;
