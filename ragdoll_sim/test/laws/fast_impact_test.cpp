@@ -51,32 +51,31 @@ Scene thrownTriangle(std::mt19937& random) {
   return scene;
 }
 
-// By `shake`, which finds the time of an impact. The cone of a part of it alone left 0.08 m/s in
-// ten of a hundred.
-TEST(FastImpact, RubsAlikeWheneverInTheStep) {
+/// In ascending order, of 100 thrown triangles: how far `fast` is from `shake`, which finds the time
+/// of an impact, in `of` a state.
+std::vector<double> offOfTriangles(double step, double exact_step, double seconds,
+                                   Points State::*of) {
   std::mt19937 random(3);
-  std::vector<double> off;  // [m/s]
+  std::vector<double> off;
   for (int k = 0; k < 100; ++k) {
     const Scene scene = thrownTriangle(random);
-    const State exact = stateAtEnd(scene, Method::kShake, 1.0 / 8000, 0.38);
-    off.push_back(largest(stateAtEnd(scene, Method::kFast, 1.0 / 1000, 0.38).v - exact.v));
+    const State exact = stateAtEnd(scene, Method::kShake, exact_step, seconds);
+    off.push_back(largest(stateAtEnd(scene, Method::kFast, step, seconds).*of - exact.*of));
   }
   std::sort(off.begin(), off.end());
+  return off;
+}
+
+// The cone of a part of an impact alone left 0.08 m/s in ten of a hundred.
+TEST(FastImpact, RubsAlikeWheneverInTheStep) {
+  const std::vector<double> off = offOfTriangles(1.0 / 1000, 1.0 / 8000, 0.38, &State::v);  // [m/s]
   EXPECT_LT(off[50], 0.012);
   EXPECT_LT(off[90], 0.025);
 }
 
-// An impact's time is found. Where it was known to a fourth of the step, triangles were twice as
-// far off.
+// Where an impact's time was known to a fourth of the step: 2.6 and 6.7 mm.
 TEST(FastImpact, IsWhenItIs) {
-  std::mt19937 random(3);
-  std::vector<double> off;  // [m]
-  for (int k = 0; k < 100; ++k) {
-    const Scene scene = thrownTriangle(random);
-    const State exact = stateAtEnd(scene, Method::kShake, 1.0 / 3840, 0.4);
-    off.push_back(largest(stateAtEnd(scene, Method::kFast, 1.0 / 60, 0.4).x - exact.x));
-  }
-  std::sort(off.begin(), off.end());
+  const std::vector<double> off = offOfTriangles(1.0 / 60, 1.0 / 3840, 0.4, &State::x);  // [m]
   EXPECT_LT(off[50], 0.0012);
   EXPECT_LT(off[90], 0.003);
 }

@@ -93,6 +93,24 @@ RAGDOLL_SECTION void dampInside(const FastBody& b, const typename L::R& keep, L&
   }
 }
 
+/// Damping, where there is any.
+template <class L>
+RAGDOLL_INLINE void damp(const FastBody& b, const Lane* lanes, L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  R keep, keep_inner;
+  bool all = false, inner = false;
+  for (int l = 0; l < L::W; ++l) {
+    setLane(keep, l, N(lanes[l].keep));
+    setLane(keep_inner, l, N(lanes[l].keep_inner));
+    all = all || lanes[l].keep != 1;
+    inner = inner || lanes[l].keep_inner != 1;
+  }
+  if (all)
+    for (int i = 0; i < 3 * b.tree.particles; ++i) w.v[i] = keep * w.v[i];
+  if (inner) dampInside(b, keep_inner, w);
+}
+
 /// The sum of the particles' momenta, of motions or velocities.
 template <class L>
 RAGDOLL_INLINE V3<typename L::R> wholeOf(const FastBody& b, const typename L::R* dx) {

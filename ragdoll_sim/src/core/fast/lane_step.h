@@ -1,73 +1,15 @@
 // One step of a pack of bodies. docs/fast.md#step.
 #pragma once
 
+#include "core/fast/lane_bounds.h"
 #include "core/fast/lane_energy.h"
 #include "core/fast/lane_guess.h"
 #include "core/fast/lane_limits.h"
 #include "core/fast/lane_rates.h"
 #include "core/fast/lane_search.h"
-#include "core/fast/pack_transpose.h"
+#include "core/fast/lane_store.h"
 
 namespace ragdoll::fast {
-
-/// out[i], lane l = numbers of lane l less what is at less(l): x, y, z, x, y ..., or null.
-template <class L, class From, class Less>
-RAGDOLL_INLINE void gatherLanes(int n, const From& from, const Less& less, typename L::R* out) {
-  using N = typename L::N;
-  constexpr int W = L::W;
-  int i = 0;
-  if constexpr (W > 1)
-    for (; i + W <= n; i += W) {
-      for (int l = 0; l < W; ++l) {
-        Doubles<W> a = Doubles<W>::at(from(l) + i);
-        if (less(l)) a.v -= Doubles<W>::at(less(l) + i % 3).v;
-        out[i + l] = numbersOf<N>(a);
-      }
-      transpose(out + i);
-    }
-  for (; i < n; ++i)
-    for (int l = 0; l < W; ++l) setLane(out[i], l, N(from(l)[i] - (less(l) ? less(l)[i % 3] : 0)));
-}
-
-/// Positions from the bodies' roots, so that single precision serves far from the world's origin.
-template <class L>
-RAGDOLL_SECTION void load(const FastBody& b, const PackStep& step, const Lane* lanes, L& w) {
-  using R = typename L::R;
-  using N = typename L::N;
-  const int n = 3 * b.tree.particles, root = 3 * b.tree.roots[0].particle;
-  const int limits = static_cast<int>(b.limits.size());
-  w.forced = false;
-  for (int i = 0; i < limits; ++i) w.last_press[i] = R{};
-  for (int l = 0; l < L::W; ++l) {
-    const Lane& lane = lanes[l];
-    for (int c = 0; c < L::W + 3; ++c) w.origin[l][c] = lane.x[root + c % 3];
-    const double share = 0.5 * lane.h * lane.h;
-    setLane(w.h, l, N(lane.h));
-    setLane(w.rate, l, N(1 / lane.h));
-    setLane(w.half, l, N(share));
-    setLane(w.bound, l, N(lane.bounds.particle));
-    setLane(w.opens, l, N(std::min(kRecovery, kRecoveryRate * lane.h)));
-    for (int i = 0; i < (lane.limits_pressed ? limits : 0); ++i)
-      setLane(w.last_press[i], l, N(share * lane.limit_impulse[i]));
-    for (int p = 0; p < step.plane_count; ++p)
-      setLane(w.offset[p], l,
-              N(offsetFrom(w.origin[l], step.planes[p].normal, step.planes[p].offset)));
-    setLane(w.shift.x, l, N(lane.pin[0]));
-    setLane(w.shift.y, l, N(lane.pin[1]));
-    setLane(w.shift.z, l, N(lane.pin[2]));
-    w.forced = w.forced || lane.force;
-  }
-  gatherLanes<L>(
-      n, [&](int l) { return lanes[l].x; }, [&](int l) { return w.origin[l]; }, w.x);
-  gatherLanes<L>(
-      n, [&](int l) { return lanes[l].v; }, [](int) -> const double* { return nullptr; }, w.v);
-  if (!w.forced) return;
-  for (int i = 0; i < n; ++i) {
-    w.force[i] = R{};
-    for (int l = 0; l < L::W; ++l)
-      if (lanes[l].force) setLane(w.force[i], l, N(lanes[l].h * lanes[l].h * lanes[l].force[i]));
-  }
-}
 
 /// What no pin holds and no bound of energy has drawn back has the momentum of the free motion and
 /// of what presses on it, whatever the rounds have left: shifts w.dx as a whole.
@@ -133,24 +75,6 @@ RAGDOLL_SECTION void checkLengths(const FastBody& b, L& w) {
   }
 }
 
-/// Damping, where there is any.
-template <class L>
-RAGDOLL_INLINE void damp(const FastBody& b, const Lane* lanes, L& w) {
-  using R = typename L::R;
-  using N = typename L::N;
-  R keep, keep_inner;
-  bool all = false, inner = false;
-  for (int l = 0; l < L::W; ++l) {
-    setLane(keep, l, N(lanes[l].keep));
-    setLane(keep_inner, l, N(lanes[l].keep_inner));
-    all = all || lanes[l].keep != 1;
-    inner = inner || lanes[l].keep_inner != 1;
-  }
-  if (all)
-    for (int i = 0; i < 3 * b.tree.particles; ++i) w.v[i] = keep * w.v[i];
-  if (inner) dampInside(b, keep_inner, w);
-}
-
 template <class L>
 void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) {
   using R = typename L::R;
@@ -184,183 +108,6 @@ void predict(const FastBody& b, const PackStep& step, Lane* lanes, void* memory)
   for (int l = 0; l < L::W; ++l)
     if (lanes[l].predicted && (step.whole || lanes[l].hard_count > 0))
       for (int i = 0; i < n; ++i) lanes[l].predicted[i] = lanes[l].x[i] + lane(w.dx[i], l);
-}
-
-/// Positions (w.x) and velocities (w.dx, times h), which it uses up, of the bodies that came
-/// through.
-template <class L>
-RAGDOLL_SECTION void store(const FastBody& b, Lane* lanes, L& w) {
-  using R = typename L::R;
-  using N = typename L::N;
-  const int n = 3 * b.tree.particles;
-  R sum[2] = {R{}, R{}};
-  for (int i = 0; i < n; ++i) {
-    sum[0] += w.x[i];
-    sum[1] += w.dx[i];
-  }
-  for (int l = 0; l < L::W; ++l) {
-    Lane& out = lanes[l];
-    out.good = lane(w.off, l) < N(kMostSine2) && std::isfinite(lane(sum[0], l)) &&
-               std::isfinite(lane(sum[1], l));
-  }
-  int i = 0;
-  if constexpr (L::W > 1)
-    for (; i + L::W <= n; i += L::W) {
-      transpose(w.x + i);
-      transpose(w.dx + i);
-      for (int l = 0; l < L::W; ++l) {
-        if (!lanes[l].good) continue;
-        Doubles<L::W> x = doublesOf(w.x[i + l]), v = doublesOf(w.dx[i + l]);
-        x.v += Doubles<L::W>::at(w.origin[l] + i % 3).v;
-        v.v *= 1 / lanes[l].h;
-        x.to((lanes[l].tried() ? lanes[l].tried_x : lanes[l].x1) + i);
-        v.to((lanes[l].tried() ? lanes[l].tried_v : lanes[l].v1) + i);
-      }
-    }
-  for (; i < n; ++i)
-    for (int l = 0; l < L::W; ++l) {
-      const Lane& out = lanes[l];
-      if (!out.good) continue;
-      (out.tried() ? out.tried_x : out.x1)[i] = w.origin[l][i % 3] + lane(w.x[i], l);
-      (out.tried() ? out.tried_v : out.v1)[i] = 1 / out.h * lane(w.dx[i], l);
-    }
-}
-
-/// [kg m] h times the impulse of a row that presses: of the step and of the velocity stage.
-template <class R>
-RAGDOLL_INLINE R pressOf(const ContactRow<R>& row) {
-  return row.rate_press + (row.press - row.impact);
-}
-template <class R>
-RAGDOLL_INLINE R pullOf(const ContactRow<R>& row, int c) {
-  using N = typename tree::NumberOf<R>::Type;
-  return row.rate_pull[c] + (row.press - row.impact) / atLeast(row.press, N(1e-30)) * row.pull[c];
-}
-
-/// Whether friction is less than it could be, as isInsideCone (mechanics/supports.h).
-RAGDOLL_INLINE bool grips(double friction, double press, double first, double second) {
-  const double cone = (1 - 1e-6) * friction * press;
-  return press > 0 && first * first + second * second < cone * cone;
-}
-
-template <class L>
-RAGDOLL_SECTION void storePresses(const FastBody& b, Lane* lanes, const L& w) {
-  using R = typename L::R;
-  for (int l = 0; l < L::W; ++l) {
-    Lane& out = lanes[l];
-    if (!out.good) continue;
-    const double rate2 = 1 / (out.h * out.h);
-    out.impulse_count = 0;
-    for (int i = 0; i < w.contact_count; ++i) {
-      const ContactRow<R>& row = w.contacts[i];
-      if (!(lane(row.press, l) > 0)) continue;
-      const R f[] = {pressOf(row), pullOf(row, 0), pullOf(row, 1)};
-      LaneImpulse& to = out.impulses[out.impulse_count++];
-      to.feature = static_cast<int>(row.feature - b.features.data());
-      to.obstacle = w.obstacle_of[i * L::W + l];
-      to.grips = grips(lane(row.friction, l), lane(f[0], l), lane(f[1], l), lane(f[2], l));
-      for (int c = 0; c < 3; ++c) to.impulse[c] = 0;
-      for (int k = 0; k < 3; ++k) {
-        to.impulse[0] += rate2 * lane(f[k], l) * lane(row.axes[k].x, l);
-        to.impulse[1] += rate2 * lane(f[k], l) * lane(row.axes[k].y, l);
-        to.impulse[2] += rate2 * lane(f[k], l) * lane(row.axes[k].z, l);
-      }
-    }
-    for (std::size_t i = 0; i < b.limits.size(); ++i) out.limit_impulse[i] = 0;
-    for (int i = 0; i < w.limit_count; ++i)
-      out.limit_impulse[w.limits[i].limit - b.limits.data()] =
-          2 * rate2 * lane(w.limits[i].press, l);
-  }
-}
-
-/// Where something is deeper than it may be left.
-template <class L>
-RAGDOLL_INLINE typename L::Mask tooDeep(const L& w) {
-  using R = typename L::R;
-  using N = typename L::N;
-  auto deep = less(R{}, R{});
-  for (int i = 0; i < w.contact_count; ++i) {
-    const ContactRow<R>& row = w.contacts[i];
-    const auto worse =
-        both(less(row.gap + row.allowed, R{} - w.bound), less(row.gap, N(-kWorse) * w.bound));
-    deep = either(deep, both(worse, less(R{}, row.inverse_normal + row.waits)));
-  }
-  return deep;
-}
-
-/// Where something began deeper than packs let it sink, in what rests or is driven: what moves
-/// opens it itself.
-template <class L>
-RAGDOLL_INLINE typename L::Mask beganDeep(const L& w) {
-  using R = typename L::R;
-  using N = typename L::N;
-  auto deep = less(R{}, R{});
-  for (int i = 0; i < w.contact_count; ++i) {
-    const ContactRow<R>& row = w.contacts[i];
-    const double most = row.feature->b < 0 ? kSunkParticle : kSunkStick;
-    const R began = row.start + dot(row.axes[0], row.motion);
-    deep =
-        either(deep, both(less(began, R{} - N(most)), less(R{}, row.inverse_normal + row.waits)));
-  }
-  const auto rests = less(w.square, R{} + N(kRests * kRests));
-  return both(deep, either(rests, less(R{} + N(0.5 * kNoBound), w.recovery)));
-}
-
-/// first <- the share of the step after which something is hit, where it presses, comes faster than
-/// `fast` and is the first. gap: at the step's start; free: where the free motion leads, by a
-/// parabola that closes as `approach` at first.
-template <class L>
-RAGDOLL_INLINE void takeHit(const typename L::R& gap, const typename L::R& free,
-                            const typename L::R& approach, const typename L::R& press,
-                            const typename L::R& fast, const L& w, typename L::R& first) {
-  using R = typename L::R;
-  using N = typename L::N;
-  const R speed = w.rate * (gap - free);
-  const auto comes = both(less(fast, speed), less(R{}, press));
-  if (!any(comes)) return;
-  const R before = atLeast(gap, N(0)), closes = w.h * approach, bends = free - gap + closes;
-  const R root = squareRoot(atLeast(closes * closes - N(4) * bends * before, N(0)));
-  const R after = N(2) * before / atLeast(closes + root, N(1e-30));
-  first = select(both(comes, less(after, first)), after, first);
-}
-
-/// Where something is hit, or reaches its limit, that comes too fast for a step that does not find
-/// when; when the first of it comes goes to the lanes.
-template <class L>
-RAGDOLL_INLINE typename L::Mask findHits(Lane* lanes, const L& w) {
-  using R = typename L::R;
-  using N = typename L::N;
-  R fast, first = R{} + N(1);
-  for (int l = 0; l < L::W; ++l) setLane(fast, l, N(lanes[l].bounds.stopped));
-  for (int i = 0; i < w.contact_count; ++i) {
-    const ContactRow<R>& row = w.contacts[i];
-    takeHit(R(row.start + dot(row.axes[0], row.motion)), row.free, row.approach, row.press, fast, w,
-            first);
-  }
-  for (int i = 0; i < w.limit_count; ++i) {
-    const LimitRow<R>& row = w.limits[i];
-    if (row.limit->compliance == 0)
-      takeHit(row.start, row.free, R(w.rate * (row.start - row.free)), row.press,
-              R(N(kStopReach) * fast), w, first);
-  }
-  for (int l = 0; l < L::W; ++l) lanes[l].hit = lane(first, l);
-  return less(first, R{} + N(1));
-}
-
-/// What the rounds have not brought to its bounds is not for a pack (w.off above its own).
-template <class L>
-RAGDOLL_SECTION void checkBounds(Lane* lanes, L& w) {
-  using R = typename L::R;
-  using N = typename L::N;
-  const auto leaves = either(findHits(lanes, w), either(tooDeep(w), beganDeep(w)));
-  w.off = select(leaves, R{} + N(1), w.off);
-  for (int i = 0; i < w.limit_count; ++i) {
-    const LimitRow<R>& row = w.limits[i];
-    if (row.limit->compliance > 0) continue;
-    const auto deep =
-        both(less(row.value, R{} - N(kMostAngle)), less(R{}, row.inverse + row.waits));
-    w.off = select(deep, R{} + N(1), w.off);
-  }
 }
 
 /// What rows pressed with in the last step.

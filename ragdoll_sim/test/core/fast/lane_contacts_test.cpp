@@ -154,5 +154,50 @@ TEST(LaneContacts, NeverPull) {
   EXPECT_NEAR(moved[0], 0, 1e-18);
 }
 
+/// A point whose slip alone would press it, as its links turn it: in the second lane.
+TEST(LaneContacts, WhatDoesNotPressTakesNoGripWhoeverSharesItsPack) {
+  using Pair = fast::Pack<double, 2>;
+  fast::ContactRow<Pair> row{};
+  fast::Answer<Pair> answer;
+  const Pair one = Pair{} + 1.0;
+  answer.own = answer.first = answer.second = one;
+  answer.couple[0] = 0.5 * one;
+  fast::setAnswer(answer, row);
+  row.inverse_normal = row.inverse_tangent = one;
+  row.friction = 4.0 * one;
+  Pair moved[3] = {Pair{}, Pair{} - 0.01 * one, Pair{}}, change[3];
+  fast::setLane(moved[0], 0, -0.02);
+  fast::setLane(moved[0], 1, 0.001);
+  fast::setLane(moved[1], 1, 0.03);
+  Pair press{}, pull[2]{}, most{};
+  const auto all = fast::less(Pair{}, one);
+  ASSERT_TRUE(fast::solveRow(row, moved, all, Pair{}, press, pull, change, most));
+  EXPECT_GT(fast::lane(press, 0), 0);
+  EXPECT_EQ(fast::lane(press, 1), 0);
+  EXPECT_EQ(fast::lane(pull[0], 1), 0);
+}
+
+/// One sweep stops a point that friction holds, however its answers depend on each other.
+TEST(LaneContacts, AGripStopsItsPointAtOnce) {
+  Row row{};
+  fast::Answer<double> answer;
+  answer.own = 1;
+  answer.first = 2;
+  answer.second = 1.5;
+  answer.mixed = 0.4;
+  answer.couple[0] = -0.9;
+  answer.couple[1] = 0.6;
+  fast::setAnswer(answer, row);
+  row.inverse_normal = 1 / row.answer_normal;
+  row.inverse_tangent = 1 / row.answer_tangent;
+  row.friction = 2;
+  const double moved[3] = {-0.03, 0.01, -0.02};
+  double press = 0, pull[2] = {0, 0}, change[3], most = 0;
+  ASSERT_TRUE(fast::solveRow(row, moved, true, 0.0, press, pull, change, most));
+  EXPECT_NEAR(moved[0] + press - 0.9 * pull[0] + 0.6 * pull[1], 0, 1e-16);
+  EXPECT_NEAR(moved[1] - 0.9 * press + 2 * pull[0] + 0.4 * pull[1], 0, 1e-16);
+  EXPECT_NEAR(moved[2] + 0.6 * press + 0.4 * pull[0] + 1.5 * pull[1], 0, 1e-16);
+}
+
 }  // namespace
 }  // namespace ragdoll

@@ -38,6 +38,16 @@ Scene seeSaw() {
   return scene;
 }
 
+TEST(Parts, KeepOutWhatAnotherEndIsThrownInto) {
+  Scene scene = seeSaw();
+  scene.solver.step = 1.0 / 240;
+  scene.obstacles[0].pose.position.z() = 1.43;
+  scene.obstacles[1].pose.position.z() = 1.35;
+  World world(scene);
+  EXPECT_EQ(world.steps(1).fast_fallbacks, 0);
+  EXPECT_LT(maxPenetration(world.model, world.state), 5e-3);
+}
+
 /// What turns by 1.5 rad in a step, held by a pin.
 Scene whirl() {
   Scene scene = seeSaw();
