@@ -4,6 +4,7 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "core/direct/angular_momentum.h"
 #include "core/direct/begin_step.h"
 #include "core/direct/constants.h"
 #include "core/direct/contact_log.h"
@@ -184,11 +185,15 @@ void StepParts::refine() {
     const SavedMotion& coarse = s_.coarse[body->index];
     body->motion.dx = share * (body->x() - coarse.x);
     if (!satisfySticksAlongNew(*body)) continue;
+    const Vec3 angular = angularMomentumAt(*body, body->x(), body->v());  // of steps, exact
     body->x() += body->motion.dx;
     body->v() += share * (body->v() - coarse.v);
     BodyResponse& response = body->memory->response;
     response.setEnd(body->xData());
     response.projectAtEnd(body->vData());
+    // A spin would change the rates of what an impact at the end has left touching.
+    if (body->touching.contacts.empty() && island_.pairs.touching.contacts.empty())
+      restoreInFlight(*body, angular, 0);
   }
 }
 

@@ -341,6 +341,22 @@ void restoreAngularMomentum(Island& island, double took, Held when) {
                [&](const std::vector<Body*>& bodies) { restoreGroup(island, bodies, took, when); });
 }
 
+Vec3 angularMomentumAt(Body& body, const Eigen::Ref<const Points>& x,
+                       const Eigen::Ref<const Points>& v) {
+  const MassMatrix mass = massOf(body);
+  return angularOf(mass, x, v, driftOf(mass, x, v));
+}
+
+void restoreInFlight(Body& body, const Vec3& before, double took) {
+  if (!body.pinned->pins.empty() || isPoked(body)) return;
+  const MassMatrix mass = massOf(body);
+  const RigidMotion now = driftOf(mass, body.x(), body.v());
+  const double kept = body.damps_within ? std::exp(-body.context->model.solver.damping * took) : 1;
+  const Vec3 spin = spinFor(rotationOf(mass, body.x(), body.v(), now), kept * before);
+  for (int i = 0; i < body.n; ++i)
+    body.v().col(i) += spin.cross(Vec3(body.x().col(i) - now.centre));
+}
+
 void restoreAfterImpact(Island& island, const VelocitySolution& impact, double took) {
   if (!impact.impulses) return;
   const RowValues& p = *impact.impulses;

@@ -38,9 +38,17 @@ inline Vec3 commonTurn(const Vec3& turn, const Contact& own) {
 /// sleepers take part.
 void restoreAngularMomentum(Island& island, double took, Held when = Held::kAfterImpact);
 
-/// After an impact. Bodies that it pressed on each other, and nothing outside on them, whatever held
-/// them until then, get back what its friction took. Energy that it gave (impact_energy.h) is taken
-/// out. took: [s] by the trial, at the most.
+/// [kg m^2/s] Of a body at x that moves by v (3 x n), about its centre of mass.
+Vec3 angularMomentumAt(Body& body, const Eigen::Ref<const Points>& x,
+                       const Eigen::Ref<const Points>& v);
+/// Gives back to a body that flies, as a spin, what a smooth motion over `took` [s] errs of its
+/// angular momentum, which was `before`: a formula's error, of its order. Nothing where a pin or a
+/// poke acts.
+void restoreInFlight(Body& body, const Vec3& before, double took);
+
+/// After an impact. Bodies that it pressed on each other, and nothing outside on them, whatever
+/// held them until then, get back what its friction took. Energy that it gave (impact_energy.h) is
+/// taken out. took: [s] by the trial, at the most.
 void restoreAfterImpact(Island& island, const VelocitySolution& impact, double took);
 
 }  // namespace ragdoll

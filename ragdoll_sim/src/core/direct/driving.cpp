@@ -44,6 +44,11 @@ void startDriving(Body& body) {
   if (step.whole > 0) driveAt(body, body.xData());  // the force is that of the whole step's start
 }
 
+bool isPoked(const Body& body) {
+  const Points* force = body.context->force;
+  return force && !force->middleCols(body.first, body.n).isZero(0);
+}
+
 void driveAt(Body& body, const double* x) {
   if (!body.pushed) return;
   const StepContext& step = *body.context;

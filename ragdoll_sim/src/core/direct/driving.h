@@ -17,6 +17,9 @@ void startDriving(Body& body);
 /// Whether the body is accelerated by more than constant forces within its motion.
 inline bool forcesFollow(const Body& body) { return body.pushed || body.damps_within; }
 
+/// Whether a poke acts on the body, wherever.
+bool isPoked(const Body& body);
+
 /// The forces and accelerations at the pose x (3 x n); nothing where no poke follows the pose.
 void driveAt(Body& body, const double* x);
 

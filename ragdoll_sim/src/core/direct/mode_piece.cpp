@@ -5,6 +5,7 @@
 
 #include "core/direct/dormand_prince.h"
 #include "core/direct/mode_motion.h"
+#include "core/direct/mode_spin.h"
 #include "core/direct/moving_obstacles.h"
 
 namespace ragdoll {
@@ -47,8 +48,11 @@ bool moveInMode(Island& island, double h, ModePoint& end, ModePiece& piece) {
     piece.work += h * kB[i] * point.power;
   }
   sum(kB, kStages, end);
-  return end.x.allFinite() && projectPositions(island, end) &&
-         projectVelocities(island, end, false);
+  if (!end.x.allFinite() || !projectPositions(island, end) ||
+      !projectVelocities(island, end, false))
+    return false;
+  keepSpins(island, mode.start, h, end);
+  return true;
 }
 
 double errorOfPiece(Island& island, double h, const ModePiece& piece) {

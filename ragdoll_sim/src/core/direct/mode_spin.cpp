@@ -1,7 +1,9 @@
 #include "core/direct/mode_spin.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "core/direct/driving.h"
 #include "core/direct/group_motion.h"
 #include "core/direct/mode_constants.h"
 
@@ -168,6 +170,20 @@ void keepSpins(const Island& island, ModePoint& point) {
     if (!lost.isZero(0))
       addSpin(island, group, turnBy(now, lost), now.centre, point.x.data(), point.v.data());
   }
+}
+
+void keepSpins(Island& island, const ModePoint& start, double h, ModePoint& end) {
+  findSpins(island, start.x.data(), start.v.data(), SpinOf::kEach);
+  std::vector<int>& spin_of = island.s.mode.spin_of;
+  for (std::size_t k = 0; k < island.bodies.size(); ++k) {
+    const Body& body = *island.bodies[k];
+    const int group = spin_of[k];
+    if (group < 0) continue;
+    if (isPoked(body)) std::replace(spin_of.begin(), spin_of.end(), group, -1);
+    if (group == static_cast<int>(k) && body.damps_within)
+      island.s.mode.spins[k].rate *= std::exp(-island.context.model.solver.damping * h);
+  }
+  keepSpins(island, end);
 }
 
 void addSpins(const Island& island, const ModeVector& p, const double* x, double* out) {

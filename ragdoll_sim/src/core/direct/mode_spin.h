@@ -32,6 +32,9 @@ void coupleFriction(const Island& island, ModeMatrix& A);
 /// found, before their positions were changed: what shake leaves of gaps is some 1e-6 m.
 void keepSpins(const Island& island, ModePoint& point);
 
+/// The same of what a piece over h [s] from `start` errs of it: nothing of bodies that pokes push.
+void keepSpins(Island& island, const ModePoint& start, double h, ModePoint& end);
+
 /// Adds to motions `out` the spins that go with p, at x.
 void addSpins(const Island& island, const ModeVector& p, const double* x, double* out);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/direct/angular_momentum.h"
 #include "core/direct/candidates.h"
 #include "core/direct/constants.h"
 #include "core/direct/contact_motion.h"
@@ -83,6 +84,7 @@ bool isFree(const Body& body, double h) {
 double take(Body& body, const SmoothEnd& end, double h) {
   body.cache.clear();
   body.given += end.work;
+  const Vec3 angular = angularMomentumAt(body, body.x(), body.v());
   body.x() += body.motion.dx;
   driveAt(body, body.xData());
   body.v() = *end.v;
@@ -90,6 +92,7 @@ double take(Body& body, const SmoothEnd& end, double h) {
   response.setEnd(body.xData());
   response.projectAtEnd(body.vData());
   response.endIsStart();
+  restoreInFlight(body, angular, h);
   if (!body.context->isPart()) return 0;
   return rungeKuttaError(response, body.xData(), body.vData(), driveOf(body), h, body.stages);
 }

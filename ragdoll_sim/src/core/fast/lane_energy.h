@@ -56,40 +56,92 @@ RAGDOLL_INLINE V3<R> spinOf(const SecondMoments<R>& s, const V3<R>& angular) {
                          C * angular.x + E * angular.y + F * angular.z};
 }
 
-/// As joint_damping.h: velocities against those of the rigid motion with the same momenta. w.dx:
-/// used.
+/// How a body turns, by `motion` of its particles at w.x, about its centre of mass; about a pin.
+template <class R>
+struct Turning {
+  V3<R> drift{}, angular{};
+  SecondMoments<R> second;
+};
+
+/// arms: of its particles.
 template <class L>
-RAGDOLL_SECTION void dampInside(const FastBody& b, const typename L::R& keep, L& w) {
+RAGDOLL_INLINE Turning<typename L::R> turningOf(const FastBody& b, const typename L::R* motion,
+                                                const L& w, typename L::R* arms) {
   using R = typename L::R;
   using N = typename L::N;
   const Tree& t = b.tree;
-  const bool pinned = t.roots[0].pinned;
-  V3<R> centre{}, drift{};
-  if (pinned) {
+  V3<R> centre{};
+  Turning<R> turning;
+  if (t.roots[0].pinned) {
     centre = load3(w.x + 3 * t.roots[0].particle);
-    drift = load3(w.v + 3 * t.roots[0].particle);
+    turning.drift = load3(motion + 3 * t.roots[0].particle);
   } else {
     double whole = 0;
     for (int i = 0; i < t.particles; ++i) {
       whole += t.mass[i];
       centre = centre + N(t.mass[i]) * load3(w.x + 3 * i);
-      drift = drift + N(t.mass[i]) * load3(w.v + 3 * i);
+      turning.drift = turning.drift + N(t.mass[i]) * load3(motion + 3 * i);
     }
     centre = N(1 / whole) * centre;
-    drift = N(1 / whole) * drift;
+    turning.drift = N(1 / whole) * turning.drift;
   }
-  for (int i = 0; i < t.particles; ++i) store3(load3(w.x + 3 * i) - centre, w.dx + 3 * i);  // arms
-  V3<R> angular{};
-  SecondMoments<R> second;
+  for (int i = 0; i < t.particles; ++i) store3(load3(w.x + 3 * i) - centre, arms + 3 * i);
   for (int i = 0; i < t.particles; ++i) {
-    const V3<R> r = load3(w.dx + 3 * i), m = tree::momentumOf(t, i, w.dx);
-    angular = angular + cross(m, load3(w.v + 3 * i) - drift);
-    second.add(m, r);
+    const V3<R> r = load3(arms + 3 * i), m = tree::momentumOf(t, i, arms);
+    turning.angular = turning.angular + cross(m, load3(motion + 3 * i) - turning.drift);
+    turning.second.add(m, r);
   }
-  const V3<R> spin = spinOf(second, angular);
-  for (int i = 0; i < t.particles; ++i) {
-    const V3<R> rigid = drift + cross(spin, load3(w.dx + 3 * i));
+  return turning;
+}
+
+/// As joint_damping.h: velocities against those of the rigid motion with the same momenta. w.dx:
+/// used.
+template <class L>
+RAGDOLL_SECTION void dampInside(const FastBody& b, const typename L::R& keep, L& w) {
+  using R = typename L::R;
+  const Turning<R> turning = turningOf(b, w.v, w, w.dx);
+  const V3<R> spin = spinOf(turning.second, turning.angular);
+  for (int i = 0; i < b.tree.particles; ++i) {
+    const V3<R> rigid = turning.drift + cross(spin, load3(w.dx + 3 * i));
     store3(rigid + keep * (load3(w.v + 3 * i) - rigid), w.v + 3 * i);
+  }
+}
+
+/// w.angular, from the momentum of the free motion (w.tree.force), before pokes: gravity turns
+/// nothing about the centre of mass.
+template <class L>
+RAGDOLL_INLINE void setAngular(const FastBody& b, L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  V3<R> centre{};
+  double mass = 0;
+  w.angular = V3<R>{};
+  for (int i = 0; i < b.tree.particles; ++i) {
+    const V3<R> x = load3(w.x + 3 * i);
+    mass += b.tree.mass[i];
+    centre = centre + N(b.tree.mass[i]) * x;
+    w.angular = w.angular + cross(x, load3(w.tree.force + 3 * i));
+  }
+  w.angular = w.angular - cross(N(1 / mass) * centre, w.whole);
+}
+
+/// What nothing outside turns keeps its angular momentum: what the rounds and an end's chord have
+/// left of it comes back as a spin, in the velocities (w.dx, times h) at w.x. outside: 1 in the
+/// lanes that something presses.
+template <class L>
+RAGDOLL_SECTION void keepAngular(const FastBody& b, const typename L::R& outside, L& w) {
+  using R = typename L::R;
+  using N = typename L::N;
+  if (b.tree.roots[0].pinned) return;
+  const auto flies = less(outside + w.poked, R{} + N(0.5));
+  if (!any(flies)) return;
+  const Turning<R> turning = turningOf(b, w.dx, w, w.spare);
+  const V3<R> spin = spinOf(turning.second, w.angular - turning.angular);
+  for (int i = 0; i < 3 * b.tree.particles; i += 3) {
+    const V3<R> at = load3(w.dx + i), turned = at + cross(spin, load3(w.spare + i));
+    store3(V3<R>{select(flies, turned.x, at.x), select(flies, turned.y, at.y),
+                 select(flies, turned.z, at.z)},
+           w.dx + i);
   }
 }
 

@@ -36,9 +36,13 @@ RAGDOLL_SECTION void setGoal(const FastBody& b, const V3<typename L::R>& fall, L
   tree::momentum(b.tree, w.spare, w.tree);
   w.whole = wholeOf<L>(b, w.spare);
   w.before = energyBefore(b, fall, w);
+  setAngular(b, w);
+  w.poked = typename L::R{};
   if (w.forced)
     for (int i = 0; i < 3 * b.tree.particles; i += 3) {
       const V3<typename L::R> poke = load3(w.force + i);
+      w.poked = select(less(typename L::R{}, dot(poke, poke)), typename L::R{} + typename L::N(1),
+                       w.poked);
       store3(load3(w.tree.force + i) + poke, w.tree.force + i);
       w.whole = w.whole + poke;
     }
@@ -247,6 +251,7 @@ void finish(const FastBody& b, const PackStep& step, Lane* lanes, void* memory) 
   const R slack = select(less(R{}, pressed), R{}, R{} + N(freeGain(b)));
   const R kept = energyBound(b, step, lanes, w, 1);
   endVelocities(b, step, w);
+  keepAngular(b, touched, w);
   limitVelocities(b, lanes, w, kept, slack, touched);
   findDeep(b, step, lanes, w);
   store(b, lanes, w);

@@ -105,6 +105,8 @@ struct LaneWork {
   int contact_count = 0, awake_count = 0, limit_count = 0, slots = 0;
   V3<R> shift;              ///< [m] of the pin
   V3<R> whole;              ///< [kg m] h times the momentum of the free motion
+  V3<R> angular;            ///< [kg m^2] h times the angular momentum at the start, damped
+  R poked;                  ///< 1: by a poke
   R off;                    ///< largest squared sine; stretch at the start
   R h, rate, half;          ///< [s], [1/s], [s^2] half of h^2
   R bound;                  ///< [m] that a particle may be left deep

@@ -89,7 +89,12 @@ std::string JointChecks::allowed(int j) const {
   if (joint.type == JointSpec::Type::kHinge) {
     const Vec3 zero = frames_.hingeZero(j), w = frames_.childRest(j);
     const double now = std::atan2(w.dot(joint.axis.cross(zero)), w.dot(zero));
-    return "bent by " + degrees(now) + " where " + span(joint.range) + " are allowed";
+    const std::string bend =
+        "bent by " + degrees(now) + " where " + span(joint.range) + " are allowed";
+    const double least = joint.range.begin - kTolerance, most = joint.range.end + kTolerance;
+    if (now < least || now > most) return bend;
+    return bend + ", but farther out of the hinge's plane than twist_deg (" + degrees(joint.twist) +
+           ") allows";
   }
   if (joint.type == JointSpec::Type::kCone) {
     const Vec3 w = s_.segments[joint.child].group ? joint.axis : frames_.childRest(j);

@@ -5,21 +5,11 @@
 namespace ragdoll {
 namespace {
 
-constexpr double kSingular = 1e-13;  ///< of the inertia's trace
+constexpr double kSingular = 1e-13;   ///< of the inertia's trace
 constexpr double kNoInertia = 1e-10;  ///< of the largest: of what lies in a line, about it
-constexpr double kInLine = 1e-6;     ///< [-] sine below which pins are on one line
+constexpr double kInLine = 1e-6;      ///< [-] sine below which pins are on one line
 constexpr double kAtOne = 1e-6;  ///< of the body's reach: pins nearer than that are at one place
 constexpr double kRigid = 1e-6;  ///< of their speeds: how far pins move as one rigid body
-
-/// The motion of the centre of mass.
-RigidMotion driftOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
-                    const Eigen::Ref<const Points>& v) {
-  const double total = mass.rows.mass.sum();
-  RigidMotion motion;
-  motion.centre = x.lazyProduct(mass.rows.mass) / total;
-  motion.drift = v.lazyProduct(mass.rows.mass) / total;
-  return motion;
-}
 
 /// The spin that two or more pins have, but for that about `axis`, the line through them, which is
 /// free. False: no rigid motion has theirs, none is free, or they are at one place, to which only
@@ -109,6 +99,15 @@ Vec3 exactSpinOf(const Eigen::Matrix3d& inertia, const Vec3& angular) {
       spin += axis.dot(angular) / axes.eigenvalues()[k] * axis;
   }
   return spin;
+}
+
+RigidMotion driftOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+                    const Eigen::Ref<const Points>& v) {
+  const double total = mass.rows.mass.sum();
+  RigidMotion motion;
+  motion.centre = x.lazyProduct(mass.rows.mass) / total;
+  motion.drift = v.lazyProduct(mass.rows.mass) / total;
+  return motion;
 }
 
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,

@@ -35,6 +35,10 @@ struct MassMatrix {
 RigidMotion rigidMotion(const MassMatrix& mass, const std::vector<int>& pins,
                         const Eigen::Ref<const Points>& x, const Eigen::Ref<const Points>& v);
 
+/// The motion of its centre of mass: without a spin.
+RigidMotion driftOf(const MassMatrix& mass, const Eigen::Ref<const Points>& x,
+                    const Eigen::Ref<const Points>& v);
+
 /// How bodies turn about the centre of a motion, beside that motion's drift.
 struct Rotation {
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  ///< [kg m^2]

@@ -63,6 +63,20 @@ TEST(LimitChecks, RefuseARestPoseOutsideItsLimits) {
       << plane;
 }
 
+/// Bent within its range, but sideways.
+TEST(LimitChecks, NameTheTwistOfARestPoseOutOfTheHingesPlane) {
+  SkeletonSpec s = limbs();
+  for (ParticleSpec& p : s.particles)
+    if (p.name == "hand") p.position = {0.06, -0.1, 0};
+  s.joints = {hinge("e", "upper_arm", "forearm", -Vec3::UnitY(), 0, 145)};
+  s.joints[0].twist = rad(20);
+  const std::string fault = faultOf(s);
+  EXPECT_NE(fault.find("deg where 0.0 deg to 145.0 deg are allowed, but farther out of the hinge's "
+                       "plane than twist_deg (20.0 deg) allows"),
+            std::string::npos)
+      << fault;
+}
+
 TEST(LimitChecks, WarnOfARestPoseALittleOutside) {
   SkeletonSpec s = limbs();
   s.joints = {hinge("e", "upper_arm", "forearm", -Vec3::UnitY(), 0.5, 130)};
