@@ -13,7 +13,11 @@ constexpr int kSweeps = 4;                ///< Gauss-Seidel sweeps of each
 constexpr int kRateSweeps = 20;           ///< of the velocities at the end
 constexpr int kSweepsTogether = 16;       ///< of bodies that touch each other: heaps sink with 8
 constexpr double kSettledSpeed = 1.2e-4;  ///< [m/s], [rad/s] sweeps that change less are the last
-constexpr double kSettled = 1e-6;  ///< [rad] linearised solves that leave less, by second order
+/// [rad^2] Linearised solves that leave less of second order are the last. In shorter steps than
+/// kSettledStep [s] by the fourth power of them less: e rad of a step are e / h of a velocity, and
+/// e / h^2 of it after a second, which is to stay of second order.
+constexpr double kSettled = 1e-6;
+constexpr double kSettledStep = 1.0 / 60;
 
 constexpr double kRecovery = 0.2;     ///< of a violation, undone a step; 1 throws bodies up
 constexpr double kRecoveryRate = 48;  ///< [1/s] of it: in short parts no faster

@@ -160,7 +160,7 @@ RAGDOLL_SECTION void endRound(const FastBody& b, L& w) {
     largest(after, w.q[k]);
   }
   setPose(b, w);
-  const auto turns = less(R{} + N(kSettled), (before + after) * change);
+  const auto turns = less(R{} + N(w.settled_turns), (before + after) * change);
   const auto sunk = either(measureContacts(b, w), measureLimits(b, w));
   w.unsolved = both(w.unsolved, either(sunk, either(turns, w.unsettled)));
 }
@@ -187,12 +187,19 @@ RAGDOLL_INLINE void setRecovery(const FastBody& b, const PackStep& step, const L
     if (lanes[l].driven) setLane(w.recovery, l, N(kNoBound));
 }
 
+/// [rad^2] of a step.
+RAGDOLL_INLINE double settledTurns(double h) {
+  const double share = h < kSettledStep ? h / kSettledStep : 1;
+  return kSettled * share * share * share * share;
+}
+
 /// Rows; where the free motion leads.
 template <class L>
 RAGDOLL_INLINE void beginRounds(const FastBody& b, const PackStep& step, Lane* lanes, L& w) {
   using R = typename L::R;
   w.z_next = w.z;
   w.settled = typename L::N(kSettledSpeed) * w.h;
+  w.settled_turns = settledTurns(step.h);
   setRecovery(b, step, lanes, w);
   setContacts(b, step, lanes, w);
   setLimits(b, w);

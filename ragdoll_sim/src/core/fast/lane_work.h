@@ -121,6 +121,7 @@ struct LaneWork {
   R square;                 ///< [m^2/s^2] of the speed that has as much
   R recovery;               ///< [m] by which it can lift the body
   double origin[W][W + 3];  ///< [m] of the pack's coordinates: x, y, z, x, y ...
+  double settled_turns = 0;  ///< [rad^2] turns that leave less of second order are the last
   bool forced = false;
 
   static std::size_t room(const FastBody& b, int planes) {
