@@ -46,7 +46,9 @@ SmoothEnd integrate(Body& body, double h) {
   for (int k = 0; k < s; ++k) m[k] = m[k + s] = 0.5 * m[k];  // per h^2 of x, not of v
   driveAt(body, body.xData());
   body.motion.lambda.setZero(body.rows->width);
-  return {satisfySticks(body), work, &body.v1};
+  const bool ok = satisfySticks(body);
+  if (ok) body.memory->response.polishAlongStart(body.lengths, body.motion.dx);
+  return {ok, work, &body.v1};
 }
 
 /// Whether something touches at either end of the motion, but for what is coming. gap: [m] of a

@@ -57,6 +57,17 @@ bool BodyResponse::alongStart(const StickLengths& lengths, Points& dx, Eigen::Ve
   return false;
 }
 
+void BodyResponse::polishAlongStart(const StickLengths& lengths, Points& dx) {
+  const StickRows& rows = *rows_;
+  kernels::multiplyPoints(dx.data(), rows.BT.data(), rows.n, rows.width, D1_.data());
+  D1_ += Eigen::Map<const PaddedRows>(start_.D(), 3, rows.width);
+  residual_.setZero(rows.width);
+  kernels::lengthResiduals(D1_.data(), lengths.length2, lengths.inverse_length2, rows.width,
+                           residual_.data());
+  start_.solve(rows, residual_.data());
+  start_.move(rows, residual_.data(), 1, dx.data());
+}
+
 void BodyResponse::setFree(const Points& free) {
   free_ = free;
   kernels::multiplyPoints(free_.data(), rows_->BT.data(), rows_->n, rows_->width, pulls_.data());

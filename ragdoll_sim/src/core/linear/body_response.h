@@ -49,6 +49,8 @@ class BodyResponse {
   /// Newton's method along the start's directions until every stick has its length after dx; lambda
   /// (padded) takes the impulses. False: it did not converge, and dx is as it was.
   bool alongStart(const StickLengths& lengths, Points& dx, Eigen::VectorXd& lambda);
+  /// One more solution after that: what lengths are off by, angular velocities are, too.
+  void polishAlongStart(const StickLengths& lengths, Points& dx);
 
   /// The same along the directions at the end, which follows: x (3 x n) + dx.
   template <class X>
