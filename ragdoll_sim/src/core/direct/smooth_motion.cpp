@@ -47,8 +47,8 @@ SmoothEnd integrate(Body& body, double h) {
   driveAt(body, body.xData());
   body.motion.lambda.setZero(body.rows->width);
   const bool ok = satisfySticks(body);
-  // From event to event lengths are kept to 1e-13 m where something presses, and what lies in more
-  // places than hold it is told by less than that: a motion's bits there stay as they are.
+  // From event to event, where each piece has lengths to 1e-13 m, two motions that come to lie in
+  // more places than hold them are handed over with it.
   if (ok && !body.context->events)
     body.memory->response.polishAlongStart(body.lengths, body.motion.dx);
   return {ok, work, &body.v1};

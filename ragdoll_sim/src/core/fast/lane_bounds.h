@@ -6,19 +6,26 @@
 
 namespace ragdoll::fast {
 
+/// The lanes in which deep(row) is so of a contact that a body can press or that waits.
+template <class L, class Deep>
+RAGDOLL_INLINE typename L::Mask anyContact(const L& w, const Deep& deep) {
+  using R = typename L::R;
+  auto found = less(R{}, R{});
+  for (int i = 0; i < w.contact_count; ++i) {
+    const ContactRow<R>& row = w.contacts[i];
+    found = either(found, both(deep(row), less(R{}, row.inverse_normal + row.waits)));
+  }
+  return found;
+}
+
 /// Where something is deeper than it may be left.
 template <class L>
 RAGDOLL_INLINE typename L::Mask tooDeep(const L& w) {
   using R = typename L::R;
   using N = typename L::N;
-  auto deep = less(R{}, R{});
-  for (int i = 0; i < w.contact_count; ++i) {
-    const ContactRow<R>& row = w.contacts[i];
-    const auto worse =
-        both(less(row.gap + row.allowed, R{} - w.bound), less(row.gap, N(-kWorse) * w.bound));
-    deep = either(deep, both(worse, less(R{}, row.inverse_normal + row.waits)));
-  }
-  return deep;
+  return anyContact(w, [&](const ContactRow<R>& row) {
+    return both(less(row.gap + row.allowed, R{} - w.bound), less(row.gap, N(-kWorse) * w.bound));
+  });
 }
 
 /// Where something began deeper than packs let it sink, in what rests or is driven: what moves
@@ -27,14 +34,10 @@ template <class L>
 RAGDOLL_INLINE typename L::Mask beganDeep(const L& w) {
   using R = typename L::R;
   using N = typename L::N;
-  auto deep = less(R{}, R{});
-  for (int i = 0; i < w.contact_count; ++i) {
-    const ContactRow<R>& row = w.contacts[i];
+  const auto deep = anyContact(w, [](const ContactRow<R>& row) {
     const double most = row.feature->b < 0 ? kSunkParticle : kSunkStick;
-    const R began = row.start + dot(row.axes[0], row.motion);
-    deep =
-        either(deep, both(less(began, R{} - N(most)), less(R{}, row.inverse_normal + row.waits)));
-  }
+    return less(row.start + dot(row.axes[0], row.motion), R{} - N(most));
+  });
   const auto rests = less(w.square, R{} + N(kRests * kRests));
   return both(deep, either(rests, less(R{} + N(0.5 * kNoBound), w.recovery)));
 }

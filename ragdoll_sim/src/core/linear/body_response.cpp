@@ -34,15 +34,23 @@ double BodyResponse::startError(const StickLengths& lengths) {
                                       rows_->width, residual_.data());
 }
 
+void BodyResponse::setSticksAfter(const Points& dx) {
+  kernels::multiplyPoints(dx.data(), rows_->BT.data(), rows_->n, rows_->width, D1_.data());
+  D1_ += Eigen::Map<const PaddedRows>(start_.D(), 3, rows_->width);
+  residual_.setZero(rows_->width);
+}
+
+double BodyResponse::findResiduals(const StickLengths& lengths) {
+  return kernels::lengthResiduals(D1_.data(), lengths.length2, lengths.inverse_length2,
+                                  rows_->width, residual_.data());
+}
+
 bool BodyResponse::alongStart(const StickLengths& lengths, Points& dx, Eigen::VectorXd& lambda) {
   const StickRows& rows = *rows_;
-  kernels::multiplyPoints(dx.data(), rows.BT.data(), rows.n, rows.width, D1_.data());
-  D1_ += Eigen::Map<const PaddedRows>(start_.D(), 3, rows.width);
-  residual_.setZero(rows.width);
+  setSticksAfter(dx);
   correction_.setZero(rows.width);
   for (int iteration = 0; iteration < kMaxNewton; ++iteration) {
-    const double worst = kernels::lengthResiduals(
-        D1_.data(), lengths.length2, lengths.inverse_length2, rows.width, residual_.data());
+    const double worst = findResiduals(lengths);
     if (worst < kLengthTolerance) {
       if (iteration == 0) return true;
       lambda += correction_;
@@ -58,14 +66,10 @@ bool BodyResponse::alongStart(const StickLengths& lengths, Points& dx, Eigen::Ve
 }
 
 void BodyResponse::polishAlongStart(const StickLengths& lengths, Points& dx) {
-  const StickRows& rows = *rows_;
-  kernels::multiplyPoints(dx.data(), rows.BT.data(), rows.n, rows.width, D1_.data());
-  D1_ += Eigen::Map<const PaddedRows>(start_.D(), 3, rows.width);
-  residual_.setZero(rows.width);
-  kernels::lengthResiduals(D1_.data(), lengths.length2, lengths.inverse_length2, rows.width,
-                           residual_.data());
-  start_.solve(rows, residual_.data());
-  start_.move(rows, residual_.data(), 1, dx.data());
+  setSticksAfter(dx);
+  findResiduals(lengths);
+  start_.solve(*rows_, residual_.data());
+  start_.move(*rows_, residual_.data(), 1, dx.data());
 }
 
 void BodyResponse::setFree(const Points& free) {

@@ -49,7 +49,8 @@ class BodyResponse {
   /// Newton's method along the start's directions until every stick has its length after dx; lambda
   /// (padded) takes the impulses. False: it did not converge, and dx is as it was.
   bool alongStart(const StickLengths& lengths, Points& dx, Eigen::VectorXd& lambda);
-  /// One more solution after that: what lengths are off by, angular velocities are, too.
+  /// One more solution after that, to rounding: a body with its exact angular momentum turns off by
+  /// as much as its lengths are.
   void polishAlongStart(const StickLengths& lengths, Points& dx);
 
   /// The same along the directions at the end, which follows: x (3 x n) + dx.
@@ -95,6 +96,10 @@ class BodyResponse {
  private:
   static constexpr int kMaxRelaxations = 60;  ///< Newton iterations along new directions
 
+  /// D1_ <- the sticks of the start after dx; residual_ is empty.
+  void setSticksAfter(const Points& dx);
+  /// residual_ <- what is missing to the length of each of D1_; the largest relative error.
+  double findResiduals(const StickLengths& lengths);
   /// residual_ <- what is missing to each stick's length at the end; the largest relative error.
   double endResiduals(const StickLengths& lengths);
 
