@@ -15,7 +15,7 @@ namespace ragdoll::lab {
 namespace {
 
 constexpr int kBisections = 3;   ///< of a factor of two in the step: to within 9 %
-constexpr double kExpected = 2;  ///< times the largest error measured
+constexpr double kExpected = 3;  ///< times the largest error measured
 
 double wrongness(const Target& target, const Measurement& m) {
   if (!m.finite) return INFINITY;
@@ -125,6 +125,11 @@ std::string number(const char* pattern, double value) {
   return text;
 }
 
+/// [m] What is said of any start.
+double promiseOf(const Choice& choice, const Target& target) {
+  return choice.met && target.error > 0 ? target.error : choice.measurement.expected;
+}
+
 /// Of the error that is asked for: how sure the other starts' references are.
 constexpr double kReferenceShareOfError = 0.01;
 constexpr double kAgreementForBudget = 1e-6;  ///< [m] where no error is asked for
@@ -191,7 +196,8 @@ std::string toText(const Choice& choice, const Target& target, const std::string
           lengthText(reference.uncertainty) + "\n";
   if (m.others > 0)
     text += "  # from " + std::to_string(choice.others) + " other starts at most " +
-            lengthText(m.others) + "; below " + lengthText(m.expected) + " is expected from any\n";
+            lengthText(m.others) + "; below " + lengthText(promiseOf(choice, target)) +
+            " is expected from any\n";
   text += "  # cost " + timeText(m.cost) + " of CPU time per simulated second, " +
           number("%.3g", m.ratio) + " of preset thesis\n";
   text += "  # largest stretch " + number("%.2g", m.stretch) + ", penetration " +

@@ -34,9 +34,9 @@ struct Choice {
   Reference reference;
 };
 
-/// By the error to be expected of any start: of other starts and the scene's own twice the largest,
-/// within which 94 of 100 other starts stayed (docs/trade_tables.md); without others the
-/// scene's own. `options` are completed ones.
+/// By the error to be expected of any start: of other starts and the scene's own three times the
+/// largest (docs/trade_tables.md says how many more stay within it); without others the scene's
+/// own. `options` are completed ones.
 Choice tune(const Model& model, const Target& target, const SurveyOptions& options,
             const std::vector<OtherStart>& others, Progress& progress);
 
