@@ -1,6 +1,7 @@
 #include "picture.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -9,6 +10,11 @@
 
 namespace ragdoll::lab {
 namespace {
+
+/// As many as there are families: Okabe and Ito's, and others that stand apart from them.
+constexpr std::array<const char*, 11> kColours = {"#e69f00", "#b05a00", "#f0c060", "#8c6d46",
+                                                  "#0072b2", "#56b4e9", "#cc79a7", "#7f3f98",
+                                                  "#009e73", "#d55e00", "#404040"};
 
 /// Text in gnuplot's single quotes, without its markup.
 std::string quoted(const std::string& text) {
@@ -97,8 +103,8 @@ std::string plotScript(const Survey& survey, const std::string& title, const std
   out << "u = " << survey.reference.uncertainty << "\n";
   out << "plot $front using 1:2 with steps lw 8 lc rgb '#d8d8d8' title 'Pareto front'";
   for (std::size_t i = 0; i < names.size(); ++i)
-    out << ", \\\n  $curve" << i << " using 1:2 with linespoints lw 1.5 pt 7 ps 0.6 lc " << i + 1
-        << " title " << quoted(names[i]) << " noenhanced";
+    out << ", \\\n  $curve" << i << " using 1:2 with linespoints lw 1.5 pt 7 ps 0.6 lc rgb '"
+        << kColours[i % kColours.size()] << "' title " << quoted(names[i]) << " noenhanced";
   if (survey.reference.uncertainty > 0)
     out << ", \\\n  u with lines dt 2 lc rgb '#888888' title 'reference is unsure below'";
   out << ", \\\n  $presets using 1:2 with points pt 5 ps 1 lc rgb 'black' title 'presets'"
