@@ -119,11 +119,6 @@ constexpr int kAffineEvery = 256;  ///< [steps] rigid groups are put back into s
 constexpr double kFilteredDepth = 0.5;
 
 // --- Not tuned: rounding, in single stages.
-/// Of tolerances in short steps: rounding is near. Of a part's error: what touches.
-constexpr double kFinestShare = 1e-4;
-/// Likewise, of what a solution leaves: less than what counts as touching, or what is left decides
-/// what is hit next. As above: a window of fall ends 4e-8 m off at any step above 30 kHz, now 8e-9.
-constexpr double kFinestSolution = 1e-5;
 constexpr double kPartEnd = 1e-12;           ///< of a step: nearer to its ends is there
 constexpr double kAbout = 0.01;              ///< of a substep: less longer or shorter is as long
 constexpr double kPositionRounding = 4e-15;  ///< relative, with some room
