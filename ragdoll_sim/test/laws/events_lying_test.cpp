@@ -74,8 +74,8 @@ TEST(Events, OfABodyThatBeginsToSlideAreTheSameForAnyStep) {
   EXPECT_LT(fallsApart("fall", 0.7), 5e-9);
 }
 
-/// What a solution leaves of shake's gaps is less than what counts as touching at the finest steps,
-/// too; else it decides what is hit next (8e-8 m off, at any rate above 30 kHz).
+/// What a solution of shake leaves open decides what is hit next: a tenth of what counts as
+/// touching was too much in fine steps (8e-8 m off, at any rate above 30 kHz).
 TEST(Events, OfAFallEndWhereShakeDoesInFineSteps) {
   FallByEvents first("fall", 3840);
   first.go(0.7);

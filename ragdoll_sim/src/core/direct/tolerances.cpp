@@ -9,7 +9,7 @@ namespace {
 
 /// Of tolerances in short steps: rounding is near. Of a part's error: what touches.
 constexpr double kFinestShare = 1e-4;
-/// In short steps, of what a solution leaves: less than of what counts as touching, or what is left
+/// In short steps, of what a solution leaves: less than of what counts as touching, as what is left
 /// decides what is hit next. As above: a window of fall is 4e-8 m off at any step above 30 kHz, not
 /// 8e-9. Parts within a tolerance gain nothing by it.
 constexpr double kFinestSolution = 1e-5;
