@@ -22,8 +22,8 @@ constexpr const char* kAboutTune =
     "to paste into the scene, with what was measured as comments.\n"
     "  error   RMS distance of the particles from a converged reference: after 1 s, or, with\n"
     "          something to touch, after 0.1 s, mean over windows that start from the reference;\n"
-    "          of the scene and of other starts (--starts) the largest, times two: what to expect\n"
-    "          of any\n"
+    "          of the scene and of other starts (--starts) the largest, times three: what to\n"
+    "          expect of any\n"
     "  budget  CPU time of the steps of the whole scene per simulated second, on this machine\n"
     "Exit status 1, and what comes closest, where the target cannot be met.\n";
 
