@@ -60,7 +60,7 @@ void readSolverKnob(const std::string& key, const Reader& value, SolverSpec& sol
   } else if (key == "sweeps") {
     solver.sweeps = value.integer(1, kMaxSweeps);
   } else if (key == "tolerance") {
-    const double tolerance = value.notNegative();
+    const double tolerance = value.number();
     checkTolerance(value.where(), tolerance);
     solver.tolerance = tolerance;
   } else if (key == "events") {

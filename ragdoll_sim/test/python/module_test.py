@@ -138,7 +138,7 @@ class WorldTest(unittest.TestCase):
                (lambda: ragdoll.World('fall', solver={'preset': 'quick'}), 'quick.*balanced'),
                (lambda: ragdoll.World('fall', solver={'speed': 3}), 'speed'),
                (lambda: ragdoll.World('fall', solver=3), 'solver: is not a mapping'),
-               (lambda: ragdoll.World('fall', solver={'tolerance': -1e-3}), r'tolerance: is -0\.001; 0 or a positive'),
+               (lambda: ragdoll.World('fall', solver={'tolerance': -1e-3}), r'tolerance is -0\.001; it must be 0'),
                (lambda: ragdoll.World('fall', solver={'tolerance': 1e-13}), 'tolerance is 1e-13; .* 1e-12'),
                (lambda: ragdoll.World('fall', solver={'tolerance': float('inf')}), "tolerance: is 'inf'"),
                (lambda: ragdoll.World(7), 'scene: is a int'),

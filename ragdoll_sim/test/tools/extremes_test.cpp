@@ -155,6 +155,25 @@ TEST(Extremes, WhatIsDrivenGivesNoMoreThanItCan) {
   }
 }
 
+/// Obstacles and pins given step by step: whatever the method.
+TEST(Extremes, RandomDrivenScenesKeepTheirLaws) {
+  const auto expectKept = [](const ExtremeMethod& method, std::uint32_t count) {
+    for (std::uint32_t seed = 1; seed <= count; ++seed) {
+      const Verdict verdict = judge(randomDriven(seed), method);
+      EXPECT_TRUE(verdict.kept()) << method.name << ", " << seed << ": " << textOf(verdict);
+    }
+  };
+  for (const ExtremeMethod& method : extremeMethods())
+    if (method.solver.method != Method::kJakobsen) expectKept(method, 30);
+  ExtremeMethod within{"shake within 1e-3", preset("balanced"), true};
+  within.solver.tolerance = 1e-3;
+  expectKept(within, 10);
+  ExtremeMethod events{"rk from event to event within 1e-3", preset("reference"), false};
+  events.solver.events = true;
+  events.solver.tolerance = 1e-3;
+  expectKept(events, 2);
+}
+
 /// A pin that hardly moves drives nothing: an implicit step lifted the body by 2 cm beside it,
 /// which stood as the pin's work. It rose by 3.6 %.
 TEST(Extremes, WhatHardlyMovesLiftsNothing) {

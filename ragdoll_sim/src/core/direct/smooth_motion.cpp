@@ -78,9 +78,18 @@ bool pressesInMode(const Body& body) {
   return body.context->events && !body.cache.impulses().empty();
 }
 
+/// Whether a limit that touches at the start may press and let go within the motion: from event to
+/// event that is followed.
+bool mayPressUnseen(const Body& body) {
+  const std::vector<LimitRow>& limits = body.constraints.limits;
+  return body.context->events && std::any_of(limits.begin(), limits.end(), [&](const LimitRow& l) {
+           return l.before <= body.context->tolerances.touching_angle;
+         });
+}
+
 /// Whether nothing touches on the way, over h.
 bool isFree(const Body& body, double h) {
-  return !pressesInMode(body) &&
+  return !pressesInMode(body) && !mayPressUnseen(body) &&
          !touchesOnTheWay(body, [](const Contact& c) { return c.gap_start; }) &&
          timeOfTip(body, h) > h;
 }
@@ -102,14 +111,21 @@ double take(Body& body, const SmoothEnd& end, double h) {
   return rungeKuttaError(response, body.xData(), body.vData(), driveOf(body), h, body.stages);
 }
 
+/// Something touches.
+SmoothTrial leaveToLeapfrog() {
+  SmoothTrial trial;
+  trial.is_left = true;
+  return trial;
+}
+
 /// After a motion over h that met something: moves to where that is reached and takes the impact.
 SmoothTrial stopAtImpact(Island& island, double h) {
   Body& body = *island.bodies[0];
   findComing(body, h);
   // What comes has its time by the plane that it reaches: so has what else touches.
-  if (touchesOnTheWay(body, [](const Contact& c) { return c.before; })) return {};
+  if (touchesOnTheWay(body, [](const Contact& c) { return c.before; })) return leaveToLeapfrog();
   const Impact impact = firstImpact(island, h);
-  if (impact.time > h) return {};
+  if (impact.time > h) return leaveToLeapfrog();
   takeImpact(island, impact);
   double until = impact.time;
   SmoothEnd end;
@@ -123,7 +139,7 @@ SmoothTrial stopAtImpact(Island& island, double h) {
     if (i + 1 == kRefinements || std::abs(better - until) < kSnap * h) break;
     until = better;
   }
-  SmoothTrial trial{std::max(until, kSnap * h)};
+  SmoothTrial trial{std::max(until, 0.0)};
   if (until > 0)
     trial.error = take(body, end, until);
   else
@@ -164,8 +180,9 @@ SmoothTrial moveTogether(Island& island, double h) {
     body->motion.dx = h * body->v();
     findCandidates(*body, h);
   }
-  SmoothTrial trial{h, true, true};
-  return moveThroughEvents(island, h, trial.contacts, trial.error) ? trial : SmoothTrial();
+  SmoothTrial trial{h};
+  trial.exact = moveThroughEvents(island, h, trial.contacts, trial.error);
+  return trial.exact ? trial : leaveToLeapfrog();
 }
 
 bool moveFreely(Island& island, double h, double& error) {

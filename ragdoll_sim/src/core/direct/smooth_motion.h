@@ -7,14 +7,14 @@ namespace ragdoll {
 
 /// Moves a lone body by Dormand-Prince 5 over h: while nothing touches, else from event to event
 /// (mode_events.h), and where that is not possible to the first impact, which it takes.
-/// Returns the time that took; 0: something touches, and the leapfrog has to do it. False in ok: no
-/// motion was found.
+/// False in ok: no motion was found.
 struct SmoothTrial {
-  double took = 0;
+  double took = 0;  ///< [s]; 0 of an impact at the start
   bool ok = true;
-  bool exact = false;  ///< through events
-  int contacts = 0;    ///< that press
-  double error = 0;    ///< [m] in a part of a step
+  bool is_left = false;  ///< something touches, and the leapfrog has to do it
+  bool exact = false;    ///< through events
+  int contacts = 0;      ///< that press
+  double error = 0;      ///< [m] in a part of a step
 };
 SmoothTrial moveSmoothly(Island& island, double h);
 

@@ -50,10 +50,10 @@ bool cutShort(Island& island, double time, double h, Trial& trial) {
 /// leave it open: what else is hit then would not count it as touching.
 Trial moveToImpact(Island& island, const Impact& impact, double h) {
   takeImpact(island, impact);
-  Trial trial{std::max(impact.time, kSnap * h)};
+  Trial trial{impact.time};
   if (!(impact.time > 0)) {
     placeAtStart(island);
-    dampWithin(island, trial.took - 0.5 * h);
+    dampWithin(island, -0.5 * h);
     restoreAfterImpact(island, bounce(island), h);
     return trial;
   }
@@ -66,7 +66,7 @@ Trial moveToImpact(Island& island, const Impact& impact, double h) {
     trial.ok = cutShort(island, time, h, trial);
   }
   if (!trial.ok) return trial;
-  trial.took = std::max(time, kSnap * h);
+  trial.took = time;
   const VelocitySolution solution =
       finishMotion(island, time, true, Stage::kImpact, trial.took - 0.5 * h);
   trial.defect = solution.defect;
@@ -159,13 +159,15 @@ bool stepEachAlone(Island& island, double h, StepReport& report) {
 
 Trial takeExplicitTrial(Island& island, double h) {
   Trial trial;
+  bool leapfrogs = true;
   const SolverSpec& solver = island.context.model.solver;
   if (solver.method == Method::kRk && (island.isLone() || island.context.events)) {
     const SmoothTrial smooth = island.isLone() ? moveSmoothly(island, h) : moveTogether(island, h);
     trial = {smooth.took, smooth.ok, smooth.contacts, smooth.exact};
     trial.defect = smooth.error / kOfDefect;
+    leapfrogs = smooth.is_left;
   }
-  if (trial.ok && trial.took == 0) {
+  if (leapfrogs) {
     trial = leapfrog(island, h);
     trial.handed_over = island.context.events;
   }
