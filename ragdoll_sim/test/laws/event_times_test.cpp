@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ostream>
 #include <vector>
 
 #include "ragdoll_sim/io/scene_yaml.h"
@@ -23,9 +24,30 @@ Scene fallAt(double rate) {
   return scene;
 }
 
+/// What presses: contacts that stick and that slip, and joint limits.
+struct Mode {
+  int sticking = 0, slipping = 0, limits = 0;
+};
+bool operator==(const Mode& a, const Mode& b) {
+  return a.sticking == b.sticking && a.slipping == b.slipping && a.limits == b.limits;
+}
+void PrintTo(const Mode& mode, std::ostream* out) {
+  *out << mode.sticking << " stick, " << mode.slipping << " slip, " << mode.limits << " limits";
+}
+
+Mode modeOf(const Model& model, const State& state) {
+  Mode mode;
+  for (const CachedImpulse& c : state.impulses) {
+    const double friction = c.impulse.head<2>().norm();
+    const double most = c.obstacle < 0 ? 0 : model.obstacles[c.obstacle].friction * c.impulse.z();
+    (c.a < 0 ? mode.limits : friction < (1 - 1e-9) * most ? mode.sticking : mode.slipping)++;
+  }
+  return mode;
+}
+
 struct Change {
-  double time;      ///< [s]
-  int before, now;  ///< contacts that press
+  double time;  ///< [s]
+  Mode before, now;
 };
 
 class Changes {
@@ -37,36 +59,37 @@ class Changes {
     from_ = start;
     from_.multipliers.clear();
     std::vector<Change> found;
-    int before = contactsAt(0.001 * kEventLook);
+    Mode before = modeAt(0.001 * kEventLook);
     for (double end = start.time + kWindow; from_.time < end - 0.5 * kEventLook;) {
       double last = 0;
       for (double t = kEventLook; t < step_ + 0.5 * kEventLook; t += kEventLook) {
-        const int now = contactsAt(t);
-        if (now != before) found.push_back({from_.time + firstOther(last, t, before), before, now});
+        const Mode now = modeAt(t);
+        if (!(now == before))
+          found.push_back({from_.time + firstOther(last, t, before), before, now});
         before = now;
         last = t;
       }
-      contactsAt(step_);
+      modeAt(step_);
       from_ = probe_.state;
     }
     return found;
   }
 
  private:
-  /// How many press that time after the step's start.
-  int contactsAt(double time) {
+  /// That time after the step's start.
+  Mode modeAt(double time) {
     probe_.state = from_;
     probe_.model.solver.step = time;
     const StepReport report = probe_.steps(1);
     EXPECT_EQ(report.handed_over, 0) << from_.time;
-    return report.contacts;
+    return modeOf(probe_.model, probe_.state);
   }
 
   /// [s] Between two, where it is no longer `before`.
-  double firstOther(double lo, double hi, int before) {
+  double firstOther(double lo, double hi, const Mode& before) {
     while (hi - lo > 1e-11) {
       const double middle = 0.5 * (lo + hi);
-      (contactsAt(middle) == before ? lo : hi) = middle;
+      (modeAt(middle) == before ? lo : hi) = middle;
     }
     return hi;
   }
