@@ -25,29 +25,29 @@ Scene fallAt(double rate) {
 }
 
 /// What presses: contacts that stick and that slip, and joint limits.
-struct Mode {
+struct Pressing {
   int sticking = 0, slipping = 0, limits = 0;
 };
-bool operator==(const Mode& a, const Mode& b) {
+bool operator==(const Pressing& a, const Pressing& b) {
   return a.sticking == b.sticking && a.slipping == b.slipping && a.limits == b.limits;
 }
-void PrintTo(const Mode& mode, std::ostream* out) {
-  *out << mode.sticking << " stick, " << mode.slipping << " slip, " << mode.limits << " limits";
+void PrintTo(const Pressing& all, std::ostream* out) {
+  *out << all.sticking << " stick, " << all.slipping << " slip, " << all.limits << " limits";
 }
 
-Mode modeOf(const Model& model, const State& state) {
-  Mode mode;
+Pressing pressingOf(const Model& model, const State& state) {
+  Pressing all;
   for (const CachedImpulse& c : state.impulses) {
     const double friction = c.impulse.head<2>().norm();
     const double most = c.obstacle < 0 ? 0 : model.obstacles[c.obstacle].friction * c.impulse.z();
-    (c.a < 0 ? mode.limits : friction < (1 - 1e-9) * most ? mode.sticking : mode.slipping)++;
+    (c.a < 0 ? all.limits : friction < (1 - 1e-9) * most ? all.sticking : all.slipping)++;
   }
-  return mode;
+  return all;
 }
 
 struct Change {
   double time;  ///< [s]
-  Mode before, now;
+  Pressing before, now;
 };
 
 class Changes {
@@ -59,17 +59,17 @@ class Changes {
     from_ = start;
     from_.multipliers.clear();
     std::vector<Change> found;
-    Mode before = modeAt(0.001 * kEventLook);
+    Pressing before = pressingAt(0.001 * kEventLook);
     for (double end = start.time + kWindow; from_.time < end - 0.5 * kEventLook;) {
       double last = 0;
       for (double t = kEventLook; t < step_ + 0.5 * kEventLook; t += kEventLook) {
-        const Mode now = modeAt(t);
+        const Pressing now = pressingAt(t);
         if (!(now == before))
           found.push_back({from_.time + firstOther(last, t, before), before, now});
         before = now;
         last = t;
       }
-      modeAt(step_);
+      pressingAt(step_);
       from_ = probe_.state;
     }
     return found;
@@ -77,19 +77,19 @@ class Changes {
 
  private:
   /// That time after the step's start.
-  Mode modeAt(double time) {
+  Pressing pressingAt(double time) {
     probe_.state = from_;
     probe_.model.solver.step = time;
     const StepReport report = probe_.steps(1);
     EXPECT_EQ(report.handed_over, 0) << from_.time;
-    return modeOf(probe_.model, probe_.state);
+    return pressingOf(probe_.model, probe_.state);
   }
 
   /// [s] Between two, where it is no longer `before`.
-  double firstOther(double lo, double hi, const Mode& before) {
+  double firstOther(double lo, double hi, const Pressing& before) {
     while (hi - lo > 1e-11) {
       const double middle = 0.5 * (lo + hi);
-      (modeAt(middle) == before ? lo : hi) = middle;
+      (pressingAt(middle) == before ? lo : hi) = middle;
     }
     return hi;
   }
